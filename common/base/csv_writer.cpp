@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/csv_writer.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/base/error.hpp"
+
+namespace gabion {
+
+namespace {
+std::string cell_text(const CsvValue& value) {
+  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+}
+}  // namespace
+
+CsvWriter::CsvWriter(const std::string& path, const std::vector<std::string>& columns)
+    : path_(path), num_columns_(columns.size()), out_(path) {
+  require(out_.good(), fmt::format("{}: cannot be created", path));
+  write_line(fmt::format("{}\n", fmt::join(columns, ",")));
+}
+
+void CsvWriter::row(const std::vector<CsvValue>& values) {
+  require(values.size() == num_columns_,
+          fmt::format("{}: row of {} cells, table has {} columns", path_, values.size(),
+                      num_columns_));
+  std::vector<std::string> cells;
+  for (const auto& value : values) cells.push_back(cell_text(value));
+  write_line(fmt::format("{}\n", fmt::join(cells, ",")));
+}
+
+void CsvWriter::write_line(const std::string& line) {
+  out_ << line;
+  out_.flush();
+  require(out_.good(), fmt::format("{}: row could not be written (disk full?)", path_));
+}
+
+}  // namespace gabion

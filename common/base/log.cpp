@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/log.hpp"
+
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "common/base/error.hpp"
+
+namespace gabion::log {
+
+namespace {
+
+spdlog::logger& logger() {
+  static spdlog::logger instance("gabion", std::make_shared<spdlog::sinks::stderr_color_sink_st>());
+  return instance;
+}
+
+spdlog::level::level_enum to_spdlog(Level level) {
+  switch (level) {
+    case Level::debug: return spdlog::level::debug;
+    case Level::info: return spdlog::level::info;
+    case Level::warn: return spdlog::level::warn;
+    case Level::error: return spdlog::level::err;
+  }
+  return spdlog::level::err;
+}
+
+std::string pattern = "[program] %^%v%$";
+
+}  // namespace
+
+void start(std::string_view prefix, Level lowest, bool speaks) {
+  pattern = fmt::format("[{}] %^%v%$", prefix);
+  logger().set_pattern(pattern);
+  logger().set_level(speaks ? to_spdlog(lowest) : spdlog::level::err);
+  logger().flush_on(spdlog::level::debug);
+}
+
+void also_to_file(const std::string& path) {
+  auto sink = std::make_shared<spdlog::sinks::basic_file_sink_st>(path, /*truncate=*/true);
+  sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l " + pattern);
+  logger().sinks().push_back(std::move(sink));
+}
+
+Level level_from_name(std::string_view name) {
+  if (name == "debug") return Level::debug;
+  if (name == "info") return Level::info;
+  if (name == "warn") return Level::warn;
+  if (name == "error") return Level::error;
+  throw ConfigError(
+      fmt::format("log level: found \"{}\", allowed: debug, info, warn, error", name));
+}
+
+void write(Level level, std::string_view text) {
+  const char* mark = level == Level::error ? "error: " : level == Level::warn ? "warning: " : "";
+  logger().log(to_spdlog(level), "{}{}", mark, text);
+}
+
+}  // namespace gabion::log

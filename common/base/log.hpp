@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace gabion::log {
+
+enum class Level { debug, info, warn, error };
+
+/// Set the prefix of every line (such as "mpm"), the lowest level shown, and whether this rank
+/// speaks at all. Errors are shown on every rank.
+void start(std::string_view prefix, Level lowest, bool speaks);
+
+/// Also append every line to this file (flushed per line).
+void also_to_file(const std::string& path);
+
+/// Level from its name; throws ConfigError that lists the allowed names.
+Level level_from_name(std::string_view name);
+
+void write(Level level, std::string_view text);
+
+template <class... Args>
+void debug(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::debug, fmt::format(text, std::forward<Args>(args)...));
+}
+template <class... Args>
+void info(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::info, fmt::format(text, std::forward<Args>(args)...));
+}
+template <class... Args>
+void warn(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::warn, fmt::format(text, std::forward<Args>(args)...));
+}
+template <class... Args>
+void error(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::error, fmt::format(text, std::forward<Args>(args)...));
+}
+
+}  // namespace gabion::log

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/mpi_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "common/base/error.hpp"
+
+namespace gabion {
+
+namespace {
+constexpr int name_length = 32;
+}
+
+MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
+  MPI_Init(&argc, &argv);
+  int world_size = 1;
+  int world_rank = 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &world_size);
+  MPI_Comm_rank(MPI_COMM_WORLD, &world_rank);
+
+  std::array<char, name_length> own{};
+  std::copy_n(program.begin(), std::min<std::size_t>(program.size(), name_length - 1), own.begin());
+  std::vector<char> all(static_cast<std::size_t>(world_size) * name_length);
+  MPI_Allgather(own.data(), name_length, MPI_CHAR, all.data(), name_length, MPI_CHAR,
+                MPI_COMM_WORLD);
+  for (int r = 0; r < world_size; ++r) programs_.emplace_back(all.data() + r * name_length);
+
+  const auto color = std::find(programs_.begin(), programs_.end(), program) - programs_.begin();
+  MPI_Comm_split(MPI_COMM_WORLD, static_cast<int>(color), world_rank, &comm_);
+  MPI_Comm_rank(comm_, &rank_);
+  MPI_Comm_size(comm_, &size_);
+}
+
+MpiSession::~MpiSession() {
+  MPI_Comm_free(&comm_);
+  MPI_Finalize();
+}
+
+bool MpiSession::launched_with(const std::string& program) const {
+  return std::find(programs_.begin(), programs_.end(), program) != programs_.end();
+}
+
+std::string MpiSession::share(const std::string& program, const std::string& text) const {
+  const auto found = std::find(programs_.begin(), programs_.end(), program);
+  require(found != programs_.end(), "the launch has no program \"" + program + "\"");
+  const int root = static_cast<int>(found - programs_.begin());
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, root, MPI_COMM_WORLD);
+  std::string result = text;
+  result.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(result.data(), length, MPI_CHAR, root, MPI_COMM_WORLD);
+  return result;
+}
+
+void MpiSession::abort(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::_Exit(exit_code);
+}
+
+}  // namespace gabion

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+
+namespace gabion {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::vector<std::string> file_names = {"coupler.json", "mpm.json", "fem.json"};
+
+Json read_json(const std::string& path) {
+  std::ifstream in(path);
+  require<ConfigError>(in.good(), fmt::format("{}: cannot be opened", path));
+  try {
+    return Json::parse(in, nullptr, true, /*ignore_comments=*/true);
+  } catch (const Json::parse_error& error) {
+    throw ConfigError(fmt::format("{}: not valid JSON: {}", path, error.what()));
+  }
+}
+
+}  // namespace
+
+Scene::Scene(const std::string& folder, const std::vector<std::string>& overrides)
+    : folder_(folder) {
+  require<ConfigError>(fs::is_directory(folder), fmt::format("{}: no such scene folder", folder));
+  for (const auto& name : file_names) {
+    const std::string file = path(name);
+    if (fs::exists(file)) files_[name] = read_json(file);
+  }
+  require<ConfigError>(!files_.empty(),
+                       fmt::format("{}: holds none of coupler.json, mpm.json, fem.json", folder));
+  for (const auto& text : overrides) {
+    const auto colon = text.find(':');
+    const auto equal = text.find('=', colon == std::string::npos ? 0 : colon);
+    require<ConfigError>(
+        colon != std::string::npos && equal != std::string::npos && text[colon + 1] == '/',
+        fmt::format("--set {}: allowed: FILE:/json/pointer=VALUE", text));
+    const std::string file = text.substr(0, colon);
+    if (!has(file)) {
+      std::vector<std::string> present;
+      for (const auto& item : files_.items()) present.push_back(item.key());
+      throw ConfigError(fmt::format("--set {}: the scene {} has no file \"{}\"; did you mean \"{}\"?",
+                                    text, folder, file, nearest_word(file, present)));
+    }
+    const std::string value_text = text.substr(equal + 1);
+    Json value = Json::parse(value_text, nullptr, /*allow_exceptions=*/false);
+    if (value.is_discarded()) value = value_text;
+    try {
+      files_[file][Json::json_pointer(text.substr(colon + 1, equal - colon - 1))] = value;
+    } catch (const Json::exception& error) {
+      throw ConfigError(fmt::format("--set {}: {}", text, error.what()));
+    }
+  }
+}
+
+std::string Scene::name() const {
+  fs::path path = fs::path(folder_).lexically_normal();
+  if (path.filename().empty()) path = path.parent_path();
+  return path.filename().string();
+}
+
+std::string Scene::path(const std::string& relative) const {
+  return (fs::path(folder_) / relative).string();
+}
+
+ConfigReader Scene::reader(const std::string& file) const {
+  require<ConfigError>(has(file), fmt::format("{}: missing", path(file)));
+  return ConfigReader(files_.at(file), path(file));
+}
+
+std::string Scene::hash() const {
+  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
+  for (const unsigned char byte : files_.dump()) hash = (hash ^ byte) * 1099511628211ull;
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace gabion

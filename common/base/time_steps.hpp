@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/config_reader.hpp"
+
+namespace gabion {
+
+/// The "time" object of coupler.json (or of a solver's own file when it runs alone).
+struct TimeSettings {
+  double end = 0;     ///< [s] > 0
+  double dt = 0;      ///< [s] > 0, first and largest step
+  double dt_min = 0;  ///< [s], 0 < dt_min <= dt; a step that needs less ends the run with an error
+};
+TimeSettings read_time_settings(ConfigReader in);
+
+/// Step sizes dt / 2^level. Time is counted in whole multiples of dt / 2^max_level, so equal
+/// schedules give equal bits and a run that was cut comes back onto the original raster.
+class TimeSteps {
+ public:
+  explicit TimeSteps(const TimeSettings& settings);
+
+  bool finished() const;
+  std::int64_t step() const { return step_; }  ///< number of the step under way, from 1
+  double time() const;                         ///< [s] of the accepted state
+  double dt() const;                           ///< [s] of the step under way; the last one ends at `end`
+  /// The step was accepted. After 4 accepted steps dt doubles again where the raster allows it.
+  /// @param proposed_dt  [s] upper bound from the solvers; 0 = none
+  void accept(double proposed_dt = 0);
+  /// The step is to be repeated with dt/2.
+  /// @throws ConvergenceError  dt_min reached; the message carries `reason`
+  void cut(const std::string& reason);
+  int cuts() const { return cuts_; }
+
+ private:
+  TimeSettings settings_;
+  int max_level_ = 0;
+  int level_ = 0;
+  int accepted_at_level_ = 0;
+  int cuts_ = 0;
+  std::int64_t step_ = 1;
+  std::int64_t ticks_ = 0;  // accepted time in units of dt / 2^max_level
+};
+
+}  // namespace gabion

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/config_reader.hpp"
+#include "common/base/scene.hpp"
+#include "common/mechanics/elements/cell_type.hpp"
+#include "common/mechanics/tensor.hpp"
+
+namespace gabion {
+
+/// An unstructured mesh of one cell type with named groups of facets and cells.
+template <int dim>
+struct Mesh {
+  CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
+  std::vector<Vector<dim>> nodes;    ///< [m]
+  std::vector<std::int32_t> cells;   ///< num_cells x num_nodes(cell_type), positive volume
+  /// Boundary facets by name, num_facets x num_nodes(facet_type(cell_type)); each is ordered so
+  /// that its normal points out of the cell it belongs to (2D: the cell lies to the left of the
+  /// segment's direction, so the outward normal is the direction turned clockwise).
+  std::map<std::string, std::vector<std::int32_t>> facet_groups;
+  std::map<std::string, std::vector<std::int32_t>> cell_groups;
+
+  int nodes_per_cell() const { return num_nodes(cell_type); }
+  std::int32_t num_cells() const {
+    return static_cast<std::int32_t>(cells.size()) / nodes_per_cell();
+  }
+  std::int32_t num_nodes_total() const { return static_cast<std::int32_t>(nodes.size()); }
+  std::span<const std::int32_t> cell(std::int32_t c) const {
+    return {cells.data() + static_cast<std::size_t>(c) * nodes_per_cell(),
+            static_cast<std::size_t>(nodes_per_cell())};
+  }
+
+  /// Facets of a group. @throws ConfigError naming the groups that exist; `where` says who asks.
+  const std::vector<std::int32_t>& facets(const std::string& group, const std::string& where) const;
+  /// Nodes of a facet group, sorted, each once.
+  std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const;
+};
+
+/// Axis-aligned box of equal cells. Sides are the facet groups left, right, bottom, top (3D also
+/// front, back: y is up in 2D, z is up in 3D; left/right = x, front/back = y in 3D).
+/// tri3: each rectangle is cut along one diagonal, `alternate` flips it like a chess board.
+template <int dim>
+Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
+                   const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
+                   bool alternate = false);
+
+/// Gmsh file, format 4.1, ASCII or binary. Physical groups of dimension dim-1 become facet groups,
+/// of dimension dim cell groups. One cell type per mesh.
+/// @throws ConfigError  file and line or section, what was found
+template <int dim>
+Mesh<dim> read_gmsh(const std::string& path);
+
+/// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
+template <int dim>
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
+
+}  // namespace gabion

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mechanics/elements/cell_type.hpp"
+
+namespace gabion {
+
+/// Values on the points or cells of one frame.
+struct OutputField {
+  std::string name;
+  int components = 1;  ///< 1 scalar, 2 or 3 vector (2 is padded to 3 by readers), 4/6 symmetric tensor
+  std::span<const double> values;
+  bool on_cells = false;
+};
+
+/// A time series that ParaView opens: one HDF5 file a frame (written under another name, then
+/// renamed, so that a killed run never leaves a broken frame) and one .xdmf file that lists them.
+class XdmfSeries {
+ public:
+  /// Creates `folder` when missing. Files are folder/name_000000.h5 ... and folder/name.xdmf.
+  XdmfSeries(std::string folder, std::string name);
+
+  /// @param coordinates   num_points x dim
+  /// @param connectivity  num_cells x num_nodes(type); empty for CellType::point1 (each point a cell)
+  /// @throws Error  disk full, folder gone
+  void write(double time, int dim, std::span<const double> coordinates, CellType type,
+             std::span<const std::int32_t> connectivity, const std::vector<OutputField>& fields);
+
+  int num_frames() const { return static_cast<int>(times_.size()); }
+
+ private:
+  void write_index() const;
+  std::string folder_;
+  std::string name_;
+  std::vector<double> times_;
+  std::vector<std::string> grids_;  // XML of each frame
+};
+
+}  // namespace gabion

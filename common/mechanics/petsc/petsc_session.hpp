@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+namespace gabion {
+
+/// Starts PETSc on this program's communicator, without PETSc's signal handlers; ends it on destruction.
+class PetscSession {
+ public:
+  explicit PetscSession(MPI_Comm comm);
+  ~PetscSession();
+  PetscSession(const PetscSession&) = delete;
+  PetscSession& operator=(const PetscSession&) = delete;
+  PetscSession(PetscSession&&) = delete;
+  PetscSession& operator=(PetscSession&&) = delete;
+};
+
+/// Throws Error with PETSc's text unless code is 0.
+void check_petsc(int code, const char* call);
+
+}  // namespace gabion
