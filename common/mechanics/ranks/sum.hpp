@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <span>
+
+#include "common/mechanics/tensor.hpp"
+
+namespace gabion {
+
+inline int num_ranks(MPI_Comm comm) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  return size;
+}
+
+inline int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+/// Replace each value by its sum over the ranks. Collective; costs nothing on one rank.
+inline void sum_over_ranks(MPI_Comm comm, std::span<double> values) {
+  if (num_ranks(comm) == 1) return;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
+                comm);
+}
+
+inline void sum_over_ranks(MPI_Comm comm, std::span<std::int32_t> values) {
+  if (num_ranks(comm) == 1) return;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT32_T, MPI_SUM,
+                comm);
+}
+
+template <int dim>
+void sum_over_ranks(MPI_Comm comm, std::span<Vector<dim>> values) {
+  if (values.empty()) return;
+  sum_over_ranks(comm, std::span<double>(values.front().data(), values.size() * dim));
+}
+
+/// Largest value over the ranks. Collective.
+inline double max_over_ranks(MPI_Comm comm, double value) {
+  if (num_ranks(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return value;
+}
+
+}  // namespace gabion

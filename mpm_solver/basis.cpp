@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/basis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/elements/shape_functions.hpp"
+
+namespace gabion {
+
+template <int dim>
+double mean_cell_size(const Mesh<dim>& mesh) {
+  double sum = 0;
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+    const auto nodes = mesh.cell(c);
+    double shortest = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        shortest = std::min(shortest, (mesh.nodes[nodes[i]] - mesh.nodes[nodes[j]]).norm());
+      }
+    }
+    sum += shortest;
+  }
+  return sum / mesh.num_cells();
+}
+
+template <int dim>
+void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    points.cell[p] = grid.locator.locate(points.x[p], points.cell[p]);
+    if (points.cell[p] >= 0) continue;
+    std::string position;
+    for (int d = 0; d < dim; ++d) position += fmt::format("{}{}", d ? ", " : "", points.x[p][d]);
+    throw Error(fmt::format("material point {} at ({}) lies outside the background grid; make the "
+                            "grid larger or close its sides with walls",
+                            points.id[p], position));
+  }
+}
+
+namespace {
+
+// Sort the points of each body by cell (counting sort, stable) and list the groups.
+template <int dim>
+void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
+                  PointWeights<dim>& weights) {
+  weights.point.resize(points.size());
+  weights.groups.clear();
+  weights.body_groups.assign(1, 0);
+  static thread_local std::vector<std::int32_t> starts;
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    starts.assign(num_cells + 1, 0);
+    const std::int32_t begin = points.body_starts[b];
+    const std::int32_t end = points.body_starts[b + 1];
+    for (std::int32_t p = begin; p < end; ++p) ++starts[points.cell[p] + 1];
+    std::partial_sum(starts.begin(), starts.end(), starts.begin());
+    for (std::int32_t c = 0; c < num_cells; ++c) {
+      if (starts[c] == starts[c + 1]) continue;
+      weights.groups.push_back({c, b, begin + starts[c], begin + starts[c + 1]});
+    }
+    for (std::int32_t p = begin; p < end; ++p) {
+      weights.point[begin + starts[points.cell[p]]++] = p;
+    }
+    weights.body_groups.push_back(static_cast<std::int32_t>(weights.groups.size()));
+  }
+}
+
+}  // namespace
+
+template <int dim>
+void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
+                    PointWeights<dim>& weights) {
+  const Mesh<dim>& mesh = grid.mesh;
+  const int n = mesh.nodes_per_cell();
+  weights.nodes_per_cell = n;
+  weights.constant_gradient =
+      mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
+  sort_by_cell(mesh.num_cells(), points, weights);
+  weights.N.resize(static_cast<std::size_t>(points.size()) * n);
+  weights.grad_N.resize(weights.N.size());
+
+  Vector<dim> corners[max_cell_nodes];
+  ShapeValues<dim> shape;
+  for (const CellGroup& group : weights.groups) {
+    const auto nodes = mesh.cell(group.cell);
+    for (int i = 0; i < n; ++i) corners[i] = mesh.nodes[nodes[i]];
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const Vector<dim> xi =
+          grid.locator.local_coordinates(group.cell, points.x[weights.point[e]]);
+      shape_functions<dim>(mesh.cell_type, xi, shape);
+      const std::size_t row = static_cast<std::size_t>(e) * n;
+      std::copy_n(shape.N, n, weights.N.begin() + row);
+      if (e == group.first || !weights.constant_gradient) {
+        map_gradients<dim>(mesh.cell_type, corners, shape);
+        std::copy_n(shape.dN, n, weights.grad_N.begin() + row);
+      }
+    }
+  }
+}
+
+template double mean_cell_size<2>(const Mesh<2>&);
+template double mean_cell_size<3>(const Mesh<3>&);
+template void locate_points<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
+template void locate_points<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
+template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
+                                PointWeights<2>&);
+template void evaluate_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,
+                                PointWeights<3>&);
+
+}  // namespace gabion

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/mechanics/elements/cell_type.hpp"
+#include "common/mechanics/tensor.hpp"
+
+namespace gabion {
+
+/// Force and stiffness of one cell, added up over its material points.
+template <int dim>
+struct CellForces {
+  static constexpr int max_dofs = max_cell_nodes * dim;
+  double f[max_dofs];
+  double K[max_dofs * max_dofs];  // row-major, (n dim) x (n dim)
+
+  void set_zero(int n, bool with_K) {
+    for (int i = 0; i < n * dim; ++i) f[i] = 0;
+    if (!with_K) return;
+    for (int i = 0; i < n * dim * n * dim; ++i) K[i] = 0;
+  }
+
+  /// f_ia += P_aJ grad_iJ
+  void add_stress(int n, const Matrix<dim>& P, const Vector<dim>* grad) {
+    for (int i = 0; i < n; ++i) {
+      for (int a = 0; a < dim; ++a) {
+        for (int J = 0; J < dim; ++J) f[i * dim + a] += P(a, J) * grad[i][J];
+      }
+    }
+  }
+
+  /// K_(ia)(kb) += grad_iJ A_(aJ)(bL) grad_kL
+  void add_tangent(int n, const Tangent<dim>& A, const Vector<dim>* grad) {
+    for (int i = 0; i < n; ++i) {
+      double left[dim][dim * dim];  // grad_iJ A_(aJ)(bL)
+      for (int a = 0; a < dim; ++a) {
+        for (int bL = 0; bL < dim * dim; ++bL) {
+          double sum = 0;
+          for (int J = 0; J < dim; ++J) sum += grad[i][J] * A(a * dim + J, bL);
+          left[a][bL] = sum;
+        }
+      }
+      for (int a = 0; a < dim; ++a) {
+        double* row = K + static_cast<std::ptrdiff_t>(i * dim + a) * n * dim;
+        for (int k = 0; k < n; ++k) {
+          for (int b = 0; b < dim; ++b) {
+            double sum = 0;
+            for (int L = 0; L < dim; ++L) sum += left[a][b * dim + L] * grad[k][L];
+            row[k * dim + b] += sum;
+          }
+        }
+      }
+    }
+  }
+};
+
+}  // namespace gabion

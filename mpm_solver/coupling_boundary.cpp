@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/coupling_boundary.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
+
+namespace gabion {
+
+namespace {
+
+struct FacetPoint {
+  double phi[4];
+  double share;  // of the facet's area
+};
+
+// n midpoints on a segment; on a triangle or quadrilateral the rule with n points.
+std::vector<FacetPoint> facet_points(CellType type, int n) {
+  std::vector<FacetPoint> result;
+  if (type == CellType::line2) {
+    for (int k = 0; k < n; ++k) {
+      const double s = (k + 0.5) / n;
+      result.push_back({{1 - s, s, 0, 0}, 1.0 / n});
+    }
+    return result;
+  }
+  double total = 0;
+  ShapeValues<2> shape;
+  for (const auto& q : point_rule<2>(type, n)) {
+    shape_functions<2>(type, q.xi, shape);
+    FacetPoint point{};
+    std::copy_n(shape.N, num_nodes(type), point.phi);
+    point.share = q.weight;
+    total += q.weight;
+    result.push_back(point);
+  }
+  for (auto& point : result) point.share /= total;
+  return result;
+}
+
+}  // namespace
+
+template <int dim>
+CouplingBoundary<dim>::CouplingBoundary(CouplingBoundarySettings<dim> settings)
+    : settings_(std::move(settings)), vertices_per_facet_(num_nodes(settings_.surface.facet_type)) {
+  const auto& surface = settings_.surface;
+  const auto rule = facet_points(surface.facet_type, settings_.points_per_facet);
+  const auto geometry = facet_geometry<dim>(surface.vertices, surface.facet_type, surface.facets);
+  vertices_now_ = surface.vertices;
+  for (std::size_t f = 0; f < geometry.size(); ++f) {
+    for (const FacetPoint& q : rule) {
+      Point b;
+      b.facet = static_cast<std::int32_t>(f);
+      std::copy_n(q.phi, 4, b.phi);
+      b.area = q.share * geometry[f].area;
+      b.x = position(b);
+      points_.push_back(b);
+    }
+  }
+}
+
+template <int dim>
+InterfaceMesh CouplingBoundary<dim>::interface_mesh() const {
+  InterfaceMesh mesh;
+  mesh.name = settings_.name;
+  mesh.dim = dim;
+  mesh.vertices_per_facet = vertices_per_facet_;
+  for (const auto& x : settings_.surface.vertices) {
+    mesh.coordinates.insert(mesh.coordinates.end(), x.data(), x.data() + dim);
+  }
+  mesh.facets.assign(settings_.surface.facets.begin(), settings_.surface.facets.end());
+  return mesh;
+}
+
+template <int dim>
+Vector<dim> CouplingBoundary<dim>::position(const Point& b) const {
+  Vector<dim> x = Vector<dim>::Zero();
+  for (int k = 0; k < vertices_per_facet_; ++k) {
+    x += b.phi[k] * vertices_now_[settings_.surface.facets[b.facet * vertices_per_facet_ + k]];
+  }
+  return x;
+}
+
+// Normal and tangents of a facet; in 3D the first tangent follows its first edge.
+template <int dim>
+Matrix<dim> CouplingBoundary<dim>::frame(std::int32_t facet, const Vector<dim>& n) const {
+  Matrix<dim> result;
+  result.col(0) = n;
+  if constexpr (dim == 2) {
+    result.col(1) = Vector<2>(-n[1], n[0]);
+  } else {
+    const std::int32_t* corners = settings_.surface.facets.data() + facet * vertices_per_facet_;
+    const Vector<3> along = vertices_now_[corners[1]] - vertices_now_[corners[0]];
+    result.col(1) = (along - along.dot(n) * n).normalized();
+    result.col(2) = n.cross(result.col(1));
+  }
+  return result;
+}
+
+template <int dim>
+void CouplingBoundary<dim>::begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
+                                       std::span<const std::int32_t> occupied) {
+  touching_.clear();
+  nodes_per_cell_ = grid.mesh.nodes_per_cell();
+  ShapeValues<dim> shape;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& b = points_[k];
+    b.closed = false;
+    b.sliding = false;
+    b.traction.setZero();
+    b.gap_trial.setZero();
+    b.cell = grid.locator.locate(b.x, b.cell);
+    if (b.cell < 0 || occupied[b.cell] == 0) {
+      b.gap.setZero();
+      continue;
+    }
+    shape_functions<dim>(grid.mesh.cell_type, grid.locator.local_coordinates(b.cell, b.x), shape);
+    std::copy_n(shape.N, nodes_per_cell_, b.N);
+    const auto cell = grid.mesh.cell(b.cell);
+    for (int i = 0; i < nodes_per_cell_; ++i) b.nodes[i] = nodes.active[cell[i]];
+    touching_.push_back(static_cast<std::int32_t>(k));
+  }
+}
+
+template <int dim>
+void CouplingBoundary<dim>::append_cells(std::vector<std::int32_t>& offsets,
+                                         std::vector<std::int32_t>& nodes) const {
+  for (const std::int32_t k : touching_) {
+    nodes.insert(nodes.end(), points_[k].nodes, points_[k].nodes + nodes_per_cell_);
+    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+}
+
+template <int dim>
+void CouplingBoundary<dim>::set_displacement(std::span<const double> displacement) {
+  const auto& surface = settings_.surface;
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+    vertices_now_[i] =
+        surface.vertices[i] + Eigen::Map<const Vector<dim>>(displacement.data() + i * dim);
+  }
+  if (touching_.empty()) return;
+  const auto geometry = facet_geometry<dim>(vertices_now_, surface.facet_type, surface.facets);
+  for (const std::int32_t k : touching_) {
+    Point& b = points_[k];
+    b.du = position(b) - b.x;
+    b.frame = frame(b.facet, geometry[b.facet].normal);
+  }
+}
+
+// Gap, status and traction of one point; `slope` = -dt/dgap in the frame.
+template <int dim>
+void CouplingBoundary<dim>::evaluate_point(std::span<const double> du, Point& b,
+                                           Matrix<dim>* slope) const {
+  Vector<dim> relative = -b.du;
+  for (int i = 0; i < nodes_per_cell_; ++i) {
+    relative += b.N[i] * Eigen::Map<const Vector<dim>>(du.data() + b.nodes[i] * dim);
+  }
+  b.gap_trial = b.frame.transpose() * relative;
+  if (settings_.memory == GapMemory::accumulated) b.gap_trial += b.gap;
+  b.closed = settings_.mode == ContactMode::fixed || b.gap_trial[0] < 0;
+  b.sliding = false;
+  b.traction.setZero();
+  if (slope) slope->setZero();
+  if (!b.closed) return;
+
+  const double eps = settings_.penalty;
+  b.traction = -eps * b.gap_trial;
+  if (slope) *slope = eps * Matrix<dim>::Identity();
+  if (settings_.mode == ContactMode::fixed) return;
+  const double limit = settings_.mode == ContactMode::slip
+                           ? 0.0
+                           : (settings_.friction < 0 ? std::numeric_limits<double>::infinity()
+                                                     : settings_.friction * b.traction[0]);
+  Vector<dim> tangential = b.traction;
+  tangential[0] = 0;
+  const double size = tangential.norm();
+  if (size <= limit) return;
+
+  b.sliding = true;
+  const Vector<dim> direction = tangential / size;
+  const double normal = b.traction[0];
+  b.traction = limit * direction;
+  b.traction[0] = normal;
+  if (!slope) return;
+  Matrix<dim> tangent_plane = Matrix<dim>::Identity();
+  tangent_plane(0, 0) = 0;
+  *slope = eps * (limit / size) * (tangent_plane - direction * direction.transpose());
+  (*slope)(0, 0) = eps;
+  if (limit > 0) slope->col(0) += settings_.friction * eps * direction;
+}
+
+template <int dim>
+void CouplingBoundary<dim>::add_forces(std::span<const double> du, std::span<double> r,
+                                       BlockMatrix<dim>* K) {
+  Matrix<dim> slope;
+  for (const std::int32_t k : touching_) {
+    Point& b = points_[k];
+    evaluate_point(du, b, K ? &slope : nullptr);
+    if (!b.closed) continue;
+    const Vector<dim> force = b.area * (b.frame * b.traction);
+    Matrix<dim> stiffness = Matrix<dim>::Zero();
+    if (K) stiffness = b.area * (b.frame * slope * b.frame.transpose());
+    for (int i = 0; i < nodes_per_cell_; ++i) {
+      Eigen::Map<Vector<dim>>(r.data() + b.nodes[i] * dim) += b.N[i] * force;
+      if (!K) continue;
+      for (int j = 0; j < nodes_per_cell_; ++j) {
+        K->add_block(b.nodes[i], b.nodes[j], b.N[i] * b.N[j] * stiffness);
+      }
+    }
+  }
+}
+
+template <int dim>
+std::vector<double> CouplingBoundary<dim>::forces_on_structure() const {
+  std::vector<double> forces(vertices_now_.size() * dim, 0.0);
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    if (!b.closed) continue;
+    const Vector<dim> force = -b.area * (b.frame * b.traction);
+    for (int v = 0; v < vertices_per_facet_; ++v) {
+      const std::int32_t vertex = settings_.surface.facets[b.facet * vertices_per_facet_ + v];
+      Eigen::Map<Vector<dim>>(forces.data() + vertex * dim) += b.phi[v] * force;
+    }
+  }
+  return forces;
+}
+
+template <int dim>
+int CouplingBoundary<dim>::num_closed() const {
+  return static_cast<int>(std::count_if(touching_.begin(), touching_.end(),
+                                        [this](std::int32_t k) { return points_[k].closed; }));
+}
+
+template <int dim>
+int CouplingBoundary<dim>::num_sliding() const {
+  return static_cast<int>(std::count_if(touching_.begin(), touching_.end(),
+                                        [this](std::int32_t k) { return points_[k].sliding; }));
+}
+
+template <int dim>
+double CouplingBoundary<dim>::max_penetration() const {
+  double result = 0;
+  for (const std::int32_t k : touching_) {
+    if (points_[k].closed) result = std::max(result, -points_[k].gap_trial[0]);
+  }
+  return result;
+}
+
+template <int dim>
+void CouplingBoundary<dim>::accept() {
+  for (Point& b : points_) {
+    b.x = position(b);
+    b.gap.setZero();
+    if (b.closed) {
+      b.gap = b.gap_trial;
+      if (b.sliding) {  // the part beyond the friction limit has slid for good
+        b.gap.tail(dim - 1) = -b.traction.tail(dim - 1) / settings_.penalty;
+      }
+    }
+  }
+}
+
+template class CouplingBoundary<2>;
+template class CouplingBoundary<3>;
+
+}  // namespace gabion

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/grid_nodes.hpp"
+
+namespace gabion {
+
+/// The soil's copy of a structure's surface.
+template <int dim>
+struct CouplingSurface {
+  std::vector<Vector<dim>> vertices;  ///< [m], reference configuration
+  CellType facet_type = CellType::line2;
+  std::vector<std::int32_t> facets;   ///< normals point out of the structure, into the soil
+};
+
+enum class ContactMode {
+  fixed,    ///< soil holds to the surface in all directions, in tension too
+  contact,  ///< only while the gap is closed; then sticks, or slides when friction is exceeded
+  slip,     ///< only while the gap is closed; normal direction only
+};
+
+/// What the penalty acts on.
+enum class GapMemory {
+  accumulated,  ///< gap accumulated since it closed: force independent of the step size
+  step,         ///< displacement of this step only, as in the method's first implementations
+};
+
+template <int dim>
+struct CouplingBoundarySettings {
+  std::string name;                 ///< of the interface
+  CouplingSurface<dim> surface;
+  ContactMode mode = ContactMode::contact;
+  GapMemory memory = GapMemory::accumulated;
+  double penalty = 0;               ///< [Pa/m] > 0
+  double friction = -1;             ///< coefficient in mode contact; < 0: unlimited (stick)
+  int points_per_facet = 2;
+};
+
+/// Boundary points on the surface of a structure: the displacement of the grid at each point is
+/// held to the displacement of the surface by a penalty (README.md, section "Interface").
+///
+///     g = g_n + sum_i N_i du_i - du_surface ,  t = -penalty g ,  f_i = sum_b N_i t_b A_b
+///
+/// The condition (closed, sliding) is decided inside the Newton loop. The opposite of t acts on the
+/// structure at the same point, so force and moment are equal on both sides.
+template <int dim>
+class CouplingBoundary {
+ public:
+  explicit CouplingBoundary(CouplingBoundarySettings<dim> settings);
+
+  InterfaceMesh interface_mesh() const;
+  const std::string& name() const { return settings_.name; }
+
+  /// Start a step: find the grid cell of each boundary point at its accepted position.
+  /// @param occupied  1 for cells of the grid that hold a material point (on any rank)
+  void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
+                  std::span<const std::int32_t> occupied);
+  /// Whether any boundary point lies in a cell with soil: otherwise no force can arise in this step.
+  bool can_touch() const { return !touching_.empty(); }
+  /// Whether sliding with friction makes the stiffness unsymmetric.
+  bool has_friction() const { return settings_.friction > 0; }
+  /// Cells that carry contact terms, as lists of active nodes (for the matrix pattern).
+  void append_cells(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
+
+  /// Displacement of the surface at the end of the step, num_vertices x dim, from the reference.
+  void set_displacement(std::span<const double> displacement);
+
+  /// Add the contact force to r and its stiffness -df/du to K (may be null).
+  void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K);
+
+  /// Nodal forces of the soil on the structure in the state of the last add_forces, num_vertices x dim.
+  std::vector<double> forces_on_structure() const;
+  int num_closed() const;
+  int num_sliding() const;
+  double max_penetration() const;  ///< [m]
+
+  void accept();
+
+ private:
+  struct Point {
+    std::int32_t facet = 0;
+    double phi[4] = {};       // weights of the facet's vertices
+    double area = 0;          // share of the reference surface [m^2] (2D: m)
+    Vector<dim> x = Vector<dim>::Zero();  // accepted position
+    std::int32_t cell = -1;   // of the grid, hint for the next search
+    Vector<dim> gap = Vector<dim>::Zero();  // accepted, in the facet's frame (normal first)
+    // of the step under way
+    std::int32_t nodes[max_cell_nodes] = {};
+    double N[max_cell_nodes] = {};
+    Matrix<dim> frame = Matrix<dim>::Identity();  // columns: normal, tangents
+    Vector<dim> du = Vector<dim>::Zero();         // of the surface
+    Vector<dim> gap_trial = Vector<dim>::Zero();
+    Vector<dim> traction = Vector<dim>::Zero();  // on the soil, in the frame
+    bool closed = false;
+    bool sliding = false;
+  };
+
+  void evaluate_point(std::span<const double> du, Point& b, Matrix<dim>* slope) const;
+  Vector<dim> position(const Point& b) const;
+  Matrix<dim> frame(std::int32_t facet, const Vector<dim>& n) const;
+
+  CouplingBoundarySettings<dim> settings_;
+  int vertices_per_facet_ = 2;
+  std::vector<Point> points_;
+  std::vector<std::int32_t> touching_;  // points in cells with soil
+  std::vector<Vector<dim>> vertices_now_;  // at the end of the step under way
+  int nodes_per_cell_ = 0;
+};
+
+}  // namespace gabion

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/program.hpp"
+#include "mpm_solver/run_mpm.hpp"
+
+int main(int argc, char** argv) {
+  return gabion::run_program(argc, argv, "mpm_solver", gabion::run_mpm);
+}

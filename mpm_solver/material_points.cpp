@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/material_points.hpp"
+
+#include "common/mechanics/elements/shape_functions.hpp"
+
+namespace gabion {
+
+template <int dim>
+std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
+                        int part, int num_parts, MaterialPoints<dim>& points) {
+  const Mesh<dim>& mesh = layout.mesh;
+  const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell);
+  const auto rule_size = static_cast<std::int64_t>(rule.size());
+  const std::int64_t total = mesh.num_cells() * rule_size;
+  const std::int64_t first = total * part / num_parts;
+  const std::int64_t last = total * (part + 1) / num_parts;
+  if (points.body_starts.empty()) points.body_starts.push_back(0);
+
+  Vector<dim> corners[max_cell_nodes];
+  ShapeValues<dim> shape;
+  for (std::int64_t k = first; k < last; ++k) {
+    const auto nodes = mesh.cell(static_cast<std::int32_t>(k / rule_size));
+    const auto& q = rule[k % rule_size];
+    for (std::size_t i = 0; i < nodes.size(); ++i) corners[i] = mesh.nodes[nodes[i]];
+    shape_functions<dim>(mesh.cell_type, q.xi, shape);
+    Vector<dim> x = Vector<dim>::Zero();
+    for (std::size_t i = 0; i < nodes.size(); ++i) x += shape.N[i] * corners[i];
+    const double volume = q.weight * map_gradients<dim>(mesh.cell_type, corners, shape);
+
+    points.x.push_back(x);
+    points.u.push_back(Vector<dim>::Zero());
+    points.v.push_back(layout.velocity);
+    points.a.push_back(Vector<dim>::Zero());
+    points.m.push_back(density * volume);
+    points.V0.push_back(volume);
+    points.J.push_back(1);
+    points.energy.push_back(0);
+    points.tau.push_back(Symmetric<dim>::Zero());
+    points.history.emplace_back();
+    points.cell.push_back(-1);
+    points.id.push_back(first_id + k);
+  }
+  points.body_starts.push_back(points.size());
+  return total;
+}
+
+template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,
+                                    MaterialPoints<2>&);
+template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,
+                                    MaterialPoints<3>&);
+
+}  // namespace gabion

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/mpm_config.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "mpm_solver/basis.hpp"
+
+namespace gabion {
+
+namespace {
+
+template <int dim>
+Vector<dim> to_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Vector<dim>>(values.data());
+}
+
+std::vector<WallSettings> read_walls(ConfigReader& in) {
+  std::vector<WallSettings> walls;
+  for (auto& item : in.objects_or_none("walls")) {
+    WallSettings wall;
+    wall.group = item.text("group");
+    wall.fixed = item.choice("condition", {"fixed", "slip"}) == "fixed";
+    wall.where = item.where("group");
+    item.finish();
+    walls.push_back(std::move(wall));
+  }
+  return walls;
+}
+
+template <int dim>
+void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
+  auto items = in.objects("bodies");
+  if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
+  for (auto& item : items) {
+    Body<dim> body;
+    PointLayout<dim> layout;
+    body.name = item.text("name");
+    for (const auto& other : settings.bodies) {
+      if (other.name == body.name) {
+        item.fail("name", fmt::format("found \"{}\" a second time, allowed: a name of its own",
+                                      body.name));
+      }
+    }
+    layout.mesh = read_mesh<dim>(scene, item.object("mesh"));
+    layout.points_per_cell = item.integer("points_per_cell", at_least(1));
+    layout.velocity =
+        to_vector<dim>(item.numbers_or("velocity", std::vector<double>(dim, 0.0), dim));
+    body.material = read_material<dim>(item.object("material"));
+    item.finish();
+    settings.bodies.push_back(std::move(body));
+    settings.layouts.push_back(std::move(layout));
+  }
+}
+
+// Facets of a mesh, with only the vertices that they use.
+template <int dim>
+CouplingSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std::string>& groups,
+                                     const std::string& where) {
+  CouplingSurface<dim> surface;
+  surface.facet_type = facet_type(mesh.cell_type);
+  std::map<std::int32_t, std::int32_t> vertex_of_node;
+  for (const auto& group : groups) {
+    for (const std::int32_t node : mesh.facets(group, where)) {
+      const auto [entry, is_new] = vertex_of_node.try_emplace(
+          node, static_cast<std::int32_t>(surface.vertices.size()));
+      if (is_new) surface.vertices.push_back(mesh.nodes[node]);
+      surface.facets.push_back(entry->second);
+    }
+  }
+  return surface;
+}
+
+// Segments of at most `spacing` along a line through the given corners.
+CouplingSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& corners,
+                                       double spacing) {
+  CouplingSurface<2> surface;
+  surface.facet_type = CellType::line2;
+  surface.vertices.push_back({corners[0][0], corners[0][1]});
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
+    const Vector<2> to(corners[k][0], corners[k][1]);
+    const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing - 1e-9)));
+    for (int i = 1; i <= pieces; ++i) {
+      const auto last = static_cast<std::int32_t>(surface.vertices.size()) - 1;
+      surface.vertices.push_back(from + (to - from) * (static_cast<double>(i) / pieces));
+      surface.facets.insert(surface.facets.end(), {last, last + 1});
+    }
+  }
+  return surface;
+}
+
+template <int dim>
+CouplingSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
+  CouplingSurface<dim> surface;
+  if (in.has("polyline")) {
+    if constexpr (dim == 2) {
+      const auto corners = in.rows("polyline", 2);
+      if (corners.size() < 2) in.fail("polyline", "allowed: at least two points");
+      surface = surface_of_polyline(corners, in.number("spacing", positive()));
+    } else {
+      in.fail("polyline", "allowed in 2D only; in 3D give \"mesh\" and \"groups\"");
+    }
+  } else {
+    surface = surface_of_mesh(read_mesh<dim>(scene, in.object("mesh")), in.texts("groups"),
+                              in.where("groups"));
+  }
+  in.finish();
+  return surface;
+}
+
+template <int dim>
+CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
+                                             double penalty_unit) {
+  static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
+                                                           {"contact", ContactMode::contact},
+                                                           {"slip", ContactMode::slip}};
+  CouplingBoundarySettings<dim> boundary;
+  boundary.name = in.text("name");
+  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  boundary.surface = read_surface<dim>(scene, in.object("surface"));
+  boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
+  boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
+                        ? GapMemory::step
+                        : GapMemory::accumulated;
+  if (in.has("penalty")) {
+    boundary.penalty = in.number("penalty", positive());
+  } else {
+    boundary.penalty = penalty_unit * in.number_or("penalty_factor", 20, positive());
+  }
+  if (in.has("friction")) {
+    if (boundary.mode != ContactMode::contact) {
+      in.fail("friction", "allowed only with \"mode\": \"contact\"");
+    }
+    boundary.friction = in.number("friction", non_negative());
+  }
+  boundary.points_per_facet = in.integer_or("points_per_facet", 2, at_least(1));
+  in.finish();
+  return boundary;
+}
+
+template <int dim>
+AloneSettings read_alone(ConfigReader& in) {
+  AloneSettings alone;
+  alone.time = read_time_settings(in.object("time"));
+  auto output = in.object("output");
+  alone.output_interval = output.number("interval", positive());
+  output.finish();
+  return alone;
+}
+
+}  // namespace
+
+template <int dim>
+MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
+  MpmSettings<dim> settings;
+  settings.grid = read_mesh<dim>(scene, in.object("grid"));
+  settings.walls = read_walls(in);
+  read_bodies<dim>(scene, in, settings);
+  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+  if (auto item = in.optional_object("time_integration")) {
+    settings.scheme = read_newmark_bossak(*item);
+  } else {
+    settings.scheme = NewmarkBossak::bossak(-0.1);
+  }
+  if (auto item = in.optional_object("transfer")) {
+    settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
+    item->finish();
+  }
+  if (auto item = in.optional_object("newton")) settings.newton = read_newton_settings(*item);
+  if (auto item = in.optional_object("linear_solver")) {
+    settings.linear_solver = read_linear_solver_settings(*item);
+  }
+  double modulus = 0;
+  for (const auto& body : settings.bodies) {
+    modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
+                                           body.material.law));
+  }
+  const double cell_size = mean_cell_size(settings.grid);
+  for (auto& item : in.objects_or_none("interfaces")) {
+    settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
+  }
+  for (auto& item : in.objects_or_none("probes")) {
+    settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
+    item.finish();
+  }
+  if (alone) *alone = read_alone<dim>(in);
+  in.finish();
+  return settings;
+}
+
+template MpmSettings<2> read_mpm_settings<2>(const Scene&, ConfigReader&, AloneSettings*);
+template MpmSettings<3> read_mpm_settings<3>(const Scene&, ConfigReader&, AloneSettings*);
+
+}  // namespace gabion

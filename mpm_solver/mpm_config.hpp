@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/scene.hpp"
+#include "common/base/time_steps.hpp"
+#include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/petsc/linear_solver.hpp"
+#include "common/mechanics/time_integration/newmark.hpp"
+#include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/material_points.hpp"
+#include "mpm_solver/wall_conditions.hpp"
+
+namespace gabion {
+
+/// A named place whose motion is reported: the material point nearest to it at the start.
+template <int dim>
+struct PointProbe {
+  std::string name;
+  Vector<dim> point;  ///< [m]
+};
+
+/// mpm.json. README.md lists every key with unit and range.
+template <int dim>
+struct MpmSettings {
+  Mesh<dim> grid;
+  std::vector<WallSettings> walls;
+  std::vector<Body<dim>> bodies;
+  std::vector<PointLayout<dim>> layouts;  ///< of each body
+  Vector<dim> gravity = Vector<dim>::Zero();
+  NewmarkBossak scheme;
+  double pic_share = 0;
+  NewtonSettings newton;
+  LinearSolverSettings linear_solver;
+  std::vector<CouplingBoundarySettings<dim>> interfaces;
+  std::vector<PointProbe<dim>> probes;
+};
+
+/// What a solver needs to know when no coupler does: the "time" and "output" objects.
+struct AloneSettings {
+  TimeSettings time;
+  double output_interval = 0;  ///< [s] > 0
+};
+
+/// Read mpm.json. A scene without coupler.json has the keys "time" and "output" too, read into `alone`.
+/// @throws ConfigError
+template <int dim>
+MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone);
+
+}  // namespace gabion

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/mpm_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/log.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion {
+
+namespace {
+
+template <int dim>
+MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
+  MaterialPoints<dim> points;
+  std::int64_t total = 0;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    total += lay_points<dim>(settings.layouts[b], settings.bodies[b].material.density, total,
+                             rank_of(comm), num_ranks(comm), points);
+  }
+  settings.layouts.clear();
+  log::info("{} material points in {} {}", total, settings.bodies.size(),
+            settings.bodies.size() == 1 ? "body" : "bodies");
+  return points;
+}
+
+double squared_norm(std::span<const double> x) {
+  double sum = 0;
+  for (const double value : x) sum += value * value;
+  return sum;
+}
+
+}  // namespace
+
+template <int dim>
+MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
+                          const std::string& output_folder)
+    : comm_(comm),
+      settings_(std::move(settings)),
+      grid_(std::move(settings_.grid)),
+      walls_(grid_.mesh, settings_.walls),
+      cell_size_(mean_cell_size(grid_.mesh)),
+      points_(lay_all_points(comm, settings_)),
+      linear_(comm, settings_.linear_solver),
+      output_(comm, output_folder) {
+  for (const auto& body : settings_.bodies) {
+    const double modulus =
+        std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
+    wave_speed_ = std::max(wave_speed_, std::sqrt(modulus / body.material.density));
+  }
+  for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
+  find_probe_points();
+  locate_points(grid_, points_);
+  log::info("background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
+            grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+}
+
+template <int dim>
+void MpmSolver<dim>::find_probe_points() {
+  for (const auto& probe : settings_.probes) {
+    std::int32_t nearest = -1;
+    double distance = std::numeric_limits<double>::infinity();
+    for (std::int32_t p = 0; p < points_.size(); ++p) {
+      const double d = (points_.x[p] - probe.point).norm();
+      if (d < distance) {
+        distance = d;
+        nearest = p;
+      }
+    }
+    const double least = -max_over_ranks(comm_, -distance);
+    const double id = distance == least ? static_cast<double>(points_.id[nearest])
+                                        : std::numeric_limits<double>::infinity();
+    const bool owner = nearest >= 0 && id == -max_over_ranks(comm_, -id);
+    probe_points_.push_back(owner ? nearest : -1);
+  }
+}
+
+template <int dim>
+std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
+  std::vector<InterfaceMesh> meshes;
+  for (const auto& boundary : boundaries_) meshes.push_back(boundary.interface_mesh());
+  return meshes;
+}
+
+template <int dim>
+std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
+  std::vector<std::int32_t> occupied(grid_.mesh.num_cells(), 0);
+  for (const CellGroup& group : weights_.groups) occupied[group.cell] = 1;
+  sum_over_ranks(comm_, std::span<std::int32_t>(occupied));
+  return occupied;
+}
+
+template <int dim>
+void MpmSolver<dim>::begin_step(double dt) {
+  dt_ = dt;
+  {
+    const ScopedTimer timer(times_, "search");
+    evaluate_basis(grid_, points_, weights_);
+    activate_nodes(comm_, grid_, weights_, nodes_);
+  }
+  {
+    const ScopedTimer timer(times_, "points to grid");
+    points_to_grid(comm_, grid_, points_, weights_, nodes_);
+    walls_.select(nodes_);
+  }
+  const ScopedTimer timer(times_, "pattern");
+  if (!boundaries_.empty()) {
+    const auto occupied = occupied_cells();
+    for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
+  }
+  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
+      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
+      settings_.scheme, settings_.gravity, cell_size_, dt});
+  std::vector<std::int32_t> offsets, cell_nodes;
+  equilibrium_->pattern(offsets, cell_nodes);
+  K_.set_pattern(nodes_.size(), offsets, cell_nodes);
+  new_pattern_ = true;
+
+  bool symmetric = true;
+  for (const auto& body : settings_.bodies) {
+    symmetric &= std::visit([](const auto& law) { return law.symmetric_tangent(); },
+                            body.material.law);
+  }
+  for (const auto& boundary : boundaries_) symmetric &= !(boundary.can_touch() && boundary.has_friction());
+  linear_.set_regime({symmetric, wave_speed_ * dt / cell_size_}, nodes_.size());
+}
+
+// Start Newton from free flight or from rest, whichever leaves the smaller residual.
+template <int dim>
+void MpmSolver<dim>::choose_guess() {
+  const ScopedTimer timer(times_, "guess");
+  const auto& v = equilibrium_->start_velocity();
+  const auto& a = equilibrium_->start_acceleration();
+  du_.resize(v.size());
+  for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
+  std::vector<double> r(du_.size()), still(du_.size(), 0.0);
+  const Evaluation flight = equilibrium_->evaluate(du_, r, nullptr);
+  const double r_flight = squared_norm(r);
+  equilibrium_->evaluate(still, r, nullptr);
+  if (!flight.admissible || squared_norm(r) < r_flight) du_ = std::move(still);
+}
+
+template <int dim>
+void MpmSolver<dim>::receive(const InterfaceValues& received) {
+  for (auto& boundary : boundaries_) {
+    const auto found = received.find(boundary.name());
+    if (found != received.end()) {
+      boundary.set_displacement(found->second);
+    } else {
+      boundary.set_displacement(std::vector<double>(boundary.interface_mesh().coordinates.size()));
+    }
+  }
+}
+
+template <int dim>
+StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
+                                      InterfaceValues& sent) {
+  if (dt_ != request.dt) begin_step(request.dt);
+  receive(received);
+  if (request.iteration == 0) choose_guess();
+  const NewtonReport newton = solve_newton(*equilibrium_, K_, new_pattern_, linear_,
+                                           settings_.newton, std::span<double>(du_), times_);
+  new_pattern_ = false;
+  newton_iterations_ += newton.iterations;
+  linear_iterations_ += newton.linear_iterations;
+  ++solutions_;
+
+  StepReport report;
+  report.newton_iterations = newton.iterations;
+  report.linear_iterations = newton.linear_iterations;
+  report.interface_active = false;
+  int closed = 0, sliding = 0;
+  double penetration = 0;
+  for (const auto& boundary : boundaries_) {
+    sent[boundary.name()] = boundary.forces_on_structure();
+    report.interface_active |= boundary.can_touch();
+    closed += boundary.num_closed();
+    sliding += boundary.num_sliding();
+    penetration = std::max(penetration, boundary.max_penetration());
+  }
+  if (!boundaries_.empty()) {
+    report.details = {{"closed_points", closed},
+                      {"sliding_points", sliding},
+                      {"max_penetration", penetration}};
+  }
+  return report;
+}
+
+template <int dim>
+AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
+  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  const ScopedTimer timer(times_, "grid to points");
+  const std::size_t n = nodes_.grid_node.size();
+  NodalMotion<dim> motion;
+  motion.du.resize(n);
+  motion.v_new.resize(n);
+  motion.a_new.resize(n);
+  const auto& v = equilibrium_->start_velocity();
+  const auto& a = equilibrium_->start_acceleration();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = i * dim + d;
+      motion.du[i][d] = du_[k];
+      motion.a_new[i][d] = settings_.scheme.acceleration(du_[k], v[k], a[k], dt_);
+      motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
+    }
+  }
+  grid_to_points(grid_, nodes_, motion, weights_, settings_.pic_share, points_);
+  for (std::int32_t e = 0; e < points_.size(); ++e) {
+    const std::int32_t p = weights_.point[e];
+    points_.history[p] = trial_.history[e];
+    points_.tau[p] = trial_.tau[e];
+    points_.energy[p] = trial_.energy[e];
+    points_.J[p] *= trial_.J_ratio[e];
+  }
+  for (auto& boundary : boundaries_) boundary.accept();
+  locate_points(grid_, points_);
+  dt_ = 0;
+  AcceptReport report;
+  report.probes = probes();
+  return report;
+}
+
+template <int dim>
+void MpmSolver<dim>::reject_step() {
+  dt_ = 0;
+}
+
+template <int dim>
+void MpmSolver<dim>::write_output(double time) {
+  const ScopedTimer timer(times_, "output");
+  output_.write(time, points_);
+}
+
+template <int dim>
+std::vector<std::string> MpmSolver<dim>::probe_names() const {
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  std::vector<std::string> names = {"mass", "kinetic_energy", "elastic_energy"};
+  for (int d = 0; d < dim; ++d) names.push_back(fmt::format("momentum_{}", axes[d]));
+  for (const auto& body : settings_.bodies) {
+    names.push_back(settings_.bodies.size() == 1 ? "front" : "front_" + body.name);
+  }
+  for (const auto& probe : settings_.probes) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
+  }
+  return names;
+}
+
+template <int dim>
+std::vector<double> MpmSolver<dim>::probes() const {
+  const auto totals = point_totals(comm_, points_);
+  std::vector<double> values = {totals.mass, totals.kinetic_energy, totals.elastic_energy};
+  values.insert(values.end(), totals.momentum.data(), totals.momentum.data() + dim);
+  values.insert(values.end(), totals.front.begin(), totals.front.end());
+  std::vector<double> motion;
+  for (const std::int32_t p : probe_points_) {
+    for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : points_.u[p][d]);
+  }
+  sum_over_ranks(comm_, std::span<double>(motion));
+  values.insert(values.end(), motion.begin(), motion.end());
+  return values;
+}
+
+template <int dim>
+Json MpmSolver<dim>::summary() const {
+  return {{"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
+          {"wall_seconds", times_.seconds()}};
+}
+
+template class MpmSolver<2>;
+template class MpmSolver<3>;
+
+}  // namespace gabion

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <optional>
+
+#include "common/base/solver.hpp"
+#include "common/base/timer.hpp"
+#include "mpm_solver/equilibrium.hpp"
+#include "mpm_solver/mpm_config.hpp"
+#include "mpm_solver/mpm_output.hpp"
+#include "mpm_solver/transfer.hpp"
+
+namespace gabion {
+
+/// The soil: implicit material point method in updated Lagrangian form (README.md).
+///
+/// One step: find the cells of the points, map mass and motion to the grid (P2G), solve the balance
+/// of momentum of the active nodes by Newton's method, move the points with the grid (G2P).
+/// @note Every function is collective over the ranks of `comm`.
+template <int dim>
+class MpmSolver final : public Solver {
+ public:
+  /// @param output_folder  folder of the frames; empty: none are written
+  MpmSolver(MPI_Comm comm, MpmSettings<dim> settings, const std::string& output_folder);
+
+  std::vector<InterfaceMesh> interfaces() const override;
+  std::vector<std::string> probe_names() const override;
+  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                        InterfaceValues& sent) override;
+  AcceptReport accept_step(const StepRequest& request, bool solved) override;
+  void reject_step() override;
+  void write_output(double time) override;
+  std::vector<double> probes() const override;
+  Json summary() const override;
+
+  const MaterialPoints<dim>& points() const { return points_; }
+
+ private:
+  /// Everything of a step that does not depend on the interface values.
+  void begin_step(double dt);
+  void choose_guess();
+  void receive(const InterfaceValues& received);
+  void find_probe_points();
+  std::vector<std::int32_t> occupied_cells() const;
+
+  MPI_Comm comm_;
+  MpmSettings<dim> settings_;
+  BackgroundGrid<dim> grid_;
+  WallConditions<dim> walls_;
+  double cell_size_;
+  double wave_speed_ = 0;  // largest of the bodies [m/s]
+  MaterialPoints<dim> points_;
+  std::vector<CouplingBoundary<dim>> boundaries_;
+  LinearSolver<dim> linear_;
+  MpmOutput<dim> output_;
+  std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
+
+  // the step under way
+  double dt_ = 0;  // 0: none begun
+  PointWeights<dim> weights_;
+  GridNodes<dim> nodes_;
+  TrialPoints<dim> trial_;
+  BlockMatrix<dim> K_;
+  std::optional<Equilibrium<dim>> equilibrium_;
+  bool new_pattern_ = true;
+  std::vector<double> du_;
+
+  PhaseTimes times_;
+  std::int64_t newton_iterations_ = 0;
+  std::int64_t linear_iterations_ = 0;
+  std::int64_t solutions_ = 0;
+};
+
+}  // namespace gabion

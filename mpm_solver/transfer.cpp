@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/transfer.hpp"
+
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion {
+
+namespace {
+
+// Below this share of the mean nodal mass a mapped velocity is a quotient of rounding errors.
+constexpr double weightless = 1e-14;
+
+// Mean velocity and acceleration of the points of the adjacent cells, for nodes without weight.
+template <int dim>
+void fill_weightless_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                           const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                           double limit, GridNodes<dim>& nodes) {
+  std::vector<double> count(nodes.m.size(), 0);
+  std::vector<Vector<dim>> v(nodes.m.size(), Vector<dim>::Zero());
+  std::vector<Vector<dim>> a(nodes.m.size(), Vector<dim>::Zero());
+  for (const CellGroup& group : weights.groups) {
+    for (const std::int32_t grid_node : grid.mesh.cell(group.cell)) {
+      const std::int32_t i = nodes.active[grid_node];
+      if (nodes.m[i] > limit) continue;
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        count[i] += 1;
+        v[i] += points.v[weights.point[e]];
+        a[i] += points.a[weights.point[e]];
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(count));
+  sum_over_ranks<dim>(comm, v);
+  sum_over_ranks<dim>(comm, a);
+  for (std::size_t i = 0; i < count.size(); ++i) {
+    if (nodes.m[i] > limit) continue;
+    nodes.v[i] = v[i] / count[i];
+    nodes.a[i] = a[i] / count[i];
+  }
+}
+
+}  // namespace
+
+template <int dim>
+void points_to_grid(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                    const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                    GridNodes<dim>& nodes) {
+  const int n = weights.nodes_per_cell;
+  nodes.m.assign(nodes.grid_node.size(), 0);
+  nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
+  nodes.a.assign(nodes.m.size(), Vector<dim>::Zero());
+  for (const CellGroup& group : weights.groups) {
+    const auto cell = grid.mesh.cell(group.cell);
+    std::int32_t local[max_cell_nodes];
+    for (int i = 0; i < n; ++i) local[i] = nodes.active[cell[i]];
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const double* N = weights.N_of(e);
+      for (int i = 0; i < n; ++i) {
+        const double weight = N[i] * points.m[p];
+        nodes.m[local[i]] += weight;
+        nodes.v[local[i]] += weight * points.v[p];
+        nodes.a[local[i]] += weight * points.a[p];
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(nodes.m));
+  sum_over_ranks<dim>(comm, nodes.v);
+  sum_over_ranks<dim>(comm, nodes.a);
+
+  double total = 0;
+  for (const double mass : nodes.m) total += mass;
+  const double limit = weightless * total / static_cast<double>(nodes.m.size());
+  bool any_weightless = false;
+  for (std::size_t i = 0; i < nodes.m.size(); ++i) {
+    if (nodes.m[i] > limit) {
+      nodes.v[i] /= nodes.m[i];
+      nodes.a[i] /= nodes.m[i];
+    } else {
+      any_weightless = true;
+    }
+  }
+  if (any_weightless) fill_weightless_nodes(comm, grid, points, weights, limit, nodes);
+}
+
+template <int dim>
+void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
+                    const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
+                    double pic_share, MaterialPoints<dim>& points) {
+  const int n = weights.nodes_per_cell;
+  for (const CellGroup& group : weights.groups) {
+    const auto cell = grid.mesh.cell(group.cell);
+    std::int32_t local[max_cell_nodes];
+    for (int i = 0; i < n; ++i) local[i] = nodes.active[cell[i]];
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const double* N = weights.N_of(e);
+      Vector<dim> du = Vector<dim>::Zero();
+      Vector<dim> dv = Vector<dim>::Zero();
+      Vector<dim> v_grid = Vector<dim>::Zero();
+      Vector<dim> a_grid = Vector<dim>::Zero();
+      for (int i = 0; i < n; ++i) {
+        du += N[i] * motion.du[local[i]];
+        dv += N[i] * (motion.v_new[local[i]] - nodes.v[local[i]]);
+        v_grid += N[i] * motion.v_new[local[i]];
+        a_grid += N[i] * motion.a_new[local[i]];
+      }
+      points.x[p] += du;
+      points.u[p] += du;
+      points.v[p] = (1 - pic_share) * (points.v[p] + dv) + pic_share * v_grid;
+      points.a[p] = a_grid;
+    }
+  }
+}
+
+template void points_to_grid<2>(MPI_Comm, const BackgroundGrid<2>&, const MaterialPoints<2>&,
+                                const PointWeights<2>&, GridNodes<2>&);
+template void points_to_grid<3>(MPI_Comm, const BackgroundGrid<3>&, const MaterialPoints<3>&,
+                                const PointWeights<3>&, GridNodes<3>&);
+template void grid_to_points<2>(const BackgroundGrid<2>&, const GridNodes<2>&,
+                                const NodalMotion<2>&, const PointWeights<2>&, double,
+                                MaterialPoints<2>&);
+template void grid_to_points<3>(const BackgroundGrid<3>&, const GridNodes<3>&,
+                                const NodalMotion<3>&, const PointWeights<3>&, double,
+                                MaterialPoints<3>&);
+
+}  // namespace gabion
