@@ -282,6 +282,12 @@ std::optional<ConfigReader> ConfigReader::optional_object(const std::string& key
   return object(key);
 }
 
+ConfigReader ConfigReader::object_or_empty(const std::string& key) {
+  if (has(key)) return object(key);
+  note(key, Json::object());
+  return child(Json::object(), key);
+}
+
 std::vector<ConfigReader> ConfigReader::objects(const std::string& key) {
   const Json& value = require_key(key);
   if (!value.is_array()) {

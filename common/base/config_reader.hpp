@@ -65,6 +65,8 @@ class ConfigReader {
 
   ConfigReader object(const std::string& key);
   std::optional<ConfigReader> optional_object(const std::string& key);
+  /// A missing object reads like {}: its defaults appear in `resolved()`.
+  ConfigReader object_or_empty(const std::string& key);
   std::vector<ConfigReader> objects(const std::string& key);
   std::vector<ConfigReader> objects_or_none(const std::string& key);
   /// Members of an object whose keys are free names: {"soil": {...}, "rock": {...}}.

@@ -26,6 +26,8 @@ class MpiSession {
   int rank() const { return rank_; }
   int size() const { return size_; }
   bool is_root() const { return rank_ == 0; }
+  /// Whether the launch has no other process: nobody else must be taken down.
+  bool is_only_process() const { return programs_.size() == 1; }
 
   /// Whether a program of this name is part of the launch.
   bool launched_with(const std::string& program) const;

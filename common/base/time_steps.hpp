@@ -27,7 +27,9 @@ class TimeSteps {
   double time() const;                         ///< [s] of the accepted state
   double dt() const;                           ///< [s] of the step under way; the last one ends at `end`
   /// The step was accepted. After 4 accepted steps dt doubles again where the raster allows it.
-  /// @param proposed_dt  [s] upper bound from the solvers; 0 = none
+  /// @param proposed_dt  [s] wish of the solvers, 0 = none: the next step is the largest of the raster
+  ///                     that is not above it, but never below the smallest one. A solver that
+  ///                     cannot do with that fails the step.
   void accept(double proposed_dt = 0);
   /// The step is to be repeated with dt/2.
   /// @throws ConvergenceError  dt_min reached; the message carries `reason`
@@ -35,8 +37,13 @@ class TimeSteps {
   int cuts() const { return cuts_; }
 
  private:
+  std::int64_t level_ticks(int level) const { return std::int64_t{1} << (max_level_ - level); }
+  std::int64_t ticks_under_way() const;
+  double level_dt(int level) const;
+
   TimeSettings settings_;
   int max_level_ = 0;
+  std::int64_t end_ticks_ = 0;  // rounded up: the last tick is shorter when `end` is off the raster
   int level_ = 0;
   int accepted_at_level_ = 0;
   int cuts_ = 0;

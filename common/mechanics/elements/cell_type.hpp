@@ -12,24 +12,34 @@ enum class CellType { point1, line2, tri3, quad4, tet4, hex8 };
 
 constexpr int num_nodes(CellType type) {
   switch (type) {
-    case CellType::point1: return 1;
-    case CellType::line2: return 2;
-    case CellType::tri3: return 3;
-    case CellType::quad4: return 4;
-    case CellType::tet4: return 4;
-    case CellType::hex8: return 8;
+    case CellType::point1:
+      return 1;
+    case CellType::line2:
+      return 2;
+    case CellType::tri3:
+      return 3;
+    case CellType::quad4:
+      return 4;
+    case CellType::tet4:
+      return 4;
+    case CellType::hex8:
+      return 8;
   }
   return 0;
 }
 
 constexpr int dimension(CellType type) {
   switch (type) {
-    case CellType::point1: return 0;
-    case CellType::line2: return 1;
+    case CellType::point1:
+      return 0;
+    case CellType::line2:
+      return 1;
     case CellType::tri3:
-    case CellType::quad4: return 2;
+    case CellType::quad4:
+      return 2;
     case CellType::tet4:
-    case CellType::hex8: return 3;
+    case CellType::hex8:
+      return 3;
   }
   return 0;
 }
@@ -38,10 +48,14 @@ constexpr int dimension(CellType type) {
 constexpr CellType facet_type(CellType type) {
   switch (type) {
     case CellType::tri3:
-    case CellType::quad4: return CellType::line2;
-    case CellType::tet4: return CellType::tri3;
-    case CellType::hex8: return CellType::quad4;
-    default: return CellType::point1;
+    case CellType::quad4:
+      return CellType::line2;
+    case CellType::tet4:
+      return CellType::tri3;
+    case CellType::hex8:
+      return CellType::quad4;
+    default:
+      return CellType::point1;
   }
 }
 

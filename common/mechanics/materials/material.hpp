@@ -81,16 +81,28 @@ struct HenckyElastic {
 /// Hencky elasticity with non-associated Mohr-Coulomb plasticity in principal Kirchhoff stresses,
 /// tension positive: f = k t1 - t3 - 2 c sqrt(k), k = (1 + sin phi) / (1 - sin phi).
 template <int dim>
-struct MohrCoulomb {
-  double lambda = 0;          ///< [Pa]
-  double mu = 0;              ///< [Pa]
-  double friction_angle = 0;  ///< phi [rad], 0 < phi < pi/2
-  double dilation_angle = 0;  ///< psi [rad], 0 <= psi <= phi
-  double cohesion = 0;        ///< c [Pa], >= 0
+class MohrCoulomb {
+ public:
+  /// @param lambda, mu      [Pa]
+  /// @param friction_angle  phi [rad], 0 < phi < pi/2
+  /// @param dilation_angle  psi [rad], 0 <= psi <= phi
+  /// @param cohesion        c [Pa], >= 0
+  MohrCoulomb(double lambda, double mu, double friction_angle, double dilation_angle,
+              double cohesion);
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
-  bool symmetric_tangent() const { return dilation_angle == friction_angle; }
-  double p_wave_modulus() const { return lambda + 2 * mu; }
+  bool symmetric_tangent() const { return dilation_angle_ == friction_angle_; }
+  double p_wave_modulus() const { return lambda_ + 2 * mu_; }
+
+  double lambda() const { return lambda_; }
+  double mu() const { return mu_; }
+  double friction_angle() const { return friction_angle_; }
+  double dilation_angle() const { return dilation_angle_; }
+  double cohesion() const { return cohesion_; }
+
+ private:
+  double lambda_, mu_, friction_angle_, dilation_angle_, cohesion_;
+  double k_, m_, strength_;  // functions of the angles and c, see PrincipalMohrCoulomb
 };
 
 template <int dim>
@@ -103,6 +115,13 @@ struct Material {
   double density = 0;  ///< [kg/m^3] > 0, in the stress-free state
   MaterialLaw<dim> law;
 };
+
+/// Stress update of whichever law it is; loops over many points dispatch once and call the law.
+template <int dim>
+bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,
+            StressUpdate<dim>& out, Tangent<dim>* A) {
+  return std::visit([&](const auto& model) { return model.update(H, state_n, out, A); }, law);
+}
 
 /// Read {"law": "linear_elastic" | "neo_hookean" | "hencky_elastic" | "mohr_coulomb",
 /// "density", "young_modulus", "poisson_ratio" and for mohr_coulomb "friction_angle" [deg],

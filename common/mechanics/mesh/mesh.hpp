@@ -18,8 +18,8 @@ namespace gabion {
 template <int dim>
 struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
-  std::vector<Vector<dim>> nodes;    ///< [m]
-  std::vector<std::int32_t> cells;   ///< num_cells x num_nodes(cell_type), positive volume
+  std::vector<Vector<dim>> nodes;   ///< [m]
+  std::vector<std::int32_t> cells;  ///< num_cells x num_nodes(cell_type), positive volume
   /// Boundary facets by name, num_facets x num_nodes(facet_type(cell_type)); each is ordered so
   /// that its normal points out of the cell it belongs to (2D: the cell lies to the left of the
   /// segment's direction, so the outward normal is the direction turned clockwise).
@@ -42,16 +42,26 @@ struct Mesh {
   std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const;
 };
 
-/// Axis-aligned box of equal cells. Sides are the facet groups left, right, bottom, top (3D also
-/// front, back: y is up in 2D, z is up in 3D; left/right = x, front/back = y in 3D).
-/// tri3: each rectangle is cut along one diagonal, `alternate` flips it like a chess board.
+/// Volume (2D: area) of one cell [m^dim]; negative when its nodes run the wrong way round.
+template <int dim>
+double cell_volume(const Mesh<dim>& mesh, std::int32_t c);
+
+/// Axis-aligned box of equal cells. Nodes and cells run along x first, then y, then z; the
+/// triangles or tetrahedra of one rectangle or brick follow each other. Sides are the facet groups
+/// left, right, bottom, top (3D also front, back: y is up in 2D, z is up in 3D; left/right = x,
+/// front/back = y in 3D). tri3: each rectangle is cut along one diagonal, `alternate` flips it like
+/// a chess board. tet4: six tetrahedra a brick; with `alternate` five, mirrored from brick to
+/// brick.
+/// @throws ConfigError  type not of this dimension, high <= low, less than one cell
 template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
                    const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
                    bool alternate = false);
 
 /// Gmsh file, format 4.1, ASCII or binary. Physical groups of dimension dim-1 become facet groups,
-/// of dimension dim cell groups. One cell type per mesh.
+/// of dimension dim cell groups. One cell type per mesh. Nodes that no cell uses are dropped,
+/// cells of negative volume reordered, facets turned outward; a facet between two cells stays as
+/// the file has it. A mesh of the plane must have one z for all nodes.
 /// @throws ConfigError  file and line or section, what was found
 template <int dim>
 Mesh<dim> read_gmsh(const std::string& path);

@@ -13,7 +13,8 @@ namespace gabion {
 /// Values on the points or cells of one frame.
 struct OutputField {
   std::string name;
-  int components = 1;  ///< 1 scalar, 2 or 3 vector (2 is padded to 3 by readers), 4/6 symmetric tensor
+  int components =
+      1;  ///< 1 scalar, 2 or 3 vector (2 is padded to 3 by readers), 4/6 symmetric tensor
   std::span<const double> values;
   bool on_cells = false;
 };
@@ -26,7 +27,8 @@ class XdmfSeries {
   XdmfSeries(std::string folder, std::string name);
 
   /// @param coordinates   num_points x dim
-  /// @param connectivity  num_cells x num_nodes(type); empty for CellType::point1 (each point a cell)
+  /// @param connectivity  num_cells x num_nodes(type); empty for CellType::point1 (each point a
+  /// cell)
   /// @throws Error  disk full, folder gone
   void write(double time, int dim, std::span<const double> coordinates, CellType type,
              std::span<const std::int32_t> connectivity, const std::vector<OutputField>& fields);

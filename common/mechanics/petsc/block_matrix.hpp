@@ -15,12 +15,15 @@ namespace gabion {
 template <int dim>
 class BlockMatrix {
  public:
-  /// New pattern: nodes that share a cell are coupled; every diagonal block exists. Cell c has the
-  /// nodes cell_nodes[offsets[c] .. offsets[c + 1]), numbered 0 .. num_nodes - 1.
+  /// New pattern with all blocks zero: nodes that share a cell are coupled; every diagonal block
+  /// exists. Cell c has the nodes cell_nodes[offsets[c] .. offsets[c + 1]), numbered
+  /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused.
   void set_pattern(std::int32_t num_nodes, std::span<const std::int32_t> offsets,
                    std::span<const std::int32_t> cell_nodes);
 
   std::int32_t num_nodes() const { return num_nodes_; }
+  /// Number of the pattern, different after every set_pattern in this process; 0 before the first.
+  std::int64_t pattern_id() const { return pattern_id_; }
   void set_zero();
 
   /// Add the dense matrix of cell c (as numbered in set_pattern), (n dim) x (n dim), row-major.
@@ -29,11 +32,16 @@ class BlockMatrix {
   void add_block(std::int32_t i, std::int32_t j, const Matrix<dim>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
 
-  /// Constrain the increment of node i to the range of the projector Q_i (symmetric, Q Q = Q):
-  /// K_ij <- Q_i K_ij Q_j, then add scale_i (1 - Q_i) to the diagonal block where `owned` is true.
-  /// `constrained` lists the nodes whose projector is not the unit matrix.
-  void constrain(std::span<const std::int32_t> constrained,
-                 std::span<const Matrix<dim>> projectors, bool owned);
+  /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
+  /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where `owned` is true, add scale_i (1 - Q_i) to the
+  /// diagonal block. scale_i is the mean diagonal entry of the block before, or of the whole matrix
+  /// where the block holds none. Nodes that are not listed have the unit projector.
+  /// @param constrained  node numbers, each once
+  /// @param projectors   projectors[k] belongs to node constrained[k]
+  /// @param owned        on several ranks: true on exactly one of them
+  /// @throws Error when the two lists differ in length
+  void constrain(std::span<const std::int32_t> constrained, std::span<const Matrix<dim>> projectors,
+                 bool owned);
 
   std::span<const std::int32_t> row_starts() const { return row_starts_; }
   std::span<const std::int32_t> columns() const { return columns_; }
@@ -44,13 +52,31 @@ class BlockMatrix {
   void multiply(std::span<const double> x, std::span<double> y) const;
 
  private:
+  /// Position of block (i, j) in columns_. @pre it exists
+  std::int32_t slot(std::int32_t i, std::int32_t j) const;
+  double* block(std::int32_t s) { return values_.data() + static_cast<std::size_t>(s) * dim * dim; }
+  double mean_diagonal() const;
+  void list_cells_of_nodes();
+  void list_neighbours();
+  void sort_columns();
+  void map_cells();
+
   std::int32_t num_nodes_ = 0;
+  std::int64_t pattern_id_ = 0;
   std::vector<std::int32_t> row_starts_;  // blocks
   std::vector<std::int32_t> columns_;     // sorted in each row
   std::vector<double> values_;
   std::vector<std::int32_t> offsets_, cell_nodes_;
   std::vector<std::int32_t> slots_;        // block index of each node pair of each cell
   std::vector<std::int64_t> slot_starts_;  // of each cell in slots_
+
+  struct Corner {
+    std::int32_t cell, local;
+  };
+  std::vector<Corner> corners_;              // cells of each node
+  std::vector<std::int32_t> corner_starts_;  // of each node in corners_
+  std::vector<std::int32_t> neighbours_;     // columns before sorting
+  std::vector<std::int32_t> marks_;          // scratch, one a node
 };
 
 }  // namespace gabion

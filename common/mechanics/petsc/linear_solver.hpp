@@ -8,30 +8,16 @@
 #include <span>
 #include <string>
 
-#include "common/base/config_reader.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/petsc/linear_method.hpp"
 
 namespace gabion {
 
-/// The "linear_solver" object of a solver's config.
-struct LinearSolverSettings {
-  /// "auto" | "lu" | "mumps" | "bicgstab" | "gmres" | "cg"
-  std::string method = "auto";
-  /// "auto" | "jacobi" (node blocks) | "ilu" ; for Krylov methods
-  std::string preconditioner = "auto";
-  double tolerance = 1e-8;  ///< on the true residual, relative to the right-hand side
-  int max_iterations = 500;
-};
-LinearSolverSettings read_linear_solver_settings(ConfigReader in);
-
-/// What "auto" needs to know.
-struct LinearRegime {
-  bool symmetric = false;
-  /// Elastic Courant number c dt / h; infinity for statics. Mass dominates the matrix when small.
-  double courant = 0;
-};
-
 /// Solves K x = b with PETSc. b and x are replicated: every rank holds the whole vector.
+///
+/// PETSc gets a copy of K; on several ranks each rank adds its blocks to a matrix whose rows are
+/// shared out in equal contiguous parts.
+/// @pre  destroyed before the PetscSession ends
 template <int dim>
 class LinearSolver {
  public:
@@ -42,23 +28,30 @@ class LinearSolver {
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
-  /// Choose the method for this regime and size (logged when it changes).
+  /// Choose the method for this regime and size (logged when it changes). Before the first
+  /// call the regime is static and unsymmetric.
   void set_regime(const LinearRegime& regime, std::int32_t num_nodes);
 
   /// Take over new values of K. A direct method factorises at the next solve.
+  /// @param new_pattern  true when K has another pattern than in the last call (also found out from
+  ///                     its pattern_id)
+  /// @note Collective.
   void set_matrix(const BlockMatrix<dim>& K, bool new_pattern);
 
   /// Solve with the matrix of the last set_matrix. A Krylov method that fails is replaced by the
-  /// direct one for this matrix (logged, counted).
-  /// @param tolerance  relative to |b|; <= 0 takes the setting
+  /// direct one for this matrix (logged, counted). The residual |b - K x| of what is returned is at
+  /// most 10 times the tolerance (direct: 1e-8) times |b|.
+  /// @param tolerance  relative to |b|, for a looser solution than the setting asks for; a tighter
+  /// one
+  ///                   than the setting is not given
   /// @returns iterations (0 for a direct solve)
-  /// @throws ConvergenceError  neither worked
+  /// @throws ConvergenceError  neither worked, or b, K are not finite
   /// @note Collective.
-  int solve(std::span<const double> b, std::span<double> x, double tolerance = -1);
+  int solve(std::span<const double> b, std::span<double> x, double tolerance = 0);
 
-  std::string method_name() const;       ///< such as "bicgstab + node-block jacobi"
-  std::int64_t factorisations() const;
-  std::int64_t fallbacks() const;        ///< Krylov solves that went to the direct method
+  std::string method_name() const;      ///< such as "bicgstab + node-block jacobi"
+  std::int64_t factorisations() const;  ///< set-ups of a factor or a preconditioner
+  std::int64_t fallbacks() const;       ///< Krylov solves that went to the direct method
 
  private:
   struct Implementation;

@@ -5,7 +5,10 @@
 
 namespace gabion {
 
-/// Starts PETSc on this program's communicator, without PETSc's signal handlers; ends it on destruction.
+/// Starts PETSc on this program's communicator and ends it on destruction. PETSc's signal handlers
+/// stay off, no option file is read (the environment's PETSC_OPTIONS is), and errors come back as
+/// codes for check_petsc instead of ending the program.
+/// @pre  MPI runs, and keeps running until after the destruction
 class PetscSession {
  public:
   explicit PetscSession(MPI_Comm comm);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "common/mechanics/elements/cell_type.hpp"
+
+namespace gabion {
+
+/// Number of facets: 3 tri3, 4 quad4 and tet4, 6 hex8.
+constexpr int num_facets(CellType type) {
+  switch (type) {
+    case CellType::tri3:
+      return 3;
+    case CellType::quad4:
+    case CellType::tet4:
+      return 4;
+    case CellType::hex8:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
+/// Local nodes of facet `f` of a cell of positive volume, ordered so that the normal points out of
+/// the cell (2D: direction turned clockwise; 3D: right-hand rule).
+/// @pre type is tri3, quad4, tet4 or hex8, and 0 <= f < num_facets(type)
+std::span<const int> facet_nodes(CellType type, int f);
+
+}  // namespace gabion

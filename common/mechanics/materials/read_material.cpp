@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "common/mechanics/materials/material.hpp"
+
+namespace gabion {
+namespace {
+
+Range inside(double low, double high) {
+  return {[=](double x) { return low < x && x < high; },
+          fmt::format("a number between {} and {}, both excluded", low, high)};
+}
+
+struct LameConstants {
+  double lambda, mu;
+};
+
+LameConstants read_elasticity(ConfigReader& in) {
+  const double E = in.number("young_modulus", positive());
+  const double nu = in.number("poisson_ratio", inside(-1, 0.5));
+  return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
+}
+
+template <int dim>
+MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
+  constexpr double degree = std::numbers::pi / 180;
+  const Range friction_range = {[](double x) { return 0 <= x && x < 90; },
+                                "an angle in degrees, 0 < friction_angle < 90"};
+  const double phi = in.number("friction_angle", friction_range);
+  if (phi == 0) {
+    in.fail("friction_angle",
+            "found 0, allowed: an angle in degrees, 0 < friction_angle < 90; a frictionless "
+            "(Tresca) branch is not offered yet");
+  }
+  const Range dilation_range = {
+      [phi](double x) { return 0 <= x && x <= phi; },
+      fmt::format("an angle in degrees from 0 to friction_angle = {}", phi)};
+  const double psi = in.number_or("dilation_angle", 0, dilation_range);
+  const double cohesion = in.number_or("cohesion", 0, non_negative());
+  return {elastic.lambda, elastic.mu, phi * degree, psi * degree, cohesion};
+}
+
+}  // namespace
+
+template <int dim>
+Material<dim> read_material(ConfigReader in) {
+  Material<dim> material;
+  material.law_name =
+      in.choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb"});
+  material.density = in.number("density", positive());
+  const auto elastic = read_elasticity(in);
+  if (material.law_name == "linear_elastic") {
+    material.law = LinearElastic<dim>{elastic.lambda, elastic.mu};
+  } else if (material.law_name == "neo_hookean") {
+    material.law = NeoHookean<dim>{elastic.lambda, elastic.mu};
+  } else if (material.law_name == "hencky_elastic") {
+    material.law = HenckyElastic<dim>{elastic.lambda, elastic.mu};
+  } else {
+    material.law = read_mohr_coulomb<dim>(in, elastic);
+  }
+  in.finish();
+  return material;
+}
+
+template Material<2> read_material<2>(ConfigReader in);
+template Material<3> read_material<3>(ConfigReader in);
+
+}  // namespace gabion

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gabion {
+
+/// What a Gmsh file of format 4.1 says, with the file's own numbers (Gmsh reference manual,
+/// "MSH file format"). Sections beyond names, entities, nodes and elements are passed over.
+struct GmshFile {
+  struct ElementBlock {
+    int dimension;
+    int entity;
+    int type;  ///< Gmsh's number: 1 line, 2 triangle, 3 quad, 4 tetrahedron, 5 hexahedron, 15 point
+    std::vector<std::uint64_t> nodes;  ///< num_elements x nodes of the type, node tags
+  };
+  using DimensionAndTag = std::pair<int, int>;
+
+  std::map<DimensionAndTag, std::string> physical_names;
+  std::map<DimensionAndTag, std::vector<int>> physical_tags;  ///< by entity; signs dropped
+  std::vector<std::uint64_t> node_tags;
+  std::vector<std::array<double, 3>> node_positions;
+  std::vector<ElementBlock> element_blocks;
+};
+
+/// @throws ConfigError  "<path>: line or byte n, section $X: ..."
+GmshFile read_gmsh_file(const std::string& path);
+
+/// Nodes of a Gmsh element type; 0 for types that are not read.
+int gmsh_num_nodes(int type);
+
+}  // namespace gabion

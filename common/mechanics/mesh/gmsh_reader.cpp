@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
+#include "common/mechanics/mesh/gmsh_file.hpp"
+#include "common/mechanics/mesh/mesh.hpp"
+
+namespace gabion {
+
+namespace {
+
+CellType cell_type_of(int gmsh_type) {
+  switch (gmsh_type) {
+    case 1:
+      return CellType::line2;
+    case 2:
+      return CellType::tri3;
+    case 3:
+      return CellType::quad4;
+    case 4:
+      return CellType::tet4;
+    case 5:
+      return CellType::hex8;
+    default:
+      return CellType::point1;
+  }
+}
+
+/// The one type of the cells of dimension `dim`.
+template <int dim>
+CellType find_cell_type(const GmshFile& file, const std::string& path) {
+  std::optional<CellType> result;
+  int highest = -1;
+  for (const auto& block : file.element_blocks) {
+    if (block.nodes.empty()) continue;
+    const CellType type = cell_type_of(block.type);
+    highest = std::max(highest, dimension(type));
+    if (dimension(type) != dim) continue;
+    require<ConfigError>(!result || *result == type,
+                         fmt::format("{}: section $Elements: found cells of types {} and {}, "
+                                     "allowed: one type a mesh",
+                                     path, name(result.value_or(type)), name(type)));
+    result = type;
+  }
+  require<ConfigError>(highest <= dim,
+                       fmt::format("{}: section $Elements: found elements of dimension {}, "
+                                   "allowed: a mesh of dimension {}",
+                                   path, highest, dim));
+  require<ConfigError>(result.has_value(),
+                       fmt::format("{}: section $Elements: found no cells of dimension {} (the "
+                                   "highest dimension is {}); a Gmsh file holds only elements of "
+                                   "physical groups once there is one",
+                                   path, dim, highest));
+  return *result;
+}
+
+/// From node tags of the file to positions in its list of nodes.
+std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
+                                                           const std::string& path) {
+  std::unordered_map<std::uint64_t, std::size_t> index;
+  index.reserve(file.node_tags.size());
+  for (std::size_t i = 0; i < file.node_tags.size(); ++i) {
+    require<ConfigError>(
+        index.emplace(file.node_tags[i], i).second,
+        fmt::format("{}: section $Nodes: found node {} twice", path, file.node_tags[i]));
+  }
+  return index;
+}
+
+std::vector<std::string> group_names(const GmshFile& file, const GmshFile::ElementBlock& block) {
+  std::vector<std::string> names;
+  const auto tags = file.physical_tags.find({block.dimension, block.entity});
+  if (tags == file.physical_tags.end()) return names;
+  for (int tag : tags->second) {
+    const auto found = file.physical_names.find({block.dimension, tag});
+    names.push_back(found == file.physical_names.end() ? std::to_string(tag) : found->second);
+  }
+  return names;
+}
+
+/// Collects nodes in the order of the file, those of cells only.
+template <int dim>
+class MeshBuilder {
+ public:
+  MeshBuilder(const GmshFile& file, const std::string& path)
+      : file_(file), path_(path), position_of_tag_(index_nodes(file, path)) {
+    mesh_.cell_type = find_cell_type<dim>(file, path);
+  }
+
+  Mesh<dim> build() {
+    number_nodes();
+    for (const auto& block : file_.element_blocks) {
+      if (dimension(cell_type_of(block.type)) == dim) add_cells(block);
+    }
+    for (std::int32_t c = 0; c < mesh_.num_cells(); ++c) orient_cell(c);
+    const FacetOwners owners(mesh_);
+    for (const auto& block : file_.element_blocks) {
+      if (dimension(cell_type_of(block.type)) == dim - 1) add_facets(block, owners);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  std::size_t position(std::uint64_t tag) const {
+    const auto found = position_of_tag_.find(tag);
+    require<ConfigError>(found != position_of_tag_.end(),
+                         fmt::format("{}: section $Elements: found node {}, which $Nodes does not "
+                                     "have",
+                                     path_, tag));
+    return found->second;
+  }
+
+  void number_nodes() {
+    number_.assign(file_.node_tags.size(), -1);
+    for (const auto& block : file_.element_blocks) {
+      if (dimension(cell_type_of(block.type)) != dim) continue;
+      for (std::uint64_t tag : block.nodes) number_[position(tag)] = 0;
+    }
+    std::array<double, 3> low, high;
+    low.fill(INFINITY);
+    high.fill(-INFINITY);
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      if (number_[i] < 0) continue;
+      number_[i] = mesh_.num_nodes_total();
+      mesh_.nodes.push_back(Vector<dim>(file_.node_positions[i].data()));
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], file_.node_positions[i][k]);
+        high[k] = std::max(high[k], file_.node_positions[i][k]);
+      }
+    }
+    const double extent = std::max(high[0] - low[0], high[1] - low[1]);
+    require<ConfigError>(dim == 3 || high[2] - low[2] <= 1e-10 * extent,
+                         fmt::format("{}: section $Nodes: found z from {} to {}, allowed: one z "
+                                     "for all nodes of a mesh of dimension 2",
+                                     path_, low[2], high[2]));
+  }
+
+  void add_cells(const GmshFile::ElementBlock& block) {
+    const std::int32_t first = mesh_.num_cells();
+    for (std::uint64_t tag : block.nodes) mesh_.cells.push_back(number_[position(tag)]);
+    for (const auto& group : group_names(file_, block)) {
+      auto& cells = mesh_.cell_groups[group];
+      for (std::int32_t c = first; c < mesh_.num_cells(); ++c) cells.push_back(c);
+    }
+  }
+
+  /// Make the volume positive; refuse a cell whose map is not invertible at each corner.
+  void orient_cell(std::int32_t c) {
+    const int n = mesh_.nodes_per_cell();
+    std::int32_t* cell = &mesh_.cells[static_cast<std::size_t>(c) * n];
+    if (cell_volume(mesh_, c) < 0) {
+      if (mesh_.cell_type == CellType::tri3 || mesh_.cell_type == CellType::tet4) {
+        std::swap(cell[1], cell[2]);
+      } else {
+        std::swap(cell[1], cell[3]);
+        if (n == 8) std::swap(cell[5], cell[7]);
+      }
+    }
+    Vector<dim> low = mesh_.nodes[cell[0]], high = low;
+    for (int a = 1; a < n; ++a) {
+      low = low.cwiseMin(mesh_.nodes[cell[a]]);
+      high = high.cwiseMax(mesh_.nodes[cell[a]]);
+    }
+    if (smallest_corner_determinant(c) > 1e-12 * std::pow((high - low).maxCoeff(), dim)) return;
+    throw ConfigError(fmt::format(
+        "{}: section $Elements: found a degenerate, folded or non-convex {} near ({}), allowed: "
+        "cells of positive Jacobian",
+        path_, name(mesh_.cell_type), fmt::join(low, ", ")));
+  }
+
+  double smallest_corner_determinant(std::int32_t c) const {
+    const auto cell = mesh_.cell(c);
+    const bool simplex = dim + 1 == static_cast<int>(cell.size());
+    double smallest = INFINITY;
+    ShapeValues<dim> shape;
+    for (int corner = 0; corner < (simplex ? 1 : 1 << dim); ++corner) {
+      Vector<dim> xi;
+      for (int i = 0; i < dim; ++i) xi[i] = (corner >> i & 1) ? 1.0 : -1.0;
+      shape_functions<dim>(mesh_.cell_type, xi, shape);
+      Matrix<dim> jacobian = Matrix<dim>::Zero();
+      for (std::size_t a = 0; a < cell.size(); ++a) {
+        jacobian += mesh_.nodes[cell[a]] * shape.dN[a].transpose();
+      }
+      smallest = std::min(smallest, jacobian.determinant());
+    }
+    return smallest;
+  }
+
+  void add_facets(const GmshFile::ElementBlock& block, const FacetOwners& owners) {
+    const auto groups = group_names(file_, block);
+    const std::size_t n = gmsh_num_nodes(block.type);
+    if (groups.empty()) return;
+    std::vector<std::int32_t> facets;
+    for (std::size_t first = 0; first < block.nodes.size(); first += n) {
+      std::array<std::int32_t, 4> facet;
+      for (std::size_t a = 0; a < n; ++a) facet[a] = number_[position(block.nodes[first + a])];
+      const auto found = owners.find({facet.data(), n});
+      require<ConfigError>(!found.empty(),
+                           fmt::format("{}: section $Elements: found a facet of group \"{}\" "
+                                       "(nodes {}) that belongs to no cell",
+                                       path_, groups[0],
+                                       fmt::join(block.nodes.begin() + first,
+                                                 block.nodes.begin() + first + n, ", ")));
+      if (found.size() == 1) facet = cell_facet(mesh_, found[0].cell, found[0].facet);
+      facets.insert(facets.end(), facet.begin(), facet.begin() + n);
+    }
+    for (const auto& group : groups) {
+      auto& all = mesh_.facet_groups[group];
+      all.insert(all.end(), facets.begin(), facets.end());
+    }
+  }
+
+  const GmshFile& file_;
+  const std::string& path_;
+  std::unordered_map<std::uint64_t, std::size_t> position_of_tag_;
+  std::vector<std::int32_t> number_;  // by position in the file; -1: no cell uses it
+  Mesh<dim> mesh_;
+};
+
+}  // namespace
+
+template <int dim>
+Mesh<dim> read_gmsh(const std::string& path) {
+  const GmshFile file = read_gmsh_file(path);
+  return MeshBuilder<dim>(file, path).build();
+}
+
+template Mesh<2> read_gmsh(const std::string&);
+template Mesh<3> read_gmsh(const std::string&);
+
+}  // namespace gabion

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/mechanics/mesh/mesh.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/elements/shape_functions.hpp"
+
+namespace gabion {
+
+template <int dim>
+const std::vector<std::int32_t>& Mesh<dim>::facets(const std::string& group,
+                                                   const std::string& where) const {
+  const auto found = facet_groups.find(group);
+  if (found != facet_groups.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, facets] : facet_groups) names.push_back(known);
+  throw ConfigError(
+      fmt::format("{}: found facet group \"{}\", the mesh has: {}", where, group,
+                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+template <int dim>
+std::vector<std::int32_t> Mesh<dim>::group_nodes(const std::string& group,
+                                                 const std::string& where) const {
+  std::vector<std::int32_t> result = facets(group, where);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+template <int dim>
+double cell_volume(const Mesh<dim>& mesh, std::int32_t c) {
+  // det(dx/dxi) is constant in simplices, of degree 1 (quad4) or 2 (hex8) in each coordinate.
+  const bool affine = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
+  const auto cell = mesh.cell(c);
+  ShapeValues<dim> shape;
+  double volume = 0;
+  for (const auto& point : gauss_rule<dim>(mesh.cell_type, affine ? 1 : 2)) {
+    shape_functions<dim>(mesh.cell_type, point.xi, shape);
+    Matrix<dim> jacobian = Matrix<dim>::Zero();
+    for (std::size_t a = 0; a < cell.size(); ++a) {
+      jacobian += mesh.nodes[cell[a]] * shape.dN[a].transpose();
+    }
+    volume += jacobian.determinant() * point.weight;
+  }
+  return volume;
+}
+
+namespace {
+
+template <int dim>
+Mesh<dim> read_box(ConfigReader in) {
+  Vector<dim> low, high;
+  Eigen::Matrix<int, dim, 1> num_cells;
+  const auto low_values = in.numbers("low", dim);
+  const auto high_values = in.numbers("high", dim);
+  const auto cell_values = in.integers("cells", dim, at_least(1));
+  for (int i = 0; i < dim; ++i) {
+    low[i] = low_values[i];
+    high[i] = high_values[i];
+    num_cells[i] = cell_values[i];
+    if (!(low[i] < high[i])) {
+      in.fail("high", fmt::format("component {}: found {}, allowed: a number > low = {}", i,
+                                  high[i], low[i]));
+    }
+  }
+  const CellType simplex = dim == 2 ? CellType::tri3 : CellType::tet4;
+  const CellType brick = dim == 2 ? CellType::quad4 : CellType::hex8;
+  const bool cut = in.choice("type", {name(simplex), name(brick)}) == name(simplex);
+  const bool alternate = in.boolean_or("alternate", false);
+  if (alternate && !cut) {
+    in.fail("alternate", fmt::format("found true, allowed: only with type {}", name(simplex)));
+  }
+  in.finish();
+  try {
+    return box_mesh<dim>(low, high, num_cells, cut ? simplex : brick, alternate);
+  } catch (const ConfigError& error) {
+    in.fail("cells", error.what());
+  }
+}
+
+}  // namespace
+
+template <int dim>
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
+  if (in.has("file") == in.has("box")) {
+    in.fail("file", fmt::format("found {}, allowed: exactly one of \"file\" and \"box\"",
+                                in.has("file") ? "both \"file\" and \"box\"" : "neither"));
+  }
+  if (in.has("box")) {
+    auto box = in.object("box");
+    in.finish();
+    return read_box<dim>(box);
+  }
+  const std::string path = scene.path(in.text("file"));
+  in.finish();
+  try {
+    return read_gmsh<dim>(path);
+  } catch (const ConfigError& error) {
+    in.fail("file", error.what());
+  }
+}
+
+template struct Mesh<2>;
+template struct Mesh<3>;
+template double cell_volume(const Mesh<2>&, std::int32_t);
+template double cell_volume(const Mesh<3>&, std::int32_t);
+template Mesh<2> read_mesh(const Scene&, ConfigReader);
+template Mesh<3> read_mesh(const Scene&, ConfigReader);
+
+}  // namespace gabion

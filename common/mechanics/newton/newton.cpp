@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/mechanics/newton/newton.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+
+namespace gabion {
+
+namespace {
+
+constexpr int max_cuts = 8;
+constexpr double energy_reduction = 0.8;
+constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old matrix
+constexpr double loosest_linear_tolerance = 1e-3;
+constexpr double linear_margin = 1e-2;
+
+double norm_of(std::span<const double> r) {
+  double sum = 0;
+  for (const double value : r) sum += value * value;
+  return std::sqrt(sum);
+}
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+struct WorstNode {
+  std::size_t node = 0;
+  double size = 0;  // |value| there
+};
+
+template <int dim>
+WorstNode worst_node(std::span<const double> values) {
+  WorstNode worst;
+  for (std::size_t i = 0; i * dim < values.size(); ++i) {
+    const double size = norm_of(values.subspan(i * dim, dim));
+    if (size <= worst.size) continue;
+    worst = {i, size};
+    if (!std::isfinite(size)) break;
+  }
+  return worst;
+}
+
+/// State of one solve.
+template <int dim>
+class Newton {
+ public:
+  Newton(NewtonProblem<dim>& problem, BlockMatrix<dim>& K, bool new_pattern,
+         LinearSolver<dim>& linear, const NewtonSettings& settings, std::span<double> du,
+         PhaseTimes& times, NewtonMemory& memory)
+      : problem_(problem),
+        K_(K),
+        new_pattern_(new_pattern),
+        linear_(linear),
+        settings_(settings),
+        du_(du),
+        times_(times),
+        memory_(memory),
+        r_(du.size()),
+        step_(du.size()),
+        trial_(du.size()),
+        trial_r_(du.size()) {}
+
+  NewtonReport run();
+
+ private:
+  struct Iterate {
+    double norm = 0;      // |r|
+    double relative = 0;  // |r| / force_scale
+    bool small_residual = false;
+    bool has_matrix = false;  // K was evaluated with it
+  };
+
+  Iterate evaluate(std::span<const double> du, std::span<double> r, bool with_matrix);
+  void accept(const Iterate& next);
+  void provide_matrix();
+  void solve_linear();
+  bool next_is_last() const;
+  double predicted_relative() const;
+  bool line_search();
+  bool sufficient(const Iterate& next, double energy) const;
+  [[noreturn]] void fail(const std::string& reason) const;
+
+  NewtonProblem<dim>& problem_;
+  BlockMatrix<dim>& K_;
+  bool new_pattern_;
+  LinearSolver<dim>& linear_;
+  const NewtonSettings& settings_;
+  std::span<double> du_;
+  PhaseTimes& times_;
+  NewtonMemory& memory_;
+
+  std::vector<double> r_, step_, trial_, trial_r_;
+  Iterate current_;
+  std::string rejection_;       // why the last trial state was refused
+  double step_size_ = 0;        // largest nodal |step| before any cut
+  double cut_ = 1;              // s of the last line search
+  bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
+  NewtonReport report_;
+};
+
+template <int dim>
+typename Newton<dim>::Iterate Newton<dim>::evaluate(std::span<const double> du, std::span<double> r,
+                                                    bool with_matrix) {
+  const ScopedTimer timer(times_, "assembly");
+  const Evaluation evaluation = problem_.evaluate(du, r, with_matrix ? &K_ : nullptr);
+  report_.matrices += with_matrix;
+  rejection_.clear();
+  Iterate next;
+  next.has_matrix = with_matrix;
+  next.norm = norm_of(r);
+  if (!evaluation.admissible) {
+    rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
+  } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
+    rejection_ = fmt::format("residual not finite, worst node {}", worst_node<dim>(r).node);
+  }
+  const double scale = evaluation.force_scale;
+  next.small_residual = next.norm <= settings_.residual_tolerance * scale;
+  next.relative = next.norm == 0 ? 0 : next.norm / scale;
+  return next;
+}
+
+template <int dim>
+void Newton<dim>::accept(const Iterate& next) {
+  current_ = next;
+  report_.residuals.push_back(next.relative);
+}
+
+// Quadratic convergence through the last two residuals; infinite where they do not show it.
+template <int dim>
+double Newton<dim>::predicted_relative() const {
+  const auto& residuals = report_.residuals;
+  if (residuals.size() < 2) return HUGE_VAL;
+  const double before = residuals[residuals.size() - 2], last = residuals.back();
+  if (!(last < before)) return HUGE_VAL;
+  return last * (last / before) * (last / before);
+}
+
+template <int dim>
+bool Newton<dim>::next_is_last() const {
+  return step_size_ <= settings_.increment_tolerance * problem_.length_scale() &&
+         (current_.small_residual || predicted_relative() <= settings_.residual_tolerance);
+}
+
+template <int dim>
+void Newton<dim>::provide_matrix() {
+  if (!current_.has_matrix) {
+    const Iterate again = evaluate(du_, r_, true);
+    if (!rejection_.empty()) fail(rejection_);
+    current_ = again;
+  }
+  linear_.set_matrix(K_, new_pattern_);
+  new_pattern_ = false;
+  matrix_is_old_ = false;
+}
+
+template <int dim>
+void Newton<dim>::solve_linear() {
+  const double predicted = predicted_relative();
+  const double needed = linear_margin * (std::isfinite(predicted) && !matrix_is_old_
+                                             ? std::max(predicted, settings_.residual_tolerance)
+                                             : settings_.residual_tolerance);
+  // The solver's own setting is the lower bound: a value <= 0 asks for it.
+  const double wanted = std::min(needed / current_.relative, loosest_linear_tolerance);
+  const ScopedTimer timer(times_, "solve");
+  try {
+    report_.linear_iterations += linear_.solve(r_, step_, wanted);
+  } catch (const ConvergenceError& error) {
+    fail(error.what());
+  }
+  ++report_.iterations;
+  step_size_ = worst_node<dim>(step_).size;
+}
+
+template <int dim>
+bool Newton<dim>::sufficient(const Iterate& next, double energy) const {
+  return next.small_residual || next.norm < current_.norm ||
+         std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);
+}
+
+template <int dim>
+bool Newton<dim>::line_search() {
+  const double energy = dot(step_, r_);
+  const bool speculate = !settings_.reuse_matrix && !next_is_last();
+  cut_ = 1;
+  for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
+    for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
+    const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
+    if (rejection_.empty() && sufficient(next, energy)) {
+      std::copy(trial_.begin(), trial_.end(), du_.begin());
+      std::swap(r_, trial_r_);
+      report_.line_search_cuts += cuts;
+      accept(next);
+      return true;
+    }
+    // K, if it was evaluated, belongs to a refused state.
+    current_.has_matrix = false;
+  }
+  return false;
+}
+
+template <int dim>
+NewtonReport Newton<dim>::run() {
+  const bool reuse = settings_.reuse_matrix && memory_.matrix_is_usable && !new_pattern_;
+  memory_.matrix_is_usable = false;
+  const Iterate first = evaluate(du_, r_, !reuse);
+  if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_);
+  accept(first);
+  bool converged = current_.small_residual;
+  bool matrix_is_usable = reuse;
+  while (!converged) {
+    if (report_.iterations == settings_.max_iterations) fail("iteration limit reached");
+    matrix_is_old_ = matrix_is_usable;
+    if (!matrix_is_usable) provide_matrix();
+    solve_linear();
+    const double norm_before = current_.norm;
+    if (line_search()) {
+      converged = current_.small_residual &&
+                  cut_ * step_size_ <= settings_.increment_tolerance * problem_.length_scale();
+      matrix_is_usable =
+          settings_.reuse_matrix && (converged || current_.norm <= reuse_reduction * norm_before);
+    } else if (matrix_is_old_) {
+      matrix_is_usable = false;
+    } else {
+      fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_));
+    }
+  }
+  memory_.matrix_is_usable = matrix_is_usable;
+  return report_;
+}
+
+template <int dim>
+void Newton<dim>::fail(const std::string& reason) const {
+  std::string worst;
+  const WorstNode node = worst_node<dim>(r_);
+  if (report_.residuals.empty()) {
+    worst = "no residual yet";
+  } else {
+    worst = fmt::format("worst node {} with |r| = {:.3e}", node.node, node.size);
+  }
+  throw ConvergenceError(fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {:.2e}",
+                                     report_.iterations, reason, worst,
+                                     fmt::join(report_.residuals, " ")));
+}
+
+}  // namespace
+
+NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults) {
+  const Range residual{[](double x) { return x > 0 && x <= 0.1; }, "a number in (0, 0.1]"};
+  const Range increment{[](double x) { return x > 0 && x <= 1; }, "a number in (0, 1]"};
+  NewtonSettings settings;
+  settings.residual_tolerance =
+      in.number_or("residual_tolerance", defaults.residual_tolerance, residual);
+  settings.increment_tolerance =
+      in.number_or("increment_tolerance", defaults.increment_tolerance, increment);
+  settings.max_iterations = in.integer_or("max_iterations", defaults.max_iterations, at_least(1));
+  settings.reuse_matrix = in.boolean_or("reuse_matrix", defaults.reuse_matrix);
+  in.finish();
+  return settings;
+}
+
+template <int dim>
+NewtonReport solve_newton(NewtonProblem<dim>& problem, BlockMatrix<dim>& K, bool new_pattern,
+                          LinearSolver<dim>& linear, const NewtonSettings& settings,
+                          std::span<double> du, PhaseTimes& times, NewtonMemory* memory) {
+  NewtonMemory own;
+  return Newton<dim>(problem, K, new_pattern, linear, settings, du, times,
+                     memory != nullptr ? *memory : own)
+      .run();
+}
+
+template NewtonReport solve_newton<2>(NewtonProblem<2>&, BlockMatrix<2>&, bool, LinearSolver<2>&,
+                                      const NewtonSettings&, std::span<double>, PhaseTimes&,
+                                      NewtonMemory*);
+template NewtonReport solve_newton<3>(NewtonProblem<3>&, BlockMatrix<3>&, bool, LinearSolver<3>&,
+                                      const NewtonSettings&, std::span<double>, PhaseTimes&,
+                                      NewtonMemory*);
+
+}  // namespace gabion

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/mechanics/output/xdmf_series.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <system_error>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/output/hdf5_file.hpp"
+
+namespace gabion {
+
+namespace {
+
+/// Opening attributes of XDMF's topology element.
+std::string topology(CellType type) {
+  switch (type) {
+    case CellType::point1:
+      return R"(TopologyType="Polyvertex" NodesPerElement="1")";
+    case CellType::line2:
+      return R"(TopologyType="Polyline" NodesPerElement="2")";
+    case CellType::tri3:
+      return R"(TopologyType="Triangle")";
+    case CellType::quad4:
+      return R"(TopologyType="Quadrilateral")";
+    case CellType::tet4:
+      return R"(TopologyType="Tetrahedron")";
+    case CellType::hex8:
+      return R"(TopologyType="Hexahedron")";
+  }
+  return "";
+}
+
+/// How a field is stored: each stored column is one of the field's components, or zero (-1).
+struct Layout {
+  const char* attribute_type;
+  std::vector<int> columns;
+};
+
+/// Vectors become XYZ; symmetric tensors (see `Symmetric` in tensor.hpp) become XDMF's order
+/// xx, xy, xz, yy, yz, zz.
+Layout layout(const OutputField& field) {
+  switch (field.components) {
+    case 1:
+      return {"Scalar", {0}};
+    case 2:
+      return {"Vector", {0, 1, -1}};
+    case 3:
+      return {"Vector", {0, 1, 2}};
+    case 4:
+      return {"Tensor6", {0, 3, -1, 1, -1, 2}};
+    case 6:
+      return {"Tensor6", {0, 3, 5, 1, 4, 2}};
+    default:
+      throw Error(fmt::format("output field {}: found {} components, allowed: 1, 2, 3, 4, 6",
+                              field.name, field.components));
+  }
+}
+
+template <class T>
+std::vector<T> arrange(std::span<const double> values, int components,
+                       const std::vector<int>& columns, const std::string& what) {
+  const std::size_t rows = values.size() / components;
+  std::vector<T> result;
+  result.reserve(rows * columns.size());
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (int column : columns) {
+      const double value = column < 0 ? 0.0 : values[r * components + column];
+      result.push_back(static_cast<T>(value));
+      require(std::isfinite(static_cast<double>(result.back())) || !std::isfinite(value),
+              fmt::format("output field {}: found {}, allowed: what a 32-bit number can hold", what,
+                          value));
+    }
+  }
+  return result;
+}
+
+std::string data_item(const std::string& file, const std::string& dataset, std::size_t rows,
+                      int columns, const char* number_type, int precision) {
+  const std::string size =
+      columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
+  return fmt::format(
+      R"(<DataItem Dimensions="{}" NumberType="{}" Precision="{}" Format="HDF">{}:/{}</DataItem>)",
+      size, number_type, precision, file, dataset);
+}
+
+void check_name(const std::string& what, const std::string& name) {
+  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-';
+  });
+  require(plain,
+          fmt::format("{}: found the name \"{}\", allowed: letters, digits, _ and -", what, name));
+}
+
+}  // namespace
+
+XdmfSeries::XdmfSeries(std::string folder, std::string name)
+    : folder_(std::move(folder)), name_(std::move(name)) {
+  check_name("output series", name_);
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  require(!error, fmt::format("{}: cannot create this folder: {}", folder_, error.message()));
+}
+
+void XdmfSeries::write(double time, int dim, std::span<const double> coordinates, CellType type,
+                       std::span<const std::int32_t> connectivity,
+                       const std::vector<OutputField>& fields) {
+  require(std::isfinite(time), fmt::format("output {}: found time {}", name_, time));
+  require((dim == 2 || dim == 3) && coordinates.size() % dim == 0,
+          fmt::format("output {}: found {} coordinates of dimension {}", name_, coordinates.size(),
+                      dim));
+  const std::size_t num_points = coordinates.size() / dim;
+  const int per_cell = num_nodes(type);
+  std::vector<std::int32_t> own_cells;
+  if (type == CellType::point1 && connectivity.empty()) {
+    own_cells.resize(num_points);  // ParaView's newer readers draw nothing without it
+    std::iota(own_cells.begin(), own_cells.end(), 0);
+    connectivity = own_cells;
+  }
+  require(connectivity.size() % per_cell == 0,
+          fmt::format("output {}: found {} node numbers for cells of {} nodes", name_,
+                      connectivity.size(), per_cell));
+  const std::size_t num_cells = connectivity.size() / per_cell;
+
+  const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
+  Hdf5File file((std::filesystem::path(folder_) / file_name).string());
+  // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
+  const std::vector<int> xyz = dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
+  file.write("coordinates", 3, arrange<double>(coordinates, dim, xyz, "coordinates"));
+  file.write("connectivity", per_cell, connectivity);
+  std::string grid = fmt::format(
+      "<Grid Name=\"{}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n"
+      "<Topology {} NumberOfElements=\"{}\">{}</Topology>\n"
+      "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      name_, time, topology(type), num_cells,
+      data_item(file_name, "connectivity", num_cells, per_cell, "Int", 4),
+      data_item(file_name, "coordinates", num_points, 3, "Float", 8));
+  for (const auto& field : fields) {
+    check_name("output field", field.name);
+    const Layout stored = layout(field);
+    const std::size_t rows = field.on_cells ? num_cells : num_points;
+    require(field.values.size() == rows * field.components,
+            fmt::format("output field {}: found {} values, expected {} x {}", field.name,
+                        field.values.size(), rows, field.components));
+    const int columns = static_cast<int>(stored.columns.size());
+    const std::string dataset = (field.on_cells ? "cell/" : "point/") + field.name;
+    file.write(dataset, columns,
+               arrange<float>(field.values, field.components, stored.columns, field.name));
+    grid +=
+        fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
+                    field.name, stored.attribute_type, field.on_cells ? "Cell" : "Node",
+                    data_item(file_name, dataset, rows, columns, "Float", 4));
+  }
+  file.finish();
+  times_.push_back(time);
+  grids_.push_back(grid + "</Grid>\n");
+  write_index();
+}
+
+void XdmfSeries::write_index() const {
+  const std::filesystem::path path = std::filesystem::path(folder_) / (name_ + ".xdmf");
+  const std::filesystem::path part = path.string() + ".part";
+  errno = 0;
+  std::ofstream out(part);
+  out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+      << "<Grid Name=\"" << name_ << "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const auto& grid : grids_) out << grid;
+  out << "</Grid>\n</Domain>\n</Xdmf>\n";
+  out.close();
+  require(out.good(),
+          fmt::format("{}: cannot write this file: {}", path.string(), std::strerror(errno)));
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  require(!error, fmt::format("{}: cannot give the written file its name: {}", path.string(),
+                              error.message()));
+}
+
+}  // namespace gabion

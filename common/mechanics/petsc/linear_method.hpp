@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/config_reader.hpp"
+
+namespace gabion {
+
+/// The "linear_solver" object of a solver's config.
+struct LinearSolverSettings {
+  /// "auto" | "lu" | "mumps" | "bicgstab" | "gmres" | "cg"
+  std::string method = "auto";
+  /// "auto" | "jacobi" (node blocks) | "ilu" (node blocks, no fill); for Krylov methods
+  std::string preconditioner = "auto";
+  double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; (0, 1e-2]
+  int max_iterations = 500;  ///< of a Krylov method, then the direct one takes over; >= 1
+};
+LinearSolverSettings read_linear_solver_settings(ConfigReader in,
+                                                 LinearSolverSettings defaults = {});
+
+/// What "auto" needs to know.
+struct LinearRegime {
+  bool symmetric = false;
+  /// Elastic Courant number c dt / h; infinity for statics. Mass dominates the matrix when small.
+  double courant = 0;
+};
+
+enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };
+enum class Preconditioner { none, jacobi, ilu };
+
+/// A way to solve a linear system.
+struct LinearMethod {
+  SolutionMethod method = SolutionMethod::mumps;
+  Preconditioner preconditioner = Preconditioner::none;
+
+  bool direct() const { return method == SolutionMethod::lu || method == SolutionMethod::mumps; }
+  std::string name() const;
+  bool operator==(const LinearMethod&) const = default;
+};
+
+/// The method that the settings ask for; "auto" takes the fastest for the regime as measured on
+/// granular columns (table in linear_method.cpp).
+/// @param num_dofs  unknowns of the whole system
+LinearMethod choose_linear_method(const LinearSolverSettings& settings, const LinearRegime& regime,
+                                  int dim, std::int64_t num_dofs, int num_ranks);
+
+/// The direct method for this size.
+SolutionMethod choose_direct_method(int dim, std::int64_t num_dofs, int num_ranks);
+
+}  // namespace gabion

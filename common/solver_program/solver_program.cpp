@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/solver_program/solver_program.hpp"
+
+#include <fmt/format.h>
+
+#include "common/base/log.hpp"
+#include "common/base/run_alone.hpp"
+#include "common/base/run_record.hpp"
+#include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/mechanics/ranks/ranked_solver.hpp"
+#include "protocol/interrupt.hpp"
+#include "protocol/serve.hpp"
+
+namespace gabion {
+
+AloneSettings read_alone_settings(ConfigReader& in) {
+  AloneSettings alone;
+  alone.time = read_time_settings(in.object("time"));
+  auto output = in.object("output");
+  alone.output_interval = output.number("interval", positive());
+  output.finish();
+  return alone;
+}
+
+namespace {
+
+std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& session) {
+  if (session.launched_with("coupler")) return session.share("coupler", "");
+  require<ConfigError>(
+      !options.coupler.empty(),
+      fmt::format("{}: has a coupler.json, so a coupler has to be part of the launch "
+                  "(mpirun … coupler … : … ) or named by --coupler tcp://host:port",
+                  options.scene));
+  return options.coupler;
+}
+
+void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
+                    const MpiSession& session, const Scene& scene, ConfigReader& reader,
+                    const std::string& endpoint) {
+  const auto solver =
+      program.make(scene, reader, session.comm(), options.output + "/" + program.folder, nullptr);
+  ParticipantSettings settings;
+  settings.endpoint = endpoint;
+  settings.name = options.name;
+  settings.program = program.name;
+  settings.scene_hash = scene.hash();
+  settings.dimension = static_cast<int>(reader.resolved().at("dimension"));
+  settings.receives = program.receives;
+  settings.sends = program.sends;
+  drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
+    interrupt::install();
+    Connection connection(settings);
+    serve(ranked, connection);
+  });
+}
+
+void drive_alone(const SolverProgram& program, const ProgramOptions& options,
+                 const MpiSession& session, const Scene& scene, ConfigReader& reader) {
+  RunRecord record(options.output, program.name, session.is_root());
+  MPI_Barrier(session.comm());
+  AloneSettings alone;
+  const auto solver =
+      program.make(scene, reader, session.comm(), record.path(program.folder), &alone);
+  if (record.writes()) record.write_json("resolved_config.json", {{program.file, reader.resolved()}});
+  if (!solver->interfaces().empty()) {
+    log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
+  }
+  run_alone(*solver, alone.time, alone.output_interval, record);
+}
+
+}  // namespace
+
+void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
+                        const MpiSession& session) {
+  const PetscSession petsc(session.comm());
+  const Scene scene(options.scene, options.overrides);
+  ConfigReader reader = scene.reader(program.file);
+  const bool is_alone = !scene.has("coupler.json");
+  if (options.check) {
+    AloneSettings alone;
+    program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    log::info("{}: valid", scene.path(program.file));
+  } else if (is_alone) {
+    drive_alone(program, options, session, scene, reader);
+  } else {
+    const std::string endpoint = coupler_endpoint(options, session);
+    follow_coupler(program, options, session, scene, reader, endpoint);
+  }
+}
+
+}  // namespace gabion

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/base/mpi_session.hpp"
+#include "common/base/program.hpp"
+#include "common/base/scene.hpp"
+#include "common/base/solver.hpp"
+#include "common/base/time_steps.hpp"
+#include "protocol/handshake.hpp"
+
+namespace gabion {
+
+/// What a solver needs to know when no coupler does: the objects "time" and "output" of its file.
+struct AloneSettings {
+  TimeSettings time;
+  double output_interval = 0;  ///< [s] > 0
+};
+AloneSettings read_alone_settings(ConfigReader& in);
+
+/// A program around one Solver.
+struct SolverProgram {
+  std::string name;    ///< "mpm_solver"
+  std::string file;    ///< of the scene: "mpm.json"
+  std::string folder;  ///< of its frames below the results: "mpm"
+  Quantity receives;
+  Quantity sends;
+  /// Read the file and set up the solver.
+  /// @param output_folder  empty: no frames
+  /// @param alone          null, or to be read from the same file
+  std::function<std::unique_ptr<Solver>(const Scene&, ConfigReader&, MPI_Comm,
+                                        const std::string& output_folder, AloneSettings* alone)>
+      make;
+};
+
+/// Follow the coupler; or run alone when the scene has no coupler.json; or only check the file.
+/// @throws ConfigError, ProtocolError, ConvergenceError
+/// @note Collective over session.comm().
+void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
+                        const MpiSession& session);
+
+}  // namespace gabion

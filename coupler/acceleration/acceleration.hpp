@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "common/base/config_reader.hpp"
+
+namespace gabion {
+
+/// The "coupling/acceleration" object of coupler.json.
+struct AccelerationSettings {
+  std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn
+  double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
+  double filter = 1e-2;         ///< QR2 limit in [0, 1): a column this dependent is dropped
+  int history = 20;             ///< accepted steps whose columns are kept, >= 0
+  int max_columns = 200;        ///< of all steps together, >= 1
+  double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
+};
+AccelerationSettings read_acceleration_settings(ConfigReader in);
+
+/// What the last `next` did, for the log.
+struct AccelerationCounters {
+  double omega = 0;         ///< relaxation used; 0 when columns decided
+  int columns = 0;          ///< in use
+  int columns_dropped = 0;  ///< by the filter
+};
+
+/// Finds the fixed point x = x_tilde(x) of a coupled step from pairs (x, x_tilde), r = x_tilde - x.
+///
+///     begin_step, next, next, ..., end_step          step accepted
+///     begin_step, next, next, ..., discard_step      step rejected: all it learned is forgotten
+class Acceleration {
+ public:
+  virtual ~Acceleration() = default;
+
+  virtual void begin_step() = 0;
+  /// The next guess from the last guess and what the solvers answered to it.
+  virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) = 0;
+  /// The step was accepted with this last pair, which still teaches something.
+  virtual void end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) = 0;
+  virtual void discard_step() = 0;
+  /// Forget earlier steps, and what this step taught so far.
+  virtual void reset() = 0;
+  virtual AccelerationCounters counters() const = 0;
+};
+
+std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings);
+
+}  // namespace gabion

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/coupler_config.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace gabion {
+
+namespace {
+
+CouplingSettings read_coupling(ConfigReader in) {
+  static const std::map<std::string, OnLimit> on_limit = {
+      {"cut", OnLimit::cut}, {"stop", OnLimit::stop}, {"accept", OnLimit::accept}};
+  CouplingSettings s;
+  const bool implicit =
+      in.choice_or("scheme", {"serial_implicit", "explicit"}, "serial_implicit") != "explicit";
+  s.scheme = implicit ? Scheme::serial_implicit : Scheme::explicit_;
+  s.max_iterations = in.integer_or("max_iterations", s.max_iterations, at_least(2));
+  s.on_limit = on_limit.at(in.choice_or("on_limit", {"cut", "stop", "accept"}, "cut"));
+  s.predictor = in.integer_or("predictor", s.predictor, between(0, 2));
+  s.acceleration = read_acceleration_settings(in.object_or_empty("acceleration"));
+  if (implicit || in.has("convergence")) {
+    s.convergence = read_convergence_settings(in.object("convergence"));
+  }
+  s.mapping = read_mapping_settings(in.object("mapping"));
+  in.finish();
+  return s;
+}
+
+std::vector<ParticipantRole> read_participants(ConfigReader& in) {
+  std::vector<ParticipantRole> result;
+  for (auto& [name, entry] : in.named_objects("participants")) {
+    const std::string sends = entry.choice("sends", {"force", "displacement"});
+    entry.finish();
+    result.push_back({name, sends == "force"});
+  }
+  return result;
+}
+
+void require_participant(const ConfigReader& entry, const std::string& key,
+                         const std::string& found,
+                         const std::vector<ParticipantRole>& participants, bool sends_force) {
+  std::vector<std::string> allowed;
+  for (const auto& p : participants) {
+    if (p.sends_force == sends_force) allowed.push_back(p.name);
+  }
+  if (std::find(allowed.begin(), allowed.end(), found) != allowed.end()) return;
+  entry.fail(key, fmt::format("found \"{}\", allowed: a participant that sends {}: {}", found,
+                              sends_force ? "force" : "displacement", fmt::join(allowed, ", ")));
+}
+
+std::vector<InterfaceSettings> read_interfaces(
+    ConfigReader& in, const std::vector<ParticipantRole>& participants) {
+  std::vector<InterfaceSettings> result;
+  std::set<std::string> names;
+  std::set<std::string> used;
+  for (auto& entry : in.objects("interfaces")) {
+    const InterfaceSettings s{entry.text("name"), entry.text("soil"), entry.text("structure")};
+    entry.finish();
+    if (!names.insert(s.name).second) {
+      entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));
+    }
+    require_participant(entry, "soil", s.soil, participants, true);
+    require_participant(entry, "structure", s.structure, participants, false);
+    used.insert({s.soil, s.structure});
+    result.push_back(s);
+  }
+  if (result.empty()) in.fail("interfaces", "found none, allowed: one or more");
+  for (const auto& p : participants) {
+    if (!used.contains(p.name)) {
+      in.fail("participants/" + p.name, "no entry of \"interfaces\" names this participant");
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+CouplerSettings read_coupler_settings(ConfigReader in) {
+  CouplerSettings s;
+  s.time = read_time_settings(in.object("time"));
+  ConfigReader output = in.object("output");
+  s.output_interval = output.number("interval", positive());
+  output.finish();
+  s.participants = read_participants(in);
+  s.interfaces = read_interfaces(in, s.participants);
+  s.coupling = read_coupling(in.object("coupling"));
+  s.server = read_server_settings(in.object_or_empty("protocol"));
+  in.finish();
+  return s;
+}
+
+}  // namespace gabion

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/scene.hpp"
+#include "common/base/time_steps.hpp"
+#include "coupler/acceleration/acceleration.hpp"
+#include "coupler/convergence.hpp"
+#include "coupler/interface_map.hpp"
+#include "protocol/server.hpp"
+
+namespace gabion {
+
+enum class Scheme {
+  serial_implicit,  ///< soil, then structure, repeated until both agree
+  explicit_         ///< soil, then structure, once
+};
+
+/// What to do with a step that is not converged after `max_iterations`.
+enum class OnLimit { cut, stop, accept };
+
+/// The "coupling" object of coupler.json.
+struct CouplingSettings {
+  Scheme scheme = Scheme::serial_implicit;
+  int max_iterations = 50;  ///< of one step, >= 2
+  OnLimit on_limit = OnLimit::cut;
+  int predictor = 1;  ///< order of extrapolation, 0 to 2
+  AccelerationSettings acceleration;
+  ConvergenceSettings convergence;
+  MappingSettings mapping;
+};
+
+/// A program or foreign code that takes part.
+struct ParticipantRole {
+  std::string name;
+  bool sends_force = false;  ///< soil: force; structure: displacement
+};
+
+/// All of coupler.json.
+struct CouplerSettings {
+  TimeSettings time;
+  double output_interval = 0;  ///< [s] > 0
+  std::vector<ParticipantRole> participants;
+  std::vector<InterfaceSettings> interfaces;
+  CouplingSettings coupling;
+  ServerSettings server;
+};
+
+/// @throws ConfigError  with file, JSON pointer, found and allowed
+CouplerSettings read_coupler_settings(ConfigReader in);
+
+}  // namespace gabion

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/progress.hpp"
+#include "common/base/run_record.hpp"
+#include "common/base/solver.hpp"
+#include "common/base/time_steps.hpp"
+#include "common/base/timer.hpp"
+#include "coupler/contact_watch.hpp"
+#include "coupler/convergence.hpp"
+#include "coupler/coupler_config.hpp"
+#include "coupler/coupling_counts.hpp"
+#include "coupler/coupling_record.hpp"
+#include "coupler/interface_map.hpp"
+#include "coupler/predictor.hpp"
+
+namespace gabion {
+
+/// A solver, in this process or behind a proxy, and the name that coupler.json gives it.
+struct NamedSolver {
+  std::string name;
+  Solver& solver;
+};
+
+/// The coupled time loop: Dirichlet on the soils, Neumann on the structures (README.md section 1).
+class CouplingLoop {
+ public:
+  /// @param participants  one for each entry of settings.participants, in any order
+  /// @throws ConfigError  participants or interfaces do not fit the settings
+  CouplingLoop(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
+               RunRecord& files);
+
+  /// Run to the end. The files of a run that fails are complete up to the last accepted step, and
+  /// summary.json says why it ended.
+  /// @throws ConvergenceError  a step needs less than dt_min, or on_limit is "stop"
+  void run();
+
+ private:
+  /// A participant and what became of it in the step under way.
+  struct Side {
+    std::string name;
+    Solver& solver;
+    StepReport report;      // of the last solution
+    bool solved = false;    // in the step under way
+    bool may_sleep = false; // after the last accepted step: at rest, and no force was on it
+  };
+  /// One try to solve a step; row.request is its last request.
+  struct Attempt {
+    Eigen::VectorXd x;        // given to the soils
+    Eigen::VectorXd force;    // on the structures
+    Eigen::VectorXd x_tilde;  // answered by the structures
+    IterationRow row;
+    std::string status;
+    std::string skipped = "none";
+    std::string failure;  // empty: usable
+    bool solver_failed = false;
+    int soil_newton = 0;
+    int structure_newton = 0;
+  };
+
+  void run_steps();
+  void advance();
+  Attempt try_step(const StepRequest& request);
+  Attempt iterate(StepRequest request);
+  void solve_soils(Attempt& now);
+  void solve_structures(Attempt& now, bool may_sleep);
+  bool contact_possible(const Attempt& now) const;
+  void check_one_pass(Attempt& now) const;
+  bool finished(Attempt& now);
+  void log_iteration(Attempt& now, const Stopwatch& watch);
+  void accept(const Attempt& now, int cuts, const Stopwatch& watch);
+  std::vector<double> accept_sides(const Attempt& now, double& proposed_dt);
+  void reject(const Attempt& now);
+  void write_output();
+  std::vector<Side*> sides();
+  std::vector<StepReport> soil_reports() const;
+  Json summary(bool participants_answer);
+
+  CouplerSettings settings_;
+  std::vector<Side> soils_;
+  std::vector<Side> structures_;
+  std::unique_ptr<InterfaceMap> map_;
+  std::unique_ptr<Acceleration> acceleration_;
+  Predictor predictor_;
+  Convergence convergence_;
+  ContactWatch contact_;
+  TimeSteps steps_;
+  OutputClock clock_;
+  Progress progress_;
+  RunRecord& files_;
+  std::unique_ptr<CouplingRecord> record_;
+  Eigen::VectorXd accepted_x_;
+  double written_ = -1;  // [s] time of the last frame
+
+  CouplingCounts counts_;
+  PhaseTimes phases_;
+  Stopwatch watch_;
+};
+
+}  // namespace gabion

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/interface_map.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <set>
+
+#include "common/base/log.hpp"
+
+namespace gabion {
+
+namespace {
+
+using Meshes = std::map<std::string, std::vector<InterfaceMesh>>;
+
+const InterfaceMesh& mesh_of(const Meshes& meshes, const std::string& participant,
+                             const std::string& interface) {
+  std::vector<std::string> found;
+  for (const InterfaceMesh& mesh : meshes.at(participant)) {
+    if (mesh.name == interface) return mesh;
+    found.push_back(mesh.name);
+  }
+  throw ConfigError(fmt::format(
+      "interface \"{}\": participant \"{}\" does not have it; it has: {}", interface, participant,
+      found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+}
+
+void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes) {
+  std::set<std::pair<std::string, std::string>> coupled;
+  for (const auto& entry : interfaces) {
+    coupled.emplace(entry.soil, entry.name);
+    coupled.emplace(entry.structure, entry.name);
+  }
+  for (const auto& [participant, surfaces] : meshes) {
+    for (const InterfaceMesh& mesh : surfaces) {
+      require<ConfigError>(
+          coupled.contains({participant, mesh.name}),
+          fmt::format("participant \"{}\" offers the interface \"{}\", which \"interfaces\" in "
+                      "coupler.json does not couple",
+                      participant, mesh.name));
+    }
+  }
+}
+
+const std::vector<double>& checked(const InterfaceValues& sent, const std::string& participant,
+                                   const InterfaceMesh& mesh) {
+  const auto found = sent.find(mesh.name);
+  require(found != sent.end(), fmt::format("participant \"{}\" sent nothing for interface \"{}\"",
+                                           participant, mesh.name));
+  require(found->second.size() == mesh.coordinates.size(),
+          fmt::format("participant \"{}\" sent {} values for interface \"{}\", expected {}",
+                      participant, found->second.size(), mesh.name, mesh.coordinates.size()));
+  return found->second;
+}
+
+void add_resultant(const InterfaceMesh& mesh, const double* displacement, const double* force,
+                   Resultant& sum) {
+  for (std::int64_t v = 0; v < mesh.num_vertices(); ++v) {
+    Eigen::Vector3d x = Eigen::Vector3d::Zero();
+    Eigen::Vector3d f = Eigen::Vector3d::Zero();
+    for (int i = 0; i < mesh.dim; ++i) {
+      x(i) = mesh.coordinates[v * mesh.dim + i] + displacement[v * mesh.dim + i];
+      f(i) = force[v * mesh.dim + i];
+    }
+    sum.force += f;
+    sum.moment += x.cross(f);
+  }
+}
+
+}  // namespace
+
+InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes,
+                           const MappingSettings& settings) {
+  check_all_coupled(interfaces, meshes);
+  for (const InterfaceSettings& names : interfaces) {
+    const InterfaceMesh& soil = mesh_of(meshes, names.soil, names.name);
+    const InterfaceMesh& structure = mesh_of(meshes, names.structure, names.name);
+    if (interfaces_.empty()) dim_ = structure.dim;
+    require<ConfigError>(structure.dim == dim_,
+                         fmt::format("interface \"{}\" has dimension {}, interface \"{}\" has {}; "
+                                     "allowed: equal",
+                                     names.name, structure.dim, interfaces.front().name, dim_));
+    const auto size = static_cast<Eigen::Index>(structure.coordinates.size());
+    interfaces_.push_back(
+        {names, soil, structure, Mapping(structure, soil, settings), size_, size});
+    size_ += size;
+    const Mapping& mapping = interfaces_.back().mapping;
+    log::info("interface {}: {} vertices of {} on {} of {} ({}), farthest {:.3g} m", names.name,
+              mapping.num_matched(), names.soil, structure.num_vertices(), names.structure,
+              settings.method, mapping.farthest());
+  }
+}
+
+InterfaceValues InterfaceMap::soil_displacement(const std::string& soil,
+                                                const Eigen::VectorXd& x) const {
+  InterfaceValues result;
+  for (const Interface& interface : interfaces_) {
+    if (interface.names.soil != soil) continue;
+    std::vector<double>& values = result[interface.names.name];
+    values.resize(interface.soil_mesh.coordinates.size());
+    interface.mapping.to_soil(
+        {x.data() + interface.offset, static_cast<std::size_t>(interface.size)}, values);
+  }
+  return result;
+}
+
+void InterfaceMap::add_soil_force(const std::string& soil, const InterfaceValues& sent,
+                                  Eigen::VectorXd& force) const {
+  for (const Interface& interface : interfaces_) {
+    if (interface.names.soil != soil) continue;
+    interface.mapping.add_to_structure(
+        checked(sent, soil, interface.soil_mesh),
+        {force.data() + interface.offset, static_cast<std::size_t>(interface.size)});
+  }
+}
+
+InterfaceValues InterfaceMap::structure_values(const std::string& structure,
+                                               const Eigen::VectorXd& all) const {
+  InterfaceValues result;
+  for (const Interface& interface : interfaces_) {
+    if (interface.names.structure != structure) continue;
+    const double* begin = all.data() + interface.offset;
+    result[interface.names.name].assign(begin, begin + interface.size);
+  }
+  return result;
+}
+
+void InterfaceMap::put_structure_values(const std::string& structure, const InterfaceValues& sent,
+                                        Eigen::VectorXd& all) const {
+  for (const Interface& interface : interfaces_) {
+    if (interface.names.structure != structure) continue;
+    const auto& values = checked(sent, structure, interface.structure_mesh);
+    all.segment(interface.offset, interface.size) =
+        Eigen::Map<const Eigen::VectorXd>(values.data(), interface.size);
+  }
+}
+
+Resultant InterfaceMap::soil_resultant(const std::string& soil, const InterfaceValues& displacement,
+                                       const InterfaceValues& force) const {
+  Resultant sum;
+  for (const Interface& interface : interfaces_) {
+    if (interface.names.soil != soil) continue;
+    add_resultant(interface.soil_mesh, displacement.at(interface.names.name).data(),
+                  force.at(interface.names.name).data(), sum);
+  }
+  return sum;
+}
+
+Resultant InterfaceMap::structure_resultant(const Eigen::VectorXd& x,
+                                            const Eigen::VectorXd& force) const {
+  Resultant sum;
+  for (const Interface& interface : interfaces_) {
+    add_resultant(interface.structure_mesh, x.data() + interface.offset,
+                  force.data() + interface.offset, sum);
+  }
+  return sum;
+}
+
+}  // namespace gabion

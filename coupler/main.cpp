@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/run_coupler.hpp"
+
+int main(int argc, char** argv) {
+  return gabion::run_program(argc, argv, "coupler", gabion::run_coupler);
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+
+namespace gabion {
+
+/// Extrapolates the interface displacement with the polynomial through the last accepted states,
+/// whatever their distances in time.
+class Predictor {
+ public:
+  /// @param order  0, 1 or 2; lower while there are fewer states
+  explicit Predictor(int order) : order_(order) {}
+
+  /// @pre `time` is later than the state before
+  void accept(double time, const Eigen::VectorXd& x);
+  /// @pre at least one state was accepted
+  Eigen::VectorXd predict(double time) const;
+
+ private:
+  struct State {
+    double time;  // [s]
+    Eigen::VectorXd x;
+  };
+  int order_;
+  std::deque<State> states_;  // newest first
+};
+
+}  // namespace gabion

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/base/program.hpp"
+#include "coupler/coupler_config.hpp"
+#include "protocol/handshake.hpp"
+
+namespace gabion {
+
+/// What the handshake holds each participant to.
+std::vector<Expected> expected_participants(const CouplerSettings& settings,
+                                            const std::string& scene_hash);
+
+/// The coupler as a program: read the scene, prepare the folder of results, listen, give the
+/// endpoint to all programs of the launch, wait for the participants, run the coupling loop.
+///
+/// The participants get these settings of the run: "output" (folder), "end", "dt",
+/// "output_interval".
+/// @note Collective over the launch: every program in it must call session.share("coupler", …).
+///       The folder of results exists when that call returns.
+void run_coupler(const ProgramOptions& options, const MpiSession& session);
+
+}  // namespace gabion

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mechanics/tensor.hpp"
+#include "fem_solver/fem_config.hpp"
+
+namespace gabion::fem {
+
+/// Node of a mesh at this position.
+/// @throws ConfigError  no node within 1e-6 of the mesh's extent; names the nearest one
+template <int dim>
+std::int32_t node_at(const Mesh<dim>& mesh, const Vector<dim>& point, const std::string& where);
+
+/// Consistent nodal parts of a unit density: integral of N_a over the facets, num_nodes.
+template <int dim>
+std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::int32_t> facets);
+
+/// Supports, prescribed displacements and loads of a structure.
+template <int dim>
+class BoundaryConditions {
+ public:
+  /// @throws ConfigError  missing group (with those that exist), a component constrained by both a
+  ///                      support and a prescribed displacement, or by two prescribed ones
+  explicit BoundaryConditions(const FemSettings<dim>& settings);
+
+  /// Nodes with at least one constrained component, ascending, and the projectors onto their free
+  /// directions.
+  std::span<const std::int32_t> constrained_nodes() const { return nodes_; }
+  std::span<const Matrix<dim>> projectors() const { return projectors_; }
+  /// Constrained degrees of freedom, node * dim + component, ascending.
+  std::span<const std::int32_t> constrained_dofs() const { return dofs_; }
+
+  /// Displacement of the constrained degrees of freedom, in their order [m].
+  std::vector<double> displacements(double time) const;
+
+  /// Add the point loads and tractions at `time` to f, num_nodes x dim [N].
+  void add_loads(double time, std::span<double> f) const;
+
+  /// Whether loads and prescribed displacements never change again from `time` on.
+  bool constant_after(double time) const;
+
+ private:
+  struct Load {
+    std::vector<std::int32_t> nodes;
+    std::vector<Vector<dim>> forces;  // [N] at factor 1
+    TimeFunction factor;
+  };
+  void add_constraint(std::vector<int>& owner, std::int32_t node, int component, int function,
+                      const std::string& where);
+  void collect_constraints(const FemSettings<dim>& settings);
+  void collect_loads(const FemSettings<dim>& settings);
+
+  std::vector<std::int32_t> nodes_;
+  std::vector<Matrix<dim>> projectors_;
+  std::vector<std::int32_t> dofs_;
+  std::vector<int> dof_functions_;  // of each constrained dof, -1 = fixed
+  std::vector<TimeFunction> functions_;
+  std::vector<Load> loads_;
+};
+
+}  // namespace gabion::fem

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/fem_config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace gabion::fem {
+
+namespace {
+
+template <int dim>
+std::vector<std::string> allowed_components() {
+  return {component_names, component_names + dim};
+}
+
+template <int dim>
+Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
+  return Eigen::Map<const Vector<dim>>(in.numbers(key, dim).data());
+}
+
+template <int dim>
+Vector<dim> read_vector_or_zero(ConfigReader& in, const std::string& key) {
+  return Eigen::Map<const Vector<dim>>(
+      in.numbers_or(key, std::vector<double>(dim, 0.0), dim).data());
+}
+
+template <int dim>
+std::vector<int> read_components(ConfigReader& in) {
+  const auto allowed = allowed_components<dim>();
+  const auto words = in.texts_or("components", allowed);
+  if (words.empty()) in.fail("components", "found [], allowed: at least one component");
+  std::vector<int> result;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto found = std::find(allowed.begin(), allowed.end(), words[i]);
+    if (found == allowed.end()) {
+      in.fail(fmt::format("components/{}", i),
+              fmt::format("found \"{}\", allowed: x, y{}", words[i], dim == 3 ? ", z" : ""));
+    }
+    result.push_back(static_cast<int>(found - allowed.begin()));
+  }
+  return result;
+}
+
+template <int dim>
+SupportSettings read_support(ConfigReader in) {
+  SupportSettings s;
+  s.group = in.text("group");
+  s.where = in.where("group");
+  s.components = read_components<dim>(in);
+  s.report_reaction = in.boolean_or("report_reaction", s.report_reaction);
+  in.finish();
+  return s;
+}
+
+template <int dim>
+PrescribedSettings read_prescribed(ConfigReader in) {
+  PrescribedSettings p;
+  p.group = in.text("group");
+  p.where = in.where("group");
+  const auto allowed = allowed_components<dim>();
+  const std::string component = in.choice("component", allowed);
+  p.component =
+      static_cast<int>(std::find(allowed.begin(), allowed.end(), component) - allowed.begin());
+  if (in.has("rate") == in.has("table")) {
+    in.fail("rate", "allowed: either \"rate\" [m/s] or \"table\" [[time, displacement], ...]");
+  }
+  p.displacement =
+      in.has("rate") ? TimeFunction::ramp(in.number("rate")) : read_time_table(in);
+  in.finish();
+  return p;
+}
+
+TimeFunction read_factor(ConfigReader& in) {
+  return in.has("table") ? read_time_table(in) : TimeFunction::constant(1);
+}
+
+template <int dim>
+LoadSettings<dim> read_load(ConfigReader in) {
+  LoadSettings<dim> load;
+  if (in.has("point") == in.has("group")) {
+    in.fail("point", "allowed: either \"point\" (coordinates of a node) or \"group\"");
+  }
+  if (in.has("point")) {
+    load.point = read_vector<dim>(in, "point");
+    load.where = in.where("point");
+  } else {
+    load.group = in.text("group");
+    load.where = in.where("group");
+  }
+  load.force = read_vector<dim>(in, "force");
+  load.factor = read_factor(in);
+  in.finish();
+  return load;
+}
+
+template <int dim>
+TractionSettings<dim> read_traction(ConfigReader in) {
+  TractionSettings<dim> t;
+  t.group = in.text("group");
+  t.where = in.where("group");
+  t.traction = read_vector<dim>(in, "traction");
+  t.factor = read_factor(in);
+  in.finish();
+  return t;
+}
+
+InterfaceSettings read_interface(ConfigReader in) {
+  InterfaceSettings s;
+  s.name = in.text("name");
+  s.groups = in.texts("groups");
+  s.where = in.where("groups");
+  if (s.groups.empty()) in.fail("groups", "found [], allowed: at least one facet group");
+  in.finish();
+  return s;
+}
+
+template <int dim>
+ProbeSettings<dim> read_probe(ConfigReader in) {
+  ProbeSettings<dim> p;
+  p.name = in.text("name");
+  p.point = read_vector<dim>(in, "point");
+  p.where = in.where("point");
+  in.finish();
+  return p;
+}
+
+template <class List>
+void require_distinct_names(const ConfigReader& in, const std::string& key, const List& list) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!names.insert(list[i].name).second) {
+      in.fail(fmt::format("{}/{}/name", key, i),
+              fmt::format("found \"{}\" a second time, allowed: distinct names", list[i].name));
+    }
+  }
+}
+
+template <int dim>
+Material<dim> read_elastic_material(ConfigReader& in) {
+  Material<dim> material = read_material<dim>(in.object("material"));
+  if (std::holds_alternative<MohrCoulomb<dim>>(material.law)) {
+    in.fail("material/law",
+            fmt::format("found \"{}\", allowed in a structure: linear_elastic, neo_hookean, "
+                        "hencky_elastic",
+                        material.law_name));
+  }
+  return material;
+}
+
+template <int dim>
+void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
+  for (auto& item : in.objects_or_none("supports")) {
+    s.supports.push_back(read_support<dim>(item));
+  }
+  for (auto& item : in.objects_or_none("prescribed")) {
+    s.prescribed.push_back(read_prescribed<dim>(item));
+  }
+  for (auto& item : in.objects_or_none("loads")) s.loads.push_back(read_load<dim>(item));
+  for (auto& item : in.objects_or_none("tractions")) {
+    s.tractions.push_back(read_traction<dim>(item));
+  }
+  for (auto& item : in.objects_or_none("interfaces")) {
+    s.interfaces.push_back(read_interface(item));
+  }
+  for (auto& item : in.objects_or_none("probes")) s.probes.push_back(read_probe<dim>(item));
+  require_distinct_names(in, "interfaces", s.interfaces);
+  require_distinct_names(in, "probes", s.probes);
+}
+
+template <int dim>
+void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
+  s.dynamic = in.choice_or("analysis", {"dynamic", "static"}, "dynamic") == "dynamic";
+  if (s.dynamic) {
+    s.lumped_mass = in.choice_or("mass", {"consistent", "lumped"}, "consistent") == "lumped";
+    if (auto scheme = in.optional_object("time_integration")) {
+      s.time_integration = read_newmark_bossak(*scheme);
+    }
+    s.initial_velocity = read_vector_or_zero<dim>(in, "initial_velocity");
+  }
+  for (const char* key : {"mass", "time_integration", "initial_velocity"}) {
+    if (!s.dynamic && in.has(key)) in.fail(key, "has no meaning when \"analysis\" is \"static\"");
+  }
+  s.initial_equilibrium = in.boolean_or("initial_equilibrium", s.initial_equilibrium);
+  if (s.initial_equilibrium && !s.initial_velocity.isZero(0)) {
+    in.fail("initial_velocity", "must be zero when \"initial_equilibrium\" is true");
+  }
+}
+
+}  // namespace
+
+int read_dimension(ConfigReader& in) { return in.integer("dimension", between(2, 3)); }
+
+template <int dim>
+FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
+  FemSettings<dim> s;
+  s.material = read_elastic_material<dim>(in);
+  s.mesh = read_mesh<dim>(scene, in.object("mesh"));
+  s.gravity = read_vector_or_zero<dim>(in, "gravity");
+  read_dynamics(in, s);
+  read_conditions(in, s);
+  if (auto newton = in.optional_object("newton")) {
+    s.newton = read_newton_settings(*newton, s.newton);
+  }
+  if (auto linear = in.optional_object("linear_solver")) {
+    s.linear_solver = read_linear_solver_settings(*linear);
+  }
+  return s;
+}
+
+AloneSettings read_alone_settings(ConfigReader& in) {
+  AloneSettings alone;
+  alone.time = read_time_settings(in.object("time"));
+  ConfigReader output = in.object("output");
+  alone.output_interval = output.number("interval", positive());
+  output.finish();
+  return alone;
+}
+
+template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&);
+template FemSettings<3> read_fem_settings<3>(const Scene&, ConfigReader&);
+
+}  // namespace gabion::fem

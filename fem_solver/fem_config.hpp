@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/config_reader.hpp"
+#include "common/base/scene.hpp"
+#include "common/base/time_steps.hpp"
+#include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/mesh/mesh.hpp"
+#include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/petsc/linear_solver.hpp"
+#include "common/mechanics/time_integration/newmark.hpp"
+#include "fem_solver/time_function.hpp"
+
+namespace gabion::fem {
+
+/// Nodes of a facet group whose listed components do not move.
+struct SupportSettings {
+  std::string group;
+  std::vector<int> components;    ///< 0 = x, 1 = y, 2 = z; all of them by default
+  bool report_reaction = false;   ///< adds probe columns reaction_<group>_x, ...
+  std::string where;              ///< place in the config, for error messages
+};
+
+/// One displacement component of a group as a function of time.
+struct PrescribedSettings {
+  std::string group;
+  int component = 0;
+  TimeFunction displacement = TimeFunction::constant(0);  ///< [m]
+  std::string where;
+};
+
+/// A force on the node at a point, or spread in equal parts over the nodes of a group.
+template <int dim>
+struct LoadSettings {
+  std::optional<Vector<dim>> point;  ///< [m], reference configuration
+  std::string group;                 ///< used when there is no point
+  Vector<dim> force;                 ///< [N], in 2D per metre of thickness; the resultant
+  TimeFunction factor = TimeFunction::constant(1);
+  std::string where;
+};
+
+/// A dead load per reference area.
+template <int dim>
+struct TractionSettings {
+  std::string group;
+  Vector<dim> traction;  ///< [Pa]
+  TimeFunction factor = TimeFunction::constant(1);
+  std::string where;
+};
+
+/// A coupled wet surface: the facets of these groups.
+struct InterfaceSettings {
+  std::string name;
+  std::vector<std::string> groups;
+  std::string where;
+};
+
+/// A point whose displacement is reported.
+template <int dim>
+struct ProbeSettings {
+  std::string name;
+  Vector<dim> point;  ///< [m], reference configuration
+  std::string where;
+};
+
+/// fem.json.
+template <int dim>
+struct FemSettings {
+  Mesh<dim> mesh;
+  Material<dim> material;
+  bool dynamic = true;          ///< false: inertia is left out
+  bool lumped_mass = false;     ///< row sums instead of the consistent mass matrix
+  NewmarkBossak time_integration;
+  Vector<dim> gravity = Vector<dim>::Zero();           ///< [m/s^2]
+  Vector<dim> initial_velocity = Vector<dim>::Zero();  ///< [m/s], of all free components
+  bool initial_equilibrium = false;  ///< start at rest under gravity and the loads at time 0
+  std::vector<SupportSettings> supports;
+  std::vector<PrescribedSettings> prescribed;
+  std::vector<LoadSettings<dim>> loads;
+  std::vector<TractionSettings<dim>> tractions;
+  std::vector<InterfaceSettings> interfaces;
+  std::vector<ProbeSettings<dim>> probes;
+  NewtonSettings newton{.reuse_matrix = true};
+  LinearSolverSettings linear_solver;
+};
+
+/// What coupler.json says otherwise, for a scene without one.
+struct AloneSettings {
+  TimeSettings time;
+  double output_interval = 0;  ///< [s] > 0
+};
+
+/// Names of the components in config files and probe columns.
+inline constexpr const char* component_names[3] = {"x", "y", "z"};
+
+/// "dimension": 2 or 3.
+int read_dimension(ConfigReader& in);
+
+/// Read everything of fem.json but "dimension", "time" and "output".
+/// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values
+template <int dim>
+FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in);
+
+/// Read "time" and "output": {"interval"}.
+AloneSettings read_alone_settings(ConfigReader& in);
+
+}  // namespace gabion::fem

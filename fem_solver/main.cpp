@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/program.hpp"
+#include "fem_solver/run_fem.hpp"
+
+int main(int argc, char** argv) {
+  return gabion::run_program(argc, argv, "fem_solver", gabion::run_fem);
+}

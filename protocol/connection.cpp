@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/connection.hpp"
+
+#include <fmt/format.h>
+
+#include <random>
+#include <span>
+
+#include "common/base/log.hpp"
+#include "gabion_version.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/exchange.hpp"
+#include "protocol/interrupt.hpp"
+
+namespace gabion {
+namespace {
+
+constexpr int slice_milliseconds = 100;
+constexpr double health_check_period = 0.05;  // [s]
+constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
+
+std::string random_text() {
+  std::random_device device;
+  return fmt::format("{:08x}{:08x}", device(), device());
+}
+
+}  // namespace
+
+Connection::Connection(const ParticipantSettings& settings)
+    : settings_(settings),
+      session_(random_text()),
+      context_(make_socket_context()),
+      socket_(Socket::connect_dealer(context_, settings.endpoint, settings.name + "#" + session_)),
+      heartbeat_(std::make_unique<Heartbeat>(
+          context_, HeartbeatSettings{settings.endpoint, settings.name + "#" + session_ + "#alive",
+                                      settings.name, session_,
+                                      settings.exit_when_coupler_is_lost})) {}
+
+Connection::~Connection() {
+  if (!welcomed() || closed_) return;
+  try {
+    abort("the participant ended before the run was finished");
+  } catch (const std::exception&) {
+    // Nobody is left to tell: the coupler notices the silence.
+  }
+}
+
+void Connection::post(const Message& message) {
+  const EncodedMessage encoded = encode(message);
+  std::vector<std::string_view> frames = {encoded.header};
+  frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
+  require<ProtocolError>(socket_.send(frames),
+                         fmt::format("cannot send \"{}\" to the coupler at {}: its queue is full",
+                                     message.type, settings_.endpoint));
+}
+
+void Connection::fail(const std::string& reason) {
+  failure_ = reason;
+  throw ProtocolError(reason);
+}
+
+void Connection::handshake(const Solver& solver) {
+  require<ProtocolError>(!welcomed(), "the handshake is done already");
+  Hello hello;
+  hello.participant = settings_.name;
+  hello.program = settings_.program;
+  hello.program_version = version;
+  hello.session = session_;
+  hello.scene_hash = settings_.scene_hash;
+  hello.dimension = settings_.dimension;
+  hello.receives = settings_.receives;
+  hello.sends = settings_.sends;
+  hello.interfaces = solver.interfaces();
+  hello.probe_names = solver.probe_names();
+  hello.probes = solver.probes();
+  hello.process = this_process();
+  post(to_message(hello));
+  const Message answer = await_answer_to_hello();
+  if (answer.type == "refused") {
+    fail(fmt::format("the coupler at {} refused participant \"{}\": {}", settings_.endpoint,
+                     settings_.name, answer.text("reason")));
+  }
+  if (answer.type == "abort") fail("the coupler ended the run: " + answer.text("reason"));
+  if (answer.type != "welcome") fail("expected \"welcome\", the coupler sent \"" + answer.type + "\"");
+  const Welcome welcome = read_welcome(answer);
+  if (major_version(welcome.protocol) != major_version(protocol_version)) {
+    fail(mismatch_text({{"protocol version", welcome.protocol, protocol_version}}));
+  }
+  run_ = welcome.run;
+  deadlines_ = welcome.deadlines;
+  coupler_ = std::make_shared<PeerWatch>(fmt::format("the coupler (pid {})", welcome.process.pid),
+                                         welcome.process);
+  coupler_->sign_of_life("coupling");
+  heartbeat_->watch(coupler_, deadlines_.heartbeat, deadlines_.silence);
+  log::debug("connected to the coupler at {}", settings_.endpoint);
+}
+
+Message Connection::await_answer_to_hello() {
+  const Stopwatch waited;
+  while (waited.seconds() <= settings_.connect_deadline) {
+    if (const auto frames = socket_.receive(slice_milliseconds)) return decode(std::span(*frames));
+    interrupt::check();
+  }
+  fail(fmt::format("participant \"{}\": no answer from a coupler at {} within {} s (option "
+                   "--connect-deadline); is it running there?",
+                   settings_.name, settings_.endpoint, settings_.connect_deadline));
+}
+
+Message Connection::next_request() {
+  require<ProtocolError>(welcomed(), "next_request before the handshake");
+  require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
+  heartbeat_->set_phase("waiting", false);
+  const Stopwatch waited;
+  for (;;) {
+    const auto frames = socket_.receive(slice_milliseconds);
+    if (frames) {
+      Message request = accept_request(*frames);
+      if (request.type != "alive") return request;
+    }
+    check_health(!frames);
+    if (waited.seconds() > deadlines_.idle) {
+      fail(fmt::format("{} is alive but has asked nothing for {:.1f} s (limit {} s, {}); {}",
+                       coupler_->label(), waited.seconds(), deadlines_.idle,
+                       deadline_option("idle_deadline"), coupler_->last_words()));
+    }
+  }
+}
+
+Message Connection::accept_request(const std::vector<std::string>& frames) {
+  Message request;
+  try {
+    request = decode(std::span(frames));
+    if (request.type == "abort") {
+      failure_ = "the coupler ended the run: " + request.text("reason");
+    }
+  } catch (const ProtocolError& problem) {
+    throw ProtocolError(fmt::format("{} sent a message that is not understood: {}",
+                                    coupler_->label(), problem.what()));
+  }
+  if (!failure_.empty()) throw ProtocolError(failure_);
+  coupler_->sign_of_life();
+  if (request.type == "alive") return request;
+  require<ProtocolError>(request.sequence > last_sequence_,
+                         fmt::format("{} sent \"{}\" with sequence number {} after {}",
+                                     coupler_->label(), request.type, request.sequence,
+                                     last_sequence_));
+  last_sequence_ = request.sequence;
+  heartbeat_->set_phase(describe(request), true);
+  return request;
+}
+
+void Connection::check_health(bool queue_is_empty) {
+  const double elapsed = since_health_check_.seconds();
+  const int signal = interrupt::requested();
+  if (elapsed < health_check_period && signal == 0) return;
+  since_health_check_ = Stopwatch();
+  if (elapsed > own_sleep) coupler_->forgive();
+  if (const auto death = coupler_->death()) {
+    collect_last_words(0.1);
+    fail(*death);
+  }
+  if (signal != 0) {
+    // A launcher that saw another process die sends the signal before the coupler can explain.
+    collect_last_words(0.3);
+    if (const auto death = coupler_->death()) fail(*death);
+    interrupt::check();
+  }
+  if (!queue_is_empty) return;
+  if (const auto silence = coupler_->silence(deadlines_.silence)) fail(*silence);
+}
+
+void Connection::collect_last_words(double seconds) {
+  const Stopwatch waited;
+  while (waited.seconds() < seconds) {
+    if (const auto frames = socket_.receive(20)) accept_request(*frames);
+  }
+}
+
+void Connection::reply(Message message) {
+  require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
+  message.sequence = last_sequence_;
+  post(message);
+}
+
+void Connection::close() {
+  closed_ = true;
+  heartbeat_->set_phase("finished", false);
+}
+
+void Connection::abort(const std::string& reason) {
+  if (!failure_.empty() || closed_) return;
+  failure_ = reason;
+  post({.type = "abort", .sequence = last_sequence_, .fields = {{"reason", reason}}, .arrays = {}});
+}
+
+}  // namespace gabion

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/base/solver.hpp"
+#include "protocol/handshake.hpp"
+#include "protocol/heartbeat.hpp"
+#include "protocol/message.hpp"
+#include "protocol/peer_watch.hpp"
+#include "protocol/socket.hpp"
+
+namespace gabion {
+
+struct ParticipantSettings {
+  std::string endpoint;    ///< of the coupler, such as "tcp://127.0.0.1:40321"
+  std::string name;        ///< of this participant in coupler.json
+  std::string program;     ///< such as "fem_solver"
+  std::string scene_hash;  ///< Scene::hash(); empty = settings do not come from the scene
+  int dimension = 0;       ///< 2 or 3
+  Quantity receives;       ///< structure: force(); soil: displacement()
+  Quantity sends;
+  double connect_deadline = 30;  ///< [s] until the coupler has answered
+  /// End this process when the coupler is lost while the solver computes. For programs; a library
+  /// inside another program says false and notices the loss when its solver returns.
+  bool exit_when_coupler_is_lost = true;
+};
+
+/// The participant's end of the wire: one coupler, one thread that talks, one that beats.
+/// Any failure is final. Destroyed before the run is finished, it tells the coupler.
+class Connection {
+ public:
+  explicit Connection(const ParticipantSettings& settings);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  Connection(Connection&&) = delete;
+  Connection& operator=(Connection&&) = delete;
+
+  /// Introduce the solver to the coupler.
+  /// @throws ProtocolError  refused (the message names both values), or no answer in time
+  void handshake(const Solver& solver);
+  bool welcomed() const { return coupler_ != nullptr; }
+  /// Settings of the run, as the coupler gave them. Empty before the handshake.
+  const Json& run_settings() const { return run_; }
+  const ParticipantSettings& settings() const { return settings_; }
+
+  /// Wait for the coupler's next request.
+  /// @throws ProtocolError  the coupler aborted, died, froze, or asked nothing for too long
+  /// @throws Interrupted    a signal came, and nothing that happened to the coupler explains it
+  Message next_request();
+  /// Answer the request that next_request() gave last.
+  void reply(Message message);
+  /// The last request was "finish" and is answered: nothing more will be said.
+  void close();
+
+  /// Tell the coupler that this participant cannot go on. Does nothing after another failure.
+  void abort(const std::string& reason);
+
+ private:
+  Message await_answer_to_hello();
+  Message accept_request(const std::vector<std::string>& frames);
+  void check_health(bool queue_is_empty);
+  /// After a death or a signal: the coupler may have said why.
+  void collect_last_words(double seconds);
+  [[noreturn]] void fail(const std::string& reason);
+  void post(const Message& message);
+
+  ParticipantSettings settings_;
+  std::string session_;
+  std::shared_ptr<SocketContext> context_;
+  Socket socket_;
+  std::unique_ptr<Heartbeat> heartbeat_;
+  std::shared_ptr<PeerWatch> coupler_;  // the heartbeat's thread updates it
+  Deadlines deadlines_;
+  Json run_ = Json::object();
+  std::uint64_t last_sequence_ = 0;
+  std::string failure_;
+  bool closed_ = false;
+  Stopwatch since_health_check_;
+};
+
+}  // namespace gabion

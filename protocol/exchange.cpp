@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/exchange.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "protocol/codec.hpp"
+
+namespace gabion {
+
+void put(Message& message, const StepRequest& request) {
+  message.fields["step"] = request.step;
+  message.fields["iteration"] = request.iteration;
+  message.fields["time"] = request.time;
+  message.fields["dt"] = request.dt;
+}
+
+namespace {
+
+int small_integer(const Message& message, const std::string& key) {
+  const std::int64_t value = message.integer(key);
+  require<ProtocolError>(value >= 0 && value <= std::numeric_limits<int>::max(),
+                         fmt::format("message \"{}\", field \"{}\": expected a count, found {}",
+                                     message.type, key, value));
+  return static_cast<int>(value);
+}
+
+}  // namespace
+
+StepRequest read_step_request(const Message& message) {
+  StepRequest request;
+  request.step = message.integer("step");
+  request.iteration = small_integer(message, "iteration");
+  request.time = message.number("time");
+  request.dt = message.positive_number("dt");
+  return request;
+}
+
+void put(Message& message, const StepReport& report) {
+  message.fields["newton_iterations"] = report.newton_iterations;
+  message.fields["linear_iterations"] = report.linear_iterations;
+  message.fields["interface_active"] = report.interface_active;
+  message.fields["details"] = report.details;
+}
+
+StepReport read_step_report(const Message& message) {
+  StepReport report;
+  report.newton_iterations = small_integer(message, "newton_iterations");
+  report.linear_iterations = message.integer("linear_iterations");
+  report.interface_active = message.boolean("interface_active");
+  report.details = message.field("details");
+  return report;
+}
+
+void put(Message& message, const AcceptReport& report) {
+  message.fields["at_rest"] = report.at_rest;
+  message.fields["proposed_dt"] = report.proposed_dt;
+  message.add("probes", {static_cast<std::int64_t>(report.probes.size())}, report.probes);
+}
+
+AcceptReport read_accept_report(const Message& message, std::size_t num_probes) {
+  AcceptReport report;
+  report.probes = message.reals("probes", {static_cast<std::int64_t>(num_probes)});
+  report.at_rest = message.boolean("at_rest");
+  report.proposed_dt = message.number("proposed_dt");
+  require<ProtocolError>(report.proposed_dt >= 0,
+                         fmt::format("message \"{}\": expected proposed_dt >= 0, found {}",
+                                     message.type, report.proposed_dt));
+  return report;
+}
+
+void put_values(Message& message, const std::string& quantity,
+                const std::vector<InterfaceMesh>& interfaces, const InterfaceValues& values) {
+  require<ProtocolError>(values.size() == interfaces.size(),
+                         fmt::format("{}: expected values on {} interfaces, found {}", quantity,
+                                     interfaces.size(), values.size()));
+  for (const InterfaceMesh& mesh : interfaces) {
+    const std::string name = quantity + ":" + mesh.name;
+    const auto found = values.find(mesh.name);
+    require<ProtocolError>(found != values.end(), fmt::format("\"{}\" is missing", name));
+    require<ProtocolError>(found->second.size() == mesh.coordinates.size(),
+                           fmt::format("\"{}\": expected {} x {} values, found {}", name,
+                                       mesh.num_vertices(), mesh.dim, found->second.size()));
+    require_finite(found->second, static_cast<std::size_t>(mesh.dim), name);
+    message.add(name, {mesh.num_vertices(), mesh.dim}, found->second);
+  }
+}
+
+InterfaceValues read_values(const Message& message, const std::string& quantity,
+                            const std::vector<InterfaceMesh>& interfaces) {
+  InterfaceValues values;
+  for (const InterfaceMesh& mesh : interfaces) {
+    const std::string name = quantity + ":" + mesh.name;
+    const auto& list = message.reals(name, {mesh.num_vertices(), mesh.dim});
+    require_finite(list, static_cast<std::size_t>(mesh.dim), name);
+    values.emplace(mesh.name, list);
+  }
+  require<ProtocolError>(message.arrays.size() == interfaces.size(),
+                         fmt::format("message \"{}\": expected {} arrays, found {}", message.type,
+                                     interfaces.size(), message.arrays.size()));
+  return values;
+}
+
+std::string describe(const Message& request) {
+  if (request.type == "solve_step") {
+    return fmt::format("solve_step {} iteration {}", request.integer("step"),
+                       request.integer("iteration"));
+  }
+  if (request.type == "accept_step") {
+    return fmt::format("accept_step {}", request.integer("step"));
+  }
+  return request.type;
+}
+
+}  // namespace gabion

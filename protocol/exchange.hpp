@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+#include "protocol/message.hpp"
+
+namespace gabion {
+
+/// Requests and replies of the coupled step, from and to messages. Both ends use these, so that each
+/// field is written and read in one place. All readers throw ProtocolError.
+
+void put(Message& message, const StepRequest& request);
+StepRequest read_step_request(const Message& message);
+
+void put(Message& message, const StepReport& report);
+StepReport read_step_report(const Message& message);
+
+void put(Message& message, const AcceptReport& report);
+AcceptReport read_accept_report(const Message& message, std::size_t num_probes);
+
+/// One array "<quantity>:<interface>" of num_vertices x dim an interface.
+/// @throws ProtocolError  an interface is missing or unknown, a wrong number of values, or a value
+///                        that is not finite: names quantity, interface, vertex and component
+void put_values(Message& message, const std::string& quantity,
+                const std::vector<InterfaceMesh>& interfaces, const InterfaceValues& values);
+InterfaceValues read_values(const Message& message, const std::string& quantity,
+                            const std::vector<InterfaceMesh>& interfaces);
+
+/// `solve_step 57 iteration 3`: what a request asks, for phases and messages.
+std::string describe(const Message& request);
+
+}  // namespace gabion

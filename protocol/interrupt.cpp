@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/interrupt.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstring>
+
+namespace gabion {
+namespace {
+
+std::atomic<int> came = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes it");
+
+extern "C" void note_signal(int signal) { came.store(signal); }
+
+}  // namespace
+
+Interrupted::Interrupted(int signal)
+    : Error(std::string("interrupted by signal ") + std::to_string(signal) + " (" +
+            strsignal(signal) + ")"),
+      signal_(signal) {}
+
+namespace interrupt {
+
+void install() {
+  struct sigaction action = {};
+  action.sa_handler = note_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int requested() { return came.load(); }
+
+void check() {
+  if (const int signal = requested(); signal != 0) throw Interrupted(signal);
+}
+
+void clear() { came.store(0); }
+
+}  // namespace interrupt
+}  // namespace gabion

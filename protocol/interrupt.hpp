@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/base/error.hpp"
+
+namespace gabion {
+
+/// The process was asked to end by a signal.
+class Interrupted : public Error {
+ public:
+  explicit Interrupted(int signal);
+  int exit_code() const override { return 128 + signal_; }
+
+ private:
+  int signal_;
+};
+
+namespace interrupt {
+
+/// SIGINT and SIGTERM only set a flag, which every wait of the protocol looks at. A second signal
+/// of the same kind ends the process at once.
+void install();
+
+/// The signal that came, 0 = none. Long computations may look at it between their steps.
+int requested();
+
+/// @throws Interrupted  when a signal came
+void check();
+
+/// Forget a signal that came.
+void clear();
+
+}  // namespace interrupt
+}  // namespace gabion

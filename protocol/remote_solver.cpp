@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/remote_solver.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "protocol/exchange.hpp"
+
+namespace gabion {
+namespace {
+
+Message request_of(const std::string& type) {
+  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
+}
+
+}  // namespace
+
+RemoteSolver::RemoteSolver(Switchboard& switchboard, Hello hello)
+    : switchboard_(switchboard), hello_(std::move(hello)), probes_(hello_.probes) {}
+
+StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
+                                    InterfaceValues& sent) {
+  start_solve(request, received);
+  return finish_solve(sent);
+}
+
+void RemoteSolver::start_solve(const StepRequest& request, const InterfaceValues& received) {
+  Message message = request_of("solve_step");
+  put(message, request);
+  if (!received.empty()) {
+    put_values(message, hello_.receives.name, hello_.interfaces, received);
+  }
+  start(std::move(message));
+}
+
+StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
+  const Message reply = finish({"solved", "failed"});
+  if (reply.type == "failed") {
+    throw ConvergenceError(fmt::format("participant \"{}\": {}", name(), reply.text("reason")));
+  }
+  return switchboard_.guarded([&] {
+    try {
+      sent = read_values(reply, hello_.sends.name, hello_.interfaces);
+      return read_step_report(reply);
+    } catch (const ProtocolError& problem) {
+      throw ProtocolError(fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
+    }
+  });
+}
+
+void RemoteSolver::start_accept(const StepRequest& request, bool solved,
+                                std::optional<double> output_time) {
+  Message message = request_of("accept_step");
+  put(message, request);
+  message.fields["solved"] = solved;
+  message.fields["write_output"] = output_time.has_value();
+  if (output_time) message.fields["output_time"] = *output_time;
+  start(std::move(message));
+}
+
+AcceptReport RemoteSolver::finish_accept() {
+  const Message reply = finish({"accepted"});
+  return switchboard_.guarded([&] {
+    try {
+      const AcceptReport report = read_accept_report(reply, hello_.probe_names.size());
+      probes_ = report.probes;
+      return report;
+    } catch (const ProtocolError& problem) {
+      throw ProtocolError(fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
+    }
+  });
+}
+
+AcceptReport RemoteSolver::accept_step(const StepRequest& request, bool solved) {
+  start_accept(request, solved, std::nullopt);
+  return finish_accept();
+}
+
+AcceptReport RemoteSolver::accept_and_write(const StepRequest& request, bool solved,
+                                            double output_time) {
+  start_accept(request, solved, output_time);
+  return finish_accept();
+}
+
+void RemoteSolver::reject_step() { call(request_of("reject_step"), "rejected"); }
+
+void RemoteSolver::write_output(double time) {
+  Message message = request_of("write_output");
+  message.fields["time"] = time;
+  call(std::move(message), "written");
+}
+
+Json RemoteSolver::summary() const {
+  return call(request_of("summarize"), "summary").field("summary");
+}
+
+void RemoteSolver::start(Message request) const {
+  require<ProtocolError>(!outstanding_, fmt::format("participant \"{}\": \"{}\" asked before the answer "
+                                                    "to \"{}\" was taken",
+                                                    name(), request.type,
+                                                    outstanding_ ? outstanding_->type : ""));
+  const std::string type = request.type;
+  const Stopwatch watch;
+  outstanding_ = Outstanding{type, switchboard_.send(name(), std::move(request)), watch};
+}
+
+Message RemoteSolver::finish(const std::vector<std::string>& allowed) const {
+  require<ProtocolError>(outstanding_.has_value(),
+                         fmt::format("participant \"{}\": nothing was asked", name()));
+  Message reply = switchboard_.wait_reply(name(), outstanding_->sequence);
+  switchboard_.guarded([&] {
+    require<ProtocolError>(std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
+                           fmt::format("participant \"{}\" answered \"{}\" with \"{}\", expected {}",
+                                       name(), outstanding_->type, reply.type, allowed));
+    note_times(reply);
+  });
+  outstanding_.reset();
+  return reply;
+}
+
+Message RemoteSolver::call(Message request, const std::string& reply) const {
+  start(std::move(request));
+  return finish({reply});
+}
+
+void RemoteSolver::note_times(const Message& reply) const {
+  last_call_ = {1, outstanding_->watch.seconds(), reply.number("busy_seconds")};
+  CallTimes& total = times_[outstanding_->type];
+  total.count += 1;
+  total.seconds += last_call_.seconds;
+  total.busy_seconds += last_call_.busy_seconds;
+}
+
+}  // namespace gabion

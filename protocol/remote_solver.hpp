@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+#include "common/base/timer.hpp"
+#include "protocol/handshake.hpp"
+#include "protocol/switchboard.hpp"
+
+namespace gabion {
+
+/// Where the time of the calls of one kind went.
+struct CallTimes {
+  std::int64_t count = 0;
+  double seconds = 0;       ///< as the coupler waited, messages included
+  double busy_seconds = 0;  ///< as the participant computed, by its own clock
+};
+
+/// A participant in another process, as the coupling loop sees it. Every call waits for the reply;
+/// where both solvers shall work at once, use the start_/finish_ pairs. Between start and finish no
+/// other call is allowed.
+///
+/// All calls throw ProtocolError when the participant is lost; the coupling is over then.
+class RemoteSolver : public Solver {
+ public:
+  /// @param switchboard  must outlive this
+  RemoteSolver(Switchboard& switchboard, Hello hello);
+
+  const std::string& name() const { return hello_.participant; }
+  const Hello& hello() const { return hello_; }
+
+  std::vector<InterfaceMesh> interfaces() const override { return hello_.interfaces; }
+  std::vector<std::string> probe_names() const override { return hello_.probe_names; }
+
+  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                        InterfaceValues& sent) override;
+  AcceptReport accept_step(const StepRequest& request, bool solved) override;
+  void reject_step() override;
+  void write_output(double time) override;
+  std::vector<double> probes() const override { return probes_; }
+  /// Asks the participant: call it before Server::finish.
+  Json summary() const override;
+
+  /// Accept, then write the accepted state at this time, in one message.
+  AcceptReport accept_and_write(const StepRequest& request, bool solved, double output_time);
+
+  void start_solve(const StepRequest& request, const InterfaceValues& received);
+  /// @throws ConvergenceError  the participant could not solve the step
+  StepReport finish_solve(InterfaceValues& sent);
+  void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
+  AcceptReport finish_accept();
+
+  const CallTimes& last_call() const { return last_call_; }  ///< count is 1
+  const std::map<std::string, CallTimes>& times() const { return times_; }  ///< by request type
+
+ private:
+  void start(Message request) const;
+  Message finish(const std::vector<std::string>& allowed) const;
+  Message call(Message request, const std::string& reply) const;
+  void note_times(const Message& reply) const;
+
+  struct Outstanding {
+    std::string type;
+    std::uint64_t sequence;
+    Stopwatch watch;
+  };
+
+  Switchboard& switchboard_;
+  Hello hello_;
+  std::vector<double> probes_;
+  mutable std::optional<Outstanding> outstanding_;
+  mutable CallTimes last_call_;
+  mutable std::map<std::string, CallTimes> times_;
+};
+
+}  // namespace gabion

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/serve.hpp"
+
+#include <fmt/format.h>
+
+#include "common/base/timer.hpp"
+#include "protocol/exchange.hpp"
+
+namespace gabion {
+namespace {
+
+Message reply_of(const std::string& type) {
+  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
+}
+
+/// The solver as the coupler's requests drive it.
+class Service {
+ public:
+  Service(Solver& solver, const ParticipantSettings& settings)
+      : solver_(solver), settings_(settings), interfaces_(solver.interfaces()) {}
+
+  Message answer(const Message& request) {
+    const Stopwatch busy;
+    Message reply = dispatch(request);
+    reply.fields["busy_seconds"] = busy.seconds();
+    return reply;
+  }
+
+ private:
+  Message dispatch(const Message& request) {
+    if (request.type == "solve_step") return solve(request);
+    if (request.type == "accept_step") return accept(request);
+    if (request.type == "reject_step") return reject();
+    if (request.type == "write_output") return write(request);
+    if (request.type == "summarize") return summarize();
+    if (request.type == "finish") return reply_of("finished");
+    throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
+                                    request.type, protocol_version));
+  }
+
+  Message solve(const Message& request) {
+    const StepRequest step = read_step_request(request);
+    InterfaceValues received;
+    if (!request.arrays.empty()) {
+      received = read_values(request, settings_.receives.name, interfaces_);
+    }
+    InterfaceValues sent;
+    has_solution_ = false;
+    try {
+      const StepReport report = solver_.solve_step(step, received, sent);
+      has_solution_ = true;
+      Message reply = reply_of("solved");
+      put(reply, report);
+      put_values(reply, settings_.sends.name, interfaces_, sent);
+      return reply;
+    } catch (const ConvergenceError& problem) {
+      Message reply = reply_of("failed");
+      reply.fields["reason"] = problem.what();
+      return reply;
+    }
+  }
+
+  Message accept(const Message& request) {
+    const StepRequest step = read_step_request(request);
+    const bool solved = request.boolean("solved");
+    require<ProtocolError>(!solved || has_solution_,
+                           fmt::format("the coupler accepts step {}, which has no solution", step.step));
+    const AcceptReport report = solver_.accept_step(step, solved);
+    has_solution_ = false;
+    if (request.boolean("write_output")) solver_.write_output(request.number("output_time"));
+    Message reply = reply_of("accepted");
+    put(reply, report);
+    return reply;
+  }
+
+  Message reject() {
+    solver_.reject_step();
+    has_solution_ = false;
+    return reply_of("rejected");
+  }
+
+  Message write(const Message& request) {
+    solver_.write_output(request.number("time"));
+    return reply_of("written");
+  }
+
+  Message summarize() {
+    Message reply = reply_of("summary");
+    reply.fields["summary"] = solver_.summary();
+    return reply;
+  }
+
+  Solver& solver_;
+  const ParticipantSettings& settings_;
+  std::vector<InterfaceMesh> interfaces_;
+  bool has_solution_ = false;
+};
+
+void answer_requests(Solver& solver, Connection& connection) {
+  if (!connection.welcomed()) connection.handshake(solver);
+  Service service(solver, connection.settings());
+  for (;;) {
+    const Message request = connection.next_request();
+    connection.reply(service.answer(request));
+    if (request.type == "finish") break;
+  }
+  connection.close();
+}
+
+}  // namespace
+
+void serve(Solver& solver, Connection& connection) {
+  try {
+    answer_requests(solver, connection);
+  } catch (const std::exception& problem) {
+    connection.abort(problem.what());
+    throw;
+  } catch (...) {
+    connection.abort("an exception of unknown type");
+    throw;
+  }
+}
+
+}  // namespace gabion

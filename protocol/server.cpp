@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/server.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/base/log.hpp"
+#include "gabion_version.hpp"
+
+namespace gabion {
+namespace {
+
+constexpr double awaited_log_period = 3;  // [s]
+
+/// Disagreements that are seen before the hello is read in full.
+std::vector<Mismatch> compare_versions(const Message& hello) {
+  const std::string theirs = hello.text("protocol");
+  if (major_version(theirs) == major_version(protocol_version)) return {};
+  return {{"protocol version", protocol_version, theirs}};
+}
+
+std::string names_of(const std::vector<Expected>& participants) {
+  std::vector<std::string> names;
+  for (const Expected& expected : participants) names.push_back(expected.name);
+  return fmt::format("one of {}", names);
+}
+
+}  // namespace
+
+ServerSettings read_server_settings(ConfigReader in) {
+  ServerSettings settings;
+  settings.endpoint = in.text_or("endpoint", settings.endpoint);
+  settings.deadlines = read_deadlines(in);
+  in.finish();
+  return settings;
+}
+
+Server::Server(const ServerSettings& settings)
+    : switchboard_(settings.endpoint, settings.deadlines) {}
+
+std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
+    const std::vector<Expected>& participants, const Json& run) {
+  return switchboard_.guarded([&] {
+    std::map<std::string, std::unique_ptr<Solver>> solvers;
+    const Stopwatch waited;
+    Stopwatch since_log;
+    while (solvers.size() < participants.size()) {
+      if (const auto arrival = switchboard_.next_arrival()) {
+        if (auto solver = greet(*arrival, participants, run)) {
+          names_.push_back(static_cast<RemoteSolver&>(*solver).name());
+          solvers[names_.back()] = std::move(solver);
+        }
+        continue;
+      }
+      std::vector<std::string> awaited;
+      for (const Expected& expected : participants) {
+        if (!solvers.contains(expected.name)) awaited.push_back(expected.name);
+      }
+      require<ProtocolError>(
+          waited.seconds() <= switchboard_.deadlines().connect,
+          fmt::format("participants {} did not connect to {} within {:.1f} s (limit {} s, {})", awaited,
+                      endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+                      deadline_option("connect_deadline")));
+      if (since_log.seconds() > awaited_log_period) {
+        since_log = Stopwatch();
+        log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
+                  waited.seconds());
+      }
+    }
+    switchboard_.set_phase("coupling");
+    return solvers;
+  });
+}
+
+std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
+                                      const std::vector<Expected>& participants, const Json& run) {
+  const auto refuse = [&](const std::string& who, const std::vector<Mismatch>& mismatches) {
+    switchboard_.answer(arrival.route, refusal(mismatches));
+    throw ProtocolError(fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
+  };
+  Hello hello;
+  try {
+    if (const auto versions = compare_versions(arrival.hello); !versions.empty()) {
+      refuse("participant " + shortened(arrival.hello.field("participant")), versions);
+    }
+    hello = read_hello(arrival.hello);
+  } catch (const ProtocolError& problem) {
+    switchboard_.answer(arrival.route, refusal({{"hello", "a complete hello", problem.what()}}));
+    throw;
+  }
+  const std::string label = fmt::format("participant \"{}\" ({}, pid {})", hello.participant,
+                                        hello.program, hello.process.pid);
+  const auto expected =
+      std::find_if(participants.begin(), participants.end(),
+                   [&hello](const Expected& e) { return e.name == hello.participant; });
+  if (expected == participants.end()) {
+    refuse(label, {{"participant name", names_of(participants), hello.participant}});
+  }
+  if (switchboard_.has_participant(hello.participant)) {
+    refuse(label, {{"participant name", "\"" + hello.participant + "\" is connected already",
+                    hello.participant}});
+  }
+  if (const auto mismatches = compare(*expected, hello); !mismatches.empty()) {
+    refuse(label, mismatches);
+  }
+  switchboard_.add_participant(hello.participant, arrival.route, hello.session, label,
+                               hello.process, hello.sends_heartbeat);
+  Welcome welcome;
+  welcome.program_version = version;
+  welcome.process = this_process();
+  welcome.deadlines = switchboard_.deadlines();
+  welcome.run = run;
+  switchboard_.answer(arrival.route, to_message(welcome));
+  log::info("{} is here{}", label,
+            hello.scene_hash.empty() ? ": it gives no scene hash, its settings are not compared" : "");
+  return std::make_unique<RemoteSolver>(switchboard_, std::move(hello));
+}
+
+void Server::finish() {
+  switchboard_.guarded([&] {
+    switchboard_.set_phase("finish");
+    std::vector<std::uint64_t> sequences;
+    for (const std::string& name : names_) {
+      sequences.push_back(switchboard_.send(
+          name, {.type = "finish", .sequence = 0, .fields = Json::object(), .arrays = {}}));
+    }
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      const Message reply = switchboard_.wait_reply(names_[i], sequences[i]);
+      require<ProtocolError>(reply.type == "finished",
+                             fmt::format("participant \"{}\" answered \"finish\" with \"{}\"",
+                                         names_[i], reply.type));
+    }
+  });
+}
+
+}  // namespace gabion

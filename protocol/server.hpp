@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+#include "protocol/deadlines.hpp"
+#include "protocol/handshake.hpp"
+#include "protocol/remote_solver.hpp"
+#include "protocol/switchboard.hpp"
+
+namespace gabion {
+
+struct ServerSettings {
+  /// Where to listen; `*` takes a free port. Other machines need tcp://0.0.0.0:PORT or an address
+  /// of this machine; nothing is encrypted or authenticated.
+  std::string endpoint = "tcp://127.0.0.1:*";
+  Deadlines deadlines;
+};
+
+/// The object "protocol" of coupler.json: "endpoint" and the deadlines. Calls finish().
+ServerSettings read_server_settings(ConfigReader in);
+
+/// The coupler's end of the wire.
+///
+///     Server server(settings);                           // listens; give server.endpoint() away
+///     auto solvers = server.wait_for(expected, run);     // handshake
+///     ... solvers["soil"]->solve_step(...) ...
+///     server.finish();                                   // participants end with success
+///
+/// Destroyed without finish(), it tells the participants that the run has failed.
+class Server {
+ public:
+  explicit Server(const ServerSettings& settings);
+
+  /// The actual endpoint, such as "tcp://127.0.0.1:40321".
+  const std::string& endpoint() const { return switchboard_.endpoint(); }
+
+  /// Wait until all these participants are here. Logs every few seconds who is awaited.
+  /// @param run  settings of the run for the participants: end time, dt, folders, ...
+  /// @return     name -> RemoteSolver; must not outlive the server
+  /// @throws ProtocolError  a participant does not fit (both values are named), or is late, or lost
+  std::map<std::string, std::unique_ptr<Solver>> wait_for(const std::vector<Expected>& participants,
+                                                          const Json& run = Json::object());
+
+  /// The run is complete: every participant ends with success.
+  void finish();
+
+  /// Tell all participants that the run has failed, and why.
+  void abort(const std::string& reason) { switchboard_.abort(reason); }
+
+  /// What the coupler does, as the participants' messages name it.
+  void set_phase(const std::string& phase) { switchboard_.set_phase(phase); }
+
+ private:
+  std::unique_ptr<Solver> greet(const Switchboard::Arrival& arrival,
+                                const std::vector<Expected>& participants, const Json& run);
+
+  Switchboard switchboard_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace gabion

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/socket.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <zmq.hpp>
+
+#include "common/base/error.hpp"
+#include "protocol/codec.hpp"
+
+namespace gabion {
+
+struct SocketContext {
+  zmq::context_t context{1};
+};
+
+struct Socket::Implementation {
+  std::shared_ptr<SocketContext> context;  // declared first: destroyed after the socket
+  zmq::socket_t socket;
+
+  Implementation(std::shared_ptr<SocketContext> shared, zmq::socket_type type)
+      : context(std::move(shared)), socket(context->context, type) {
+    socket.set(zmq::sockopt::linger, 500);
+    socket.set(zmq::sockopt::sndtimeo, 1000);
+    socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(CodecLimits{}.max_frame_bytes));
+  }
+};
+
+std::shared_ptr<SocketContext> make_socket_context() { return std::make_shared<SocketContext>(); }
+
+Socket::Socket(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+Socket::~Socket() = default;
+Socket::Socket(Socket&&) noexcept = default;
+Socket& Socket::operator=(Socket&&) noexcept = default;
+
+Socket Socket::bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint) {
+  auto made = std::make_unique<Implementation>(std::move(context), zmq::socket_type::router);
+  made->socket.set(zmq::sockopt::router_mandatory, true);
+  try {
+    made->socket.bind(endpoint);
+  } catch (const zmq::error_t& problem) {
+    throw ProtocolError(
+        fmt::format("cannot listen on \"{}\": {} (option protocol/endpoint; "
+                    "tcp://127.0.0.1:* takes any free port)",
+                    endpoint, problem.what()));
+  }
+  return Socket(std::move(made));
+}
+
+Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std::string& endpoint,
+                              const std::string& route, int linger) {
+  auto made = std::make_unique<Implementation>(std::move(context), zmq::socket_type::dealer);
+  made->socket.set(zmq::sockopt::routing_id, route);
+  made->socket.set(zmq::sockopt::linger, linger);
+  try {
+    made->socket.connect(endpoint);
+  } catch (const zmq::error_t& problem) {
+    throw ProtocolError(fmt::format(
+        "cannot connect to the coupler at \"{}\": {} (expected such as tcp://127.0.0.1:5555)",
+        endpoint, problem.what()));
+  }
+  return Socket(std::move(made));
+}
+
+bool Socket::send(const std::vector<std::string_view>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto flags =
+        i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
+    for (;;) {
+      try {
+        if (!implementation_->socket.send(zmq::buffer(frames[i]), flags)) return false;
+        break;
+      } catch (const zmq::error_t& problem) {
+        if (problem.num() == EHOSTUNREACH) return false;
+        if (problem.num() != EINTR) throw ProtocolError(fmt::format("send: {}", problem.what()));
+      }
+    }
+  }
+  return true;
+}
+
+std::optional<std::vector<std::string>> Socket::receive(int milliseconds) {
+  zmq::socket_t& socket = implementation_->socket;
+  try {
+    zmq::message_t part;
+    if (!socket.recv(part, zmq::recv_flags::dontwait)) {
+      if (milliseconds == 0) return std::nullopt;
+      zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
+      if (zmq::poll(&item, 1, std::chrono::milliseconds(milliseconds)) == 0) return std::nullopt;
+      if (!socket.recv(part, zmq::recv_flags::dontwait)) return std::nullopt;
+    }
+    std::vector<std::string> frames;
+    frames.push_back(part.to_string());
+    while (part.more()) {
+      // The parts of a message arrive together: this does not wait.
+      if (!socket.recv(part, zmq::recv_flags::dontwait)) break;
+      if (frames.size() < max_frames) frames.push_back(part.to_string());
+    }
+    return frames;
+  } catch (const zmq::error_t& problem) {
+    if (problem.num() == EINTR) return std::nullopt;
+    throw ProtocolError(fmt::format("receive: {}", problem.what()));
+  }
+}
+
+std::string Socket::endpoint() const {
+  return implementation_->socket.get(zmq::sockopt::last_endpoint);
+}
+
+}  // namespace gabion

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gabion {
+
+/// The messaging library's state of one process side; sockets of several threads share it.
+struct SocketContext;
+/// Shared, because it must outlive whichever of the sockets closes last.
+std::shared_ptr<SocketContext> make_socket_context();
+
+/// A ZeroMQ socket with finite linger and finite send time. To be used by one thread at a time.
+class Socket {
+ public:
+  /// Coupler's side. The first frame of what it sends and receives is the peer's route.
+  /// @throws ProtocolError  the endpoint cannot be bound
+  static Socket bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint);
+  /// Participant's side. Connects in the background, again and again.
+  /// @param route   unique to this socket, at most 255 bytes
+  /// @param linger  [ms] that closing waits for unsent messages
+  /// @throws ProtocolError  the endpoint is not understood
+  static Socket connect_dealer(std::shared_ptr<SocketContext> context, const std::string& endpoint,
+                               const std::string& route, int linger = 500);
+  ~Socket();
+  Socket(Socket&&) noexcept;
+  Socket& operator=(Socket&&) noexcept;
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  /// False when the peer cannot be reached or its queue stays full for a second.
+  bool send(const std::vector<std::string_view>& frames);
+
+  /// One message, or nothing after `milliseconds` or when a signal came.
+  /// Of more than `max_frames` frames only the first ones are kept.
+  std::optional<std::vector<std::string>> receive(int milliseconds);
+
+  /// Where it is bound: the port is known even when the endpoint said `*`.
+  std::string endpoint() const;
+
+  static constexpr std::size_t max_frames = 300;
+
+ private:
+  struct Implementation;
+  explicit Socket(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace gabion

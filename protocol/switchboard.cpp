@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/switchboard.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <span>
+
+#include "common/base/log.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/exchange.hpp"
+#include "protocol/handshake.hpp"
+#include "protocol/interrupt.hpp"
+
+namespace gabion {
+namespace {
+
+constexpr int slice_milliseconds = 100;      // of any wait: a peer's death is noticed after one slice
+constexpr double health_check_period = 0.05;  // [s]
+constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
+
+}  // namespace
+
+Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines)
+    : deadlines_(deadlines),
+      context_(make_socket_context()),
+      socket_(Socket::bind_router(context_, endpoint)) {
+  endpoint_ = socket_.endpoint();
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits
+  background_ = std::thread([this] { beat_in_background(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+Switchboard::~Switchboard() {
+  {
+    const std::lock_guard lock(stop_mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
+  background_.join();
+  if (!failure_.empty()) return;
+  try {
+    abort("the coupler ended without finishing the run");
+  } catch (const std::exception&) {
+    // Nobody is left to tell: the participants notice the silence.
+  }
+}
+
+void Switchboard::require_usable() const {
+  require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
+}
+
+Switchboard::Peer& Switchboard::peer(const std::string& name) {
+  const auto found = peers_.find(name);
+  require<ProtocolError>(found != peers_.end(), fmt::format("no participant \"{}\"", name));
+  return found->second;
+}
+
+bool Switchboard::post(const std::string& route, const Message& message) {
+  const EncodedMessage encoded = encode(message);
+  std::vector<std::string_view> frames = {route, encoded.header};
+  frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
+  return socket_.send(frames);
+}
+
+void Switchboard::answer(const std::string& route, const Message& message) {
+  const std::lock_guard lock(socket_mutex_);
+  if (!post(route, message)) log::warn("cannot answer \"{}\": its sender is gone", message.type);
+}
+
+void Switchboard::add_participant(const std::string& name, const std::string& route,
+                                  const std::string& session, const std::string& label,
+                                  const ProcessIdentity& process, bool sends_heartbeat) {
+  const std::lock_guard lock(socket_mutex_);
+  Peer& added = peers_[name];
+  added.route = route;
+  added.session = session;
+  added.sends_heartbeat = sends_heartbeat;
+  added.watch = std::make_unique<PeerWatch>(label, process);
+}
+
+std::optional<Switchboard::Arrival> Switchboard::next_arrival() {
+  require_usable();
+  if (arrivals_.empty()) check_health(!pump(slice_milliseconds));
+  if (arrivals_.empty()) return std::nullopt;
+  Arrival arrival = std::move(arrivals_.front());
+  arrivals_.erase(arrivals_.begin());
+  return arrival;
+}
+
+std::uint64_t Switchboard::send(const std::string& participant, Message request) {
+  return guarded([&] {
+    Peer& to = peer(participant);
+    request.sequence = ++to.last_sequence;
+    to.watch->asked(describe(request));
+    bool sent = false;
+    {
+      const std::lock_guard lock(socket_mutex_);
+      sent = post(to.route, request);
+    }
+    if (!sent) {
+      check_health(false);
+      throw ProtocolError(fmt::format("{} cannot be reached: its connection is closed; {}",
+                                      to.watch->label(), to.watch->last_words()));
+    }
+    return request.sequence;
+  });
+}
+
+Message Switchboard::wait_reply(const std::string& participant, std::uint64_t sequence) {
+  return guarded([&] {
+    const Stopwatch waited;
+    for (;;) {
+      if (auto reply = take_reply(participant, sequence)) return std::move(*reply);
+      const bool came = pump(slice_milliseconds);
+      refuse_late_arrivals();
+      check_health(!came);
+      if (!came && waited.seconds() > deadlines_.answer) {
+        const PeerWatch& watch = *peer(participant).watch;
+        throw ProtocolError(fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
+                                        watch.label(), waited.seconds(), deadlines_.answer,
+                                        deadline_option("answer_deadline"), watch.last_words()));
+      }
+    }
+  });
+}
+
+std::optional<Message> Switchboard::take_reply(const std::string& participant,
+                                               std::uint64_t sequence) {
+  Peer& from = peer(participant);
+  if (from.inbox.empty()) return std::nullopt;
+  Message reply = std::move(from.inbox.front());
+  from.inbox.pop_front();
+  require<ProtocolError>(reply.sequence == sequence,
+                         fmt::format("{} answered \"{}\" to request {}, expected an answer to {}",
+                                     from.watch->label(), reply.type, reply.sequence, sequence));
+  from.watch->asked("");
+  return reply;
+}
+
+void Switchboard::release(const std::string& participant) {
+  const std::lock_guard lock(socket_mutex_);
+  peer(participant).released = true;
+}
+
+void Switchboard::abort(const std::string& reason) {
+  if (!failure_.empty()) return;
+  failure_ = reason;
+  const Message message{
+      .type = "abort", .sequence = 0, .fields = {{"reason", reason}}, .arrays = {}};
+  const std::lock_guard lock(socket_mutex_);
+  for (auto& [name, to] : peers_) {
+    if (!to.released) post(to.route, message);
+  }
+}
+
+void Switchboard::set_phase(const std::string& phase) {
+  const std::lock_guard lock(socket_mutex_);
+  phase_ = phase;
+  in_phase_ = Stopwatch();
+}
+
+/// Take what has come, waiting for the first message at most so long. Whether anything came.
+bool Switchboard::pump(int milliseconds) {
+  bool came = false;
+  for (;;) {
+    std::optional<std::vector<std::string>> frames;
+    {
+      const std::lock_guard lock(socket_mutex_);
+      frames = socket_.receive(came ? 0 : milliseconds);
+      beat_when_due();
+    }
+    if (!frames) return came;
+    came = true;
+    dispatch(*frames);
+  }
+}
+
+void Switchboard::dispatch(const std::vector<std::string>& frames) {
+  const std::string& route = frames[0];
+  const auto from = std::find_if(peers_.begin(), peers_.end(),
+                                 [&route](const auto& entry) { return entry.second.route == route; });
+  const bool known = from != peers_.end();
+  Message message;
+  try {
+    message = decode(std::span(frames).subspan(1));
+    if (message.type == "alive") return heartbeat_came(route, message);
+    if (message.type == "abort" && known && !from->second.released) message.text("reason");
+  } catch (const ProtocolError& problem) {
+    if (known) {
+      throw ProtocolError(fmt::format("{} sent a message that is not understood: {}",
+                                      from->second.watch->label(), problem.what()));
+    }
+    log::warn("ignored a message that is not the protocol: {}", problem.what());
+    return;
+  }
+  if (known && message.type == "abort") {
+    if (from->second.released) return;
+    throw ProtocolError(fmt::format("{} ended the run: {}", from->second.watch->label(),
+                                    message.text("reason")));
+  }
+  if (known) {
+    from->second.watch->sign_of_life();
+    if (message.type == "finished") release(from->first);
+    from->second.inbox.push_back(std::move(message));
+  } else if (message.type == "hello") {
+    arrivals_.push_back({route, std::move(message)});
+  } else {
+    log::warn("ignored a message \"{}\" from a sender that has not said hello",
+              message.type.substr(0, 40));
+  }
+}
+
+void Switchboard::heartbeat_came(const std::string& route, const Message& message) {
+  const auto found = peers_.find(message.text("participant"));
+  if (found == peers_.end() || found->second.session != message.text("session")) return;
+  found->second.watch->sign_of_life(message.text("phase"));
+  const std::lock_guard lock(socket_mutex_);
+  found->second.heartbeat_route = route;
+}
+
+void Switchboard::refuse_late_arrivals() {
+  for (const Arrival& late : arrivals_) {
+    log::warn("refused a participant that came when the run was under way");
+    answer(late.route, refusal({{"state of the run", "under way, all participants are here", "hello"}}));
+  }
+  arrivals_.clear();
+}
+
+void Switchboard::check_health(bool queue_is_empty) {
+  const double elapsed = since_health_check_.seconds();
+  const int signal = interrupt::requested();
+  if (elapsed < health_check_period && signal == 0) return;
+  since_health_check_ = Stopwatch();
+  for (auto& [name, checked] : peers_) {
+    if (elapsed > own_sleep) checked.watch->forgive();
+    if (checked.released) continue;
+    if (const auto death = checked.watch->death()) {
+      collect_last_words();
+      throw ProtocolError(*death);
+    }
+  }
+  interrupt::check();
+  if (!queue_is_empty) return;
+  for (auto& [name, checked] : peers_) {
+    if (checked.released || !checked.sends_heartbeat) continue;
+    if (const auto silence = checked.watch->silence(deadlines_.silence)) {
+      throw ProtocolError(*silence);
+    }
+  }
+}
+
+/// A participant that ended may have said why: its abort then is the better message.
+void Switchboard::collect_last_words() {
+  const Stopwatch waited;
+  while (waited.seconds() < 0.1) pump(20);
+}
+
+void Switchboard::beat_when_due() {
+  if (since_beat_.seconds() < deadlines_.heartbeat) return;
+  since_beat_ = Stopwatch();
+  const Message alive{.type = "alive",
+                      .sequence = ++num_beats_,
+                      .fields = {{"phase", phase_}, {"seconds", in_phase_.seconds()}},
+                      .arrays = {}};
+  for (auto& [name, to] : peers_) {
+    if (to.released || !to.sends_heartbeat) continue;
+    post(to.heartbeat_route.empty() ? to.route : to.heartbeat_route, alive);
+  }
+}
+
+/// Signs of life while the coupler's own thread computes. When that thread waits, it beats itself.
+void Switchboard::beat_in_background() {
+  std::unique_lock stop_lock(stop_mutex_);
+  const auto period = std::chrono::duration<double>(deadlines_.heartbeat / 4);
+  while (!stop_.wait_for(stop_lock, period, [this] { return stopping_; })) {
+    const std::unique_lock lock(socket_mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) continue;
+    try {
+      beat_when_due();
+    } catch (const std::exception&) {
+      // The coupler's own thread meets the same failure with a caller to tell.
+    }
+  }
+}
+
+}  // namespace gabion

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/timer.hpp"
+#include "protocol/deadlines.hpp"
+#include "protocol/message.hpp"
+#include "protocol/peer_watch.hpp"
+#include "protocol/process.hpp"
+#include "protocol/socket.hpp"
+
+namespace gabion {
+
+/// The coupler's socket: sends requests to participants by name, waits for their replies, notices
+/// those that die, freeze or speak nonsense, and sends signs of life of its own.
+///
+/// Any failure is final: it is told to all participants and every later call throws it again.
+class Switchboard {
+ public:
+  Switchboard(const std::string& endpoint, const Deadlines& deadlines);
+  ~Switchboard();
+  Switchboard(const Switchboard&) = delete;
+  Switchboard& operator=(const Switchboard&) = delete;
+  Switchboard(Switchboard&&) = delete;
+  Switchboard& operator=(Switchboard&&) = delete;
+
+  const std::string& endpoint() const { return endpoint_; }
+  const Deadlines& deadlines() const { return deadlines_; }
+
+  /// A hello that came, with the route to answer on.
+  struct Arrival {
+    std::string route;
+    Message hello;
+  };
+  /// Wait for one hello at most about 0.1 s.
+  /// @throws ProtocolError  a participant that is already here was lost
+  std::optional<Arrival> next_arrival();
+  /// Answer on a route that is no participant's yet.
+  void answer(const std::string& route, const Message& message);
+  void add_participant(const std::string& name, const std::string& route, const std::string& session,
+                       const std::string& label, const ProcessIdentity& process,
+                       bool sends_heartbeat);
+  bool has_participant(const std::string& name) const { return peers_.contains(name); }
+
+  /// Send a request; returns its sequence number.
+  std::uint64_t send(const std::string& participant, Message request);
+  /// The reply to that request.
+  /// @throws ProtocolError  this or another participant died, froze, aborted or spoke nonsense; the
+  ///                        answer deadline passed
+  /// @throws Interrupted    a signal came, and no participant's death explains it
+  Message wait_reply(const std::string& participant, std::uint64_t sequence);
+
+  /// Latch a failure, tell it to all participants.
+  void abort(const std::string& reason);
+  /// Run `action`; when it throws, abort with the text of the exception.
+  template <class Action>
+  auto guarded(Action action);
+
+  /// What the coupler does, as participants see it in its signs of life.
+  void set_phase(const std::string& phase);
+
+ private:
+  struct Peer {
+    std::string route;
+    std::string heartbeat_route;  // empty until the first heartbeat
+    std::string session;
+    bool sends_heartbeat = true;
+    bool released = false;  // it has said "finished": its end is no failure any more
+    std::unique_ptr<PeerWatch> watch;
+    std::deque<Message> inbox;
+    std::uint64_t last_sequence = 0;
+  };
+
+  bool pump(int milliseconds);
+  void dispatch(const std::vector<std::string>& frames);
+  void release(const std::string& participant);
+  void heartbeat_came(const std::string& route, const Message& message);
+  void check_health(bool queue_is_empty);
+  void collect_last_words();
+  void refuse_late_arrivals();
+  std::optional<Message> take_reply(const std::string& participant, std::uint64_t sequence);
+  bool post(const std::string& route, const Message& message);
+  void beat_when_due();
+  void beat_in_background();
+  Peer& peer(const std::string& name);
+  void require_usable() const;
+
+  Deadlines deadlines_;
+  std::shared_ptr<SocketContext> context_;
+  std::string endpoint_;
+  std::map<std::string, Peer> peers_;
+  std::vector<Arrival> arrivals_;
+  std::string failure_;
+  Stopwatch since_health_check_;
+
+  std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below
+  Socket socket_;
+  Stopwatch since_beat_;
+  std::uint64_t num_beats_ = 0;
+  std::string phase_ = "handshake";
+  Stopwatch in_phase_;
+
+  std::mutex stop_mutex_;
+  std::condition_variable stop_;
+  bool stopping_ = false;
+  std::thread background_;
+};
+
+template <class Action>
+auto Switchboard::guarded(Action action) {
+  require_usable();
+  try {
+    return action();
+  } catch (const Error& problem) {
+    abort(problem.what());
+    throw;
+  }
+}
+
+}  // namespace gabion

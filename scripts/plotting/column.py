@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Final surface of a collapsed column against an experiment."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from plotting.results import Results, ResultsError
+from plotting.style import COLOURS, legend_beside, new_figure, save
+
+
+@dataclass
+class SurfaceError:
+    """Simulated minus measured surface."""
+
+    mean_abs_m: float  #: mean of |height difference| over the measured positions under the deposit
+    max_abs_m: float  #: largest |height difference|
+    max_at_m: float  #: its position x
+    front_m: float  #: simulated position of the front
+    front_measured_m: float
+
+    def __str__(self) -> str:
+        return (
+            f"height error: mean {1e3 * self.mean_abs_m:.1f} mm, largest {1e3 * self.max_abs_m:.1f} mm "
+            f"at x = {1e3 * self.max_at_m:.0f} mm; front {1e3 * self.front_m:.0f} mm, "
+            f"measured {1e3 * self.front_measured_m:.0f} mm"
+        )
+
+
+def read_reference(path: Path) -> dict[str, np.ndarray]:
+    """Series name -> num_points x 2 (x, height) [m]. Lines that start with # are remarks."""
+    series: dict[str, list[tuple[float, float]]] = {}
+    with path.open(newline="", encoding="utf-8") as file:
+        for row in csv.reader(line for line in file if not line.startswith("#")):
+            if row and row[0] != "series":
+                series.setdefault(row[0], []).append((float(row[1]), float(row[2])))
+    return {name: np.array(points) for name, points in series.items()}
+
+
+def surface_of(points: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Free surface of a cloud of points: bins of width 3 `spacing`, highest point of each.
+
+    points: num_points x 2 (or 3) [m]; spacing: mean distance of points at the start [m].
+    A point stands for a square of that side, hence half of it is added to the height.
+    returns: centres of the bins and heights [m]; 0 where there is no point.
+    """
+    width = 3 * spacing
+    bins = np.arange(0, points[:, 0].max() + 2 * width, width)
+    heights = np.zeros(len(bins) - 1)
+    index = np.clip(np.digitize(points[:, 0], bins) - 1, 0, len(heights) - 1)
+    np.maximum.at(heights, index, points[:, 1] + 0.5 * spacing)
+    return 0.5 * (bins[1:] + bins[:-1]), heights
+
+
+def front_of(points: np.ndarray, spacing: float) -> float:
+    """Position of the front [m]: where the connected deposit ends, single grains left aside."""
+    x = np.sort(points[:, 0])
+    gaps = np.flatnonzero(np.diff(x) > 4 * spacing)
+    behind = x[: gaps[0] + 1] if len(gaps) else x
+    return float(behind[-1] + 0.5 * spacing)
+
+
+def compare_surface(points: np.ndarray, spacing: float, measured: np.ndarray) -> SurfaceError:
+    """Height differences at the measured positions that either deposit covers."""
+    x, height = surface_of(points, spacing)
+    front, front_measured = front_of(points, spacing), float(measured[measured[:, 1] > 5e-4, 0].max())
+    covered = measured[measured[:, 0] <= max(front, front_measured)]
+    difference = np.abs(np.interp(covered[:, 0], x, height, right=0) - covered[:, 1])
+    worst = int(np.argmax(difference))
+    return SurfaceError(
+        float(difference.mean()), float(difference[worst]), float(covered[worst, 0]), front, front_measured
+    )
+
+
+def plot_column(results: Results, reference: Path, out: Path) -> tuple[Path, SurfaceError]:
+    """Draw the final deposit over the measured surface.
+
+    reference: table with the series exp_surface and, if present, exp_failure_line… and others.
+    """
+    soil = results.soil
+    if soil is None:
+        raise ResultsError(f"{results.folder}: no mpm/soil.xdmf")
+    series = read_reference(reference)
+    if "exp_surface" not in series:
+        raise ResultsError(f"{reference}: no series exp_surface; there are {', '.join(series)}")
+    start, last = soil.frame(0), soil.frame(len(soil) - 1)
+    spacing = float(np.sqrt(np.prod(np.ptp(start.points[:, :2], axis=0)) / len(start.points)))
+    error = compare_surface(last.points, spacing, series["exp_surface"])
+
+    figure, (axes,) = new_figure(10, 2.4)
+    axes.plot(last.points[:, 0], last.points[:, 1], ".", ms=1.6, color="0.72", label="material points")
+    axes.plot(*surface_of(last.points, spacing), color=COLOURS[0], label="simulated surface")
+    for (name, points), colour in zip(series.items(), COLOURS[1:]):
+        style = "o" if name == "exp_surface" else "--"
+        label = name.replace("exp_", "measured_").replace("_", " ")
+        axes.plot(*points.T, style, ms=4, color=colour, label=label)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("height [m]")
+    axes.set_title(f"t = {last.time:.3g} s: {error}", loc="left", fontsize=9)
+    legend_beside(axes)
+    return save(figure, out / "column.png"), error

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves over time and over iterations: probes, residuals, iterations, forces, energies."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from plotting.results import Results, ResultsError, Table
+from plotting.style import COLOURS, legend_beside, new_figure, plt, save
+
+RESIDUALS = {
+    "displacement_residual": "residual of\ndisplacement [m]",
+    "force_residual": "change of\nforce [N/m]",
+}
+FORCES = ("f_x", "f_y", "f_z")
+ITERATIONS = {
+    "iterations": "coupling",
+    "soil_newton": "Newton, soil",
+    "structure_newton": "Newton, structure",
+    "newton_iterations": "Newton",
+}
+COMPONENTS = {"ux": "horizontal", "uy": "vertical", "uz": "vertical"}
+
+
+def probe_points(table: Table) -> list[str]:
+    """Names of the points whose displacement is recorded, such as "structure.A"."""
+    names = [name.rpartition(".") for name in table.names]
+    return list(dict.fromkeys(point for point, _, leaf in names if leaf in COMPONENTS and point))
+
+
+def displacement_columns(table: Table, point: str) -> list[str]:
+    return [name for name in table.names if name.rpartition(".")[0] == point
+            and name.rpartition(".")[2] in COMPONENTS]
+
+
+def plot_probes(runs: dict[str, Results], out: Path, name: str = "probes.png") -> Path | None:
+    """Displacement of every probed point against time, all runs in one figure.
+
+    runs: label -> results; with one run, a line a component; with more, a line a run.
+    """
+    tables = {label: table for label, run in runs.items() if (table := run.table("probes.csv"))}
+    panels = list(dict.fromkeys(
+        (point, column)
+        for table in tables.values()
+        for point in probe_points(table)
+        for column in displacement_columns(table, point)
+    ))
+    if not panels:
+        return None
+    figure, axes = new_figure(8.5, 0.8 + 2.4 * len(panels), len(panels))
+    for each, (point, column) in zip(axes, panels):
+        for label, table in tables.items():
+            if column in table:
+                each.plot(table["time"], table[column], label=label)
+        direction = COMPONENTS[column.rpartition(".")[2]]
+        each.set_ylabel(f"{direction}\ndisplacement [m]")
+        each.set_title(f"point {point.rpartition('.')[2]}, {direction}", loc="left")
+    axes[-1].set_xlabel("time [s]")
+    if len(tables) > 1:
+        legend_beside(axes[0])
+    return save(figure, out / name)
+
+
+def plot_residuals(results: Results, out: Path) -> Path | None:
+    """Residual of every coupling iteration, on a logarithmic scale.
+
+    Left: the iterations of all steps in a row, the first and the last of each step in colours of
+    their own, the allowed residual as a line; the upper scale gives the time. Right: the steps
+    around the one with most iterations, a line a step.
+    """
+    table = results.table("iterations.csv")
+    if table is None or not table.num_rows:
+        return None
+    columns = [name for name in RESIDUALS if name in table]
+    if not columns:
+        raise ResultsError(f"{table.path}: none of the columns {', '.join(RESIDUALS)}")
+    starts = np.flatnonzero(table["iteration"] == np.min(table["iteration"]))
+    ends = np.append(starts[1:], table.num_rows)
+    worst = int(np.argmax(ends - starts))
+    zoom = range(max(0, worst - 6), min(len(starts), worst + 7))
+
+    figure, axes = plt.subplots(len(columns), 2, figsize=(11, 0.9 + 2.6 * len(columns)), squeeze=False,
+                                sharex="col", sharey="row", width_ratios=[2, 1])
+    for (left, right), column in zip(axes, columns):
+        values = np.where(table[column] > 0, table[column], np.nan)  # a logarithm has no zero
+        _draw_all_residuals(left, values, starts, ends)
+        _draw_some_residuals(right, values, starts, ends, zoom)
+        for each, part in ((left, slice(None)), (right, slice(starts[zoom[0]], ends[zoom[-1]]))):
+            allowed = table[column.replace("residual", "limit")][part]
+            each.plot(np.arange(table.num_rows)[part], allowed, color=COLOURS[2], lw=1, label="allowed")
+        left.set_ylabel(RESIDUALS[column])
+    legend_beside(axes[0, 1])
+    marks = np.linspace(0, table.num_rows - 1, 7).astype(int)
+    axes[0, 0].secondary_xaxis("top").set_xticks(marks, [f"{table['time'][m]:.3g} s" for m in marks])
+    axes[-1, 0].set_xlabel("coupling iteration, all steps in a row")
+    axes[-1, 1].set_xlabel(f"steps {zoom.start + 1} to {zoom.stop}")
+    return save(figure, out / "residuals.png")
+
+
+def _draw_all_residuals(axes: Axes, values: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> None:
+    axes.semilogy(values, ".", color="0.75", ms=2, rasterized=True)
+    axes.semilogy(starts, values[starts], ".", color=COLOURS[1], ms=2.5)
+    axes.semilogy(ends - 1, values[ends - 1], ".", color=COLOURS[0], ms=2.5)
+
+
+def _draw_some_residuals(axes: Axes, values: np.ndarray, starts: np.ndarray, ends: np.ndarray,
+                         steps: range) -> None:
+    for step in steps:
+        count = np.arange(starts[step], ends[step])
+        axes.semilogy(count, values[count], ".-", color="0.6", lw=1, ms=4)
+    chosen = list(steps)
+    for index, name, colour in ((starts, "first", COLOURS[1]), (ends - 1, "last", COLOURS[0])):
+        axes.semilogy(index[chosen], values[index[chosen]], ".", color=colour, ms=6,
+                      label=f"{name} of a step")
+
+
+def plot_iterations(results: Results, out: Path) -> Path | None:
+    """Coupling or Newton iterations and the size of each step against time."""
+    table = results.table("steps.csv")
+    if table is None or not table.num_rows:
+        return None
+    columns = [name for name in ITERATIONS if name in table]
+    figure, axes = new_figure(8.5, 4.8, 2)
+    for column in columns:
+        axes[0].step(table["time"], table[column], where="pre", lw=1,
+                     label=ITERATIONS[column])
+    axes[0].set_ylabel("iterations a step")
+    axes[0].set_ylim(bottom=0)
+    legend_beside(axes[0])
+    axes[1].step(table["time"], table["dt"], where="pre", lw=1)
+    axes[1].set_ylabel("step size [s]")
+    axes[1].set_ylim(bottom=0)
+    axes[1].ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
+    axes[1].set_xlabel("time [s]")
+    return save(figure, out / "iterations.png")
+
+
+def plot_energies(results: Results, out: Path) -> Path | None:
+    """Every energy that steps.csv or probes.csv records, against time."""
+    tables = [table for name in ("probes.csv", "steps.csv") if (table := results.table(name))]
+    curves = [(table, name) for table in tables for name in table.matching("energy", "work")]
+    curves = [(table, name) for table, name in curves if np.nanmax(np.abs(table[name]), initial=0) > 0]
+    return _plot_curves(curves, "energy [J]", out / "energies.png")
+
+
+def plot_forces(results: Results, out: Path) -> Path | None:
+    """Resultant force of the soil on the structure against time."""
+    table = results.table("steps.csv")
+    columns = [] if table is None else [name for name in FORCES if name in table]
+    return _plot_curves([(table, name) for name in columns], "force on the structure [N/m]",
+                        out / "forces.png")
+
+
+def _plot_curves(curves: list[tuple[Table, str]], label: str, path: Path) -> Path | None:
+    if not curves:
+        return None
+    figure, (axes,) = new_figure(9.5, 4.2)
+    for table, name in curves:
+        axes.plot(table["time"], table[name], lw=1.1, label=name.replace("_", " ").replace(".", " "))
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(label)
+    _plain_zero(axes)
+    legend_beside(axes)
+    return save(axes.figure, path)
+
+
+def _plain_zero(axes: Axes) -> None:
+    axes.axhline(0, color="0.6", lw=0.6, zorder=0)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Read a results folder: tables (CSV), time series (XDMF + HDF5) and the summary (JSON)."""
+
+import csv
+import json
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class ResultsError(Exception):
+    """A results folder, file or column that is missing or cannot be read."""
+
+
+class Table:
+    """A CSV file: columns of numbers by name; a column of texts stays a column of texts."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        if not rows:
+            raise ResultsError(f"{path}: empty")
+        self.names = rows[0]
+        # A killed run may leave half a row at the end.
+        body = [row for row in rows[1:] if len(row) == len(self.names)]
+        if len(body) < len(rows) - 2:
+            raise ResultsError(f"{path}: rows with another number of cells than the head")
+        self._columns = {
+            name: _numbers_or_texts([row[i] for row in body]) for i, name in enumerate(self.names)
+        }
+        self.num_rows = len(body)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._columns
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._columns:
+            raise ResultsError(f"{self.path}: no column {name}; there are {', '.join(self.names)}")
+        return self._columns[name]
+
+    def matching(self, *parts: str) -> list[str]:
+        """Names of the columns of numbers that contain one of the parts."""
+        return [
+            name
+            for name in self.names
+            if any(part in name for part in parts) and self._columns[name].dtype.kind == "f"
+        ]
+
+
+def _numbers_or_texts(cells: list[str]) -> np.ndarray:
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells, dtype=object)
+
+
+@dataclass
+class Frame:
+    """One instant of a time series.
+
+    points: num_points x 2 or 3; cells: num_cells x nodes_per_cell, or None for a cloud of points;
+    field names are looked up on reading.
+    """
+
+    time: float
+    points: np.ndarray
+    cells: np.ndarray | None
+    fields: dict[str, np.ndarray]
+
+
+class Series:
+    """A time series as its .xdmf index lists it; frames are read when asked for."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        try:
+            tree = ElementTree.parse(path)
+        except ElementTree.ParseError as error:
+            raise ResultsError(f"{path}: not a complete XDMF file: {error}") from error
+        self._grids = [
+            grid for grid in tree.iter("Grid") if grid.get("GridType", "Uniform") == "Uniform"
+        ]
+        self.times = np.array([float(grid.find("Time").get("Value")) for grid in self._grids])
+        if not len(self.times):
+            raise ResultsError(f"{path}: lists no frame")
+
+    def __len__(self) -> int:
+        return len(self._grids)
+
+    def nearest(self, time: float) -> int:
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def frame(self, index: int) -> Frame:
+        grid = self._grids[index]
+        points = self._array(grid.find("Geometry/DataItem"))
+        topology = grid.find("Topology")
+        item = topology.find("DataItem")
+        cells = None
+        if item is not None and topology.get("TopologyType") != "Polyvertex":
+            cells = self._array(item).astype(int)
+            cells = cells.reshape(-1, cells.shape[-1]) if cells.ndim > 1 else cells[:, None]
+            cells = cells if cells.shape[1] > 1 else None
+        fields = {
+            attribute.get("Name"): self._array(attribute.find("DataItem"))
+            for attribute in grid.findall("Attribute")
+        }
+        return Frame(float(self.times[index]), points, cells, fields)
+
+    def _array(self, item: ElementTree.Element) -> np.ndarray:
+        file, _, dataset = item.text.strip().partition(":")
+        path = self.path.parent / file
+        if not path.exists():
+            raise ResultsError(f"{self.path}: names {file}, which is not there")
+        with h5py.File(path) as data:
+            values = data[dataset][()]
+        size = [int(n) for n in item.get("Dimensions", "").split()]
+        return values.reshape(size) if size else values
+
+
+class Results:
+    """What a results folder holds; what is missing is None."""
+
+    def __init__(self, folder: Path):
+        if not folder.is_dir():
+            raise ResultsError(f"{folder}: no such results folder")
+        self.folder = folder
+
+    def table(self, name: str) -> Table | None:
+        path = self.folder / name
+        return Table(path) if path.exists() else None
+
+    def series(self, name: str) -> Series | None:
+        path = self.folder / name
+        return Series(path) if path.exists() else None
+
+    @property
+    def soil(self) -> Series | None:
+        return self.series("mpm/soil.xdmf")
+
+    @property
+    def structure(self) -> Series | None:
+        return self.series("fem/structure.xdmf")
+
+    @property
+    def summary(self) -> dict | None:
+        path = self.folder / "summary.json"
+        return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None

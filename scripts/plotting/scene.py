@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The scene at chosen times: soil points coloured by a field, structure as a deformed mesh."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+
+from plotting.results import Frame, Results, ResultsError, Series
+from plotting.style import STRUCTURE, new_figure, plt, save
+
+UNITS = {
+    "displacement": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s²",
+    "plastic_strain": "-",
+    "volume_ratio": "-",
+    "stress": "Pa",
+    "pressure": "Pa",
+    "volume": "m³",
+    "mass": "kg",
+}
+
+
+# Octagon of diameter 1.4: neighbours at distance 1 overlap without holes.
+_ANGLES = np.pi / 4 * np.arange(8) + np.pi / 8
+DISC = 0.7 * np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+
+
+def scalar(values: np.ndarray) -> np.ndarray:
+    """A vector's length, a scalar as it is; num_points."""
+    return values if values.ndim == 1 else np.linalg.norm(values, axis=1)
+
+
+def label_of(field: str, values: np.ndarray) -> str:
+    words = field.replace("_", " ")
+    unit = next((unit for name, unit in UNITS.items() if name in field), "")
+    return f"{'size of ' if values.ndim > 1 else ''}{words}{f' [{unit}]' if unit else ''}"
+
+
+class ScenePlot:
+    """Draws one instant at a time with the same window and colours for all instants.
+
+    field: soil field that gives the colour; default: displacement, else the first one there is.
+    """
+
+    def __init__(self, results: Results, field: str | None = None):
+        self.soil = results.soil
+        self.structure = results.structure
+        series = self.soil or self.structure
+        if series is None:
+            raise ResultsError(f"{results.folder}: neither mpm/soil.xdmf nor fem/structure.xdmf")
+        self.times = series.times
+        self.field = field
+        last = series.frame(len(series) - 1)
+        if self.soil:
+            self.field = self._choose(last, field)
+            self.size = self._point_size_m(self.soil.frame(0).points)
+        self._window()
+        self._colours()
+
+    def _choose(self, frame: Frame, field: str | None) -> str:
+        names = list(frame.fields)
+        if field is not None and field not in names:
+            raise ResultsError(f"{self.soil.path}: no field {field}; there are {', '.join(names)}")
+        return field or next((n for n in ("displacement", "velocity") if n in names), names[0])
+
+    @staticmethod
+    def _point_size_m(points: np.ndarray) -> float:
+        """Mean distance of points [m] in the first frame."""
+        extent = np.ptp(points[:, :2], axis=0)
+        return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
+
+    def _sample(self, series: Series) -> list[Frame]:
+        return [series.frame(i) for i in np.unique(np.linspace(0, len(series) - 1, 9).astype(int))]
+
+    def _window(self) -> None:
+        clouds = [f.points[:, :2] for f in self._sample(self.soil)] if self.soil else []
+        if self.structure:
+            clouds += [f.points[:, :2] for f in self._sample(self.structure)]
+        every = np.vstack(clouds)
+        margin = 0.04 * np.ptp(every, axis=0).max()
+        self.low, self.high = every.min(axis=0) - margin, every.max(axis=0) + margin
+
+    def _colours(self) -> None:
+        if not self.soil:
+            return
+        values = np.concatenate([scalar(f.fields[self.field]) for f in self._sample(self.soil)])
+        # A few far-flung points must not use up the scale.
+        low, high = np.nanmin(values), np.nanpercentile(values, 99.5)
+        self.norm = Normalize(low, high if high > low else low + 1)
+        self.beyond = "max" if np.nanmax(values) > 1.01 * high else "neither"
+
+    def _draw_soil(self, axes: Axes, time: float) -> PolyCollection:
+        frame = self.soil.frame(self.soil.nearest(time))
+        discs = frame.points[:, None, :2] + self.size * DISC[None]
+        values = scalar(frame.fields[self.field])
+        soil = PolyCollection(discs, array=values, cmap="viridis", norm=self.norm, linewidths=0)
+        return axes.add_collection(soil)
+
+    def _draw_structure(self, axes: Axes, time: float) -> None:
+        """The mesh as it is at `time`, and its outline at the start, dotted."""
+        frame = self.structure.frame(self.structure.nearest(time))
+        first = self.structure.frame(0)
+        axes.add_collection(PolyCollection(frame.points[frame.cells][:, :, :2], facecolor="#BDBDBD",
+                                           edgecolor=STRUCTURE, linewidth=0.4))
+        axes.add_collection(LineCollection(first.points[_outline(first.cells)][:, :, :2],
+                                           colors=STRUCTURE, linewidths=0.8, linestyles=":"))
+
+    def draw(self, axes: Axes, time: float) -> PolyCollection | None:
+        """Draw the instant nearest to `time`; returns what a colour bar needs."""
+        soil = self._draw_soil(axes, time) if self.soil else None
+        if self.structure:
+            self._draw_structure(axes, time)
+        axes.set_aspect("equal")
+        axes.set_xlim(self.low[0], self.high[0])
+        axes.set_ylim(self.low[1], self.high[1])
+        axes.set_ylabel("y [m]")
+        axes.set_title(f"t = {self.times[np.argmin(np.abs(self.times - time))]:.3g} s", loc="left")
+        return soil
+
+    def height_inch(self, width: float) -> float:
+        """Height of axes of this width with equal scales [inch]."""
+        extent = self.high - self.low
+        return float(np.clip(0.72 * width * extent[1] / extent[0], 1.2, 8.0))
+
+    def colour_bar(self, figure: plt.Figure, soil: PolyCollection, axes: list[Axes]) -> None:
+        values = self.soil.frame(0).fields[self.field]
+        figure.colorbar(soil, ax=axes, label=label_of(self.field, values),
+                        extend=self.beyond, shrink=min(1.0, 2.2 / len(axes)) if len(axes) > 1 else 1.0,
+                        aspect=18, anchor=(0.0, 1.0))
+
+
+def _outline(cells: np.ndarray) -> np.ndarray:
+    """Edges that belong to one cell only, num_edges x 2."""
+    edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
+    _, index, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return edges[index[count == 1]]
+
+
+def plot_scene(results: Results, times: list[float] | None, field: str | None, out: Path) -> Path:
+    """The scene at the given times, four evenly spaced ones by default, below each other."""
+    scene = ScenePlot(results, field)
+    chosen = times or list(np.unique(np.linspace(scene.times[0], scene.times[-1], 4)))
+    figure, axes = new_figure(8.5, 0.4 + (0.3 + scene.height_inch(8.5)) * len(chosen), len(chosen))
+    soil = None
+    for each, time in zip(axes, chosen):
+        soil = scene.draw(each, time)
+    axes[-1].set_xlabel("x [m]")
+    if soil is not None:
+        scene.colour_bar(figure, soil, axes)
+    return save(figure, out / "scene.png")
+
+
+def animate_scene(results: Results, field: str | None, out: Path, max_frames: int = 120) -> Path:
+    """The run as a GIF of at most `max_frames` frames."""
+    scene = ScenePlot(results, field)
+    picked = np.unique(np.linspace(0, len(scene.times) - 1, max_frames).astype(int))
+    figure, (axes,) = new_figure(8.5, 1.1 + scene.height_inch(8.5))
+    soil = scene.draw(axes, scene.times[0])
+    if soil is not None:
+        scene.colour_bar(figure, soil, [axes])
+
+    def draw(index: int) -> list:
+        axes.clear()
+        scene.draw(axes, scene.times[index])
+        axes.set_xlabel("x [m]")
+        return []
+
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "scene.gif"
+    FuncAnimation(figure, draw, frames=picked).save(path, writer=PillowWriter(fps=15), dpi=90)
+    plt.close(figure)
+    return path

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a run did, in about ten lines."""
+
+import numpy as np
+
+from plotting.history import displacement_columns, probe_points
+from plotting.results import Results
+
+
+def summary_lines(results: Results) -> list[str]:
+    """Lines from summary.json and the tables; what a run does not have is left out."""
+    lines = [f"Results: {results.folder}"]
+    summary = results.summary
+    if summary is None:
+        lines.append("No summary.json: the run did not come to its end.")
+    else:
+        lines += [_run_line(summary), *_count_lines(summary)]
+    lines += _probe_lines(results) + _force_lines(results)
+    lines += [f"ParaView: {path}" for path in sorted(results.folder.glob("*/*.xdmf"))]
+    plots = sorted(path.name for path in (results.folder / "plots").glob("*"))
+    if plots:
+        lines.append(f"Plots: {results.folder / 'plots'}: {', '.join(plots)}")
+    return lines
+
+
+def _run_line(summary: dict) -> str:
+    wall = summary.get("wall_seconds")
+    total = wall.get("total") if isinstance(wall, dict) else wall
+    end = "completed" if summary.get("completed", True) else f"STOPPED: {summary.get('reason', '?')}"
+    took = "" if total is None else f" in {total:.1f} s"
+    return f"{summary.get('program', 'Run')} {end} at t = {summary.get('end_time', float('nan')):.6g} s{took}"
+
+
+def _count_lines(summary: dict) -> list[str]:
+    """Steps and iterations; the methods that ran."""
+    counts = [f"{summary[name]} {name.replace('_', ' ')}"
+              for name in ("steps", "steps_in_contact", "cuts", "newton_iterations") if name in summary]
+    coupling = summary.get("coupling_iterations")
+    if coupling and coupling["mean_in_contact"] is not None:
+        counts.append(f"{coupling['mean_in_contact']:.3g} coupling iterations a step in contact, "
+                      f"{coupling['max']} at most")
+    methods = ", ".join(f"{name} {value}" for name, value in summary.get("methods", {}).items())
+    return [line for line in ("; ".join(counts), methods) if line]
+
+
+def _probe_lines(results: Results) -> list[str]:
+    table = results.table("probes.csv")
+    lines = []
+    for point in probe_points(table) if table is not None and table.num_rows else []:
+        for column in displacement_columns(table, point)[:1]:
+            values = table[column]
+            peak = int(np.nanargmax(np.abs(values)))
+            lines.append(
+                f"{column}: largest {1e3 * values[peak]:.3f} mm at t = {table['time'][peak]:.4g} s, "
+                f"at the end {1e3 * values[-1]:.3f} mm"
+            )
+    return lines
+
+
+def _force_lines(results: Results) -> list[str]:
+    table = results.table("steps.csv")
+    if table is None or not table.num_rows or "f_x" not in table:
+        return []
+    force = table["f_x"]
+    peak = int(np.nanargmax(np.abs(force)))
+    return [
+        f"horizontal force on the structure: largest {force[peak]:.4g} N/m "
+        f"at t = {table['time'][peak]:.4g} s, "
+        f"impulse {float(np.sum(force * table['dt'])):.5g} N s/m"
+    ]

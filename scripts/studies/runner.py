@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run scenes for a study and write what came out."""
+
+import csv
+import subprocess
+from pathlib import Path
+
+from plotting.results import Results, ResultsError
+from studies.measures import Measured
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+class Runner:
+    """Runs scenes through scripts/run into folders of one study.
+
+    reuse: take the results of a run with the same label that came to its end instead of running.
+    settings: for all runs, such as ["coupler.json:/time/end=0.3"].
+    """
+
+    def __init__(self, folder: Path, reuse: bool, settings: list[str]):
+        self.folder = folder
+        self.reuse = reuse
+        self.settings = settings
+
+    def run(self, label: str, scene: str, settings: list[str]) -> Measured:
+        """Run one scene.
+
+        @raises ResultsError  the run failed
+        """
+        output = self.folder / label
+        if not (self.reuse and _completed(output)):
+            command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
+                       "--no-plots", "--log-level", "warn"]
+            for setting in [*self._settings_for(scene), *settings]:
+                command += ["--set", setting]
+            print(f"{label}: running", flush=True)
+            code = subprocess.run(command, check=False).returncode
+            if code != 0:
+                raise ResultsError(f"{label}: the run failed with exit code {code}")
+        return Measured(Results(output))
+
+    def _settings_for(self, scene: str) -> list[str]:
+        """The common settings; those of files that the scene lacks do not concern it."""
+        return [s for s in self.settings if (ROOT / "configs" / scene / s.partition(":")[0]).exists()]
+
+
+def _completed(folder: Path) -> bool:
+    if not (folder / "summary.json").exists():
+        return False
+    return bool(Results(folder).summary.get("completed", True))
+
+
+def print_table(head: list[str], rows: list[list]) -> None:
+    """Right-aligned columns; numbers with four digits."""
+    cells = [head, *[[_text(value) for value in row] for row in rows]]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(head))]
+    for row in cells:
+        print("  ".join(text.rjust(width) for text, width in zip(row, widths)))
+
+
+def _text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def write_table(path: Path, head: list[str], rows: list[list]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *rows])
+
+
+def report(folder: Path, head: list[str], rows: list[list]) -> None:
+    """Print the table and write it as table.csv."""
+    print()
+    print_table(head, rows)
+    write_table(folder / "table.csv", head, rows)
+    print(f"\nWritten to {folder}")

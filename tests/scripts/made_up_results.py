@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A results folder of a run that never was: known numbers in the format of the programs."""
+
+import csv
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+END, DT = 0.5, 1e-3
+STEPS = round(END / DT)
+AMPLITUDE = 2e-3  # of the probe [m]
+FORCE = 20.0  # of the soil on the structure from t = 0.2 s on [N/m]
+
+
+def write_table(path: Path, head: list[str], rows: list[list]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *rows])
+
+
+def displacement(time: float, scale: float = 1.0) -> float:
+    return scale * AMPLITUDE * max(0.0, 1 - np.cos(40 * (time - 0.2))) * (time > 0.2)
+
+
+def write_tables(folder: Path, scale: float, iterations: int) -> None:
+    """probes.csv, steps.csv (force FORCE from 0.2 s on), iterations.csv (residual 10^-k)."""
+    times = [DT * step for step in range(STEPS + 1)]
+    write_table(folder / "probes.csv", ["time", "soil.centre_x", "structure.A.ux", "structure.A.uy"],
+                [[t, 0.1 + t / 10, displacement(t, scale), -displacement(t, 0.1 * scale)] for t in times])
+    contact = {t: t > 0.2 for t in times[1:]}
+    write_table(folder / "steps.csv",
+                ["step", "time", "dt", "iterations", "status", "skipped", "displacement_residual",
+                 "force_residual", "f_x", "f_y", "soil_newton", "structure_newton", "cuts",
+                 "soil.kinetic_energy", "wall_seconds"],
+                [[n + 1, t, DT, iterations if contact[t] else 1, "converged" if contact[t] else "inactive",
+                  "none" if contact[t] else "structure", 1e-9, 1e-6, scale * FORCE * contact[t], 0.0,
+                  4, 1, 0, 5 * t * (1 - t), 0.01] for n, t in enumerate(times[1:])])
+    rows = [[n + 1, k, t - DT, DT, "going_on", 10.0 ** -(k + 4), 2e-8, 10.0**-k if k else "", 2e-4]
+            for n, t in enumerate(times[1:]) for k in range(iterations if contact[t] else 1)]
+    write_table(folder / "iterations.csv",
+                ["step", "iteration", "time", "dt", "status", "displacement_residual", "displacement_limit",
+                 "force_residual", "force_limit"], rows)
+
+
+def write_frame(path: Path, points: np.ndarray, cells: np.ndarray | None, fields: dict) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with h5py.File(path, "w") as file:
+        file["coordinates"] = points
+        if cells is not None:
+            file["connectivity"] = cells
+        for name, values in fields.items():
+            file[name] = values
+
+
+def xdmf_item(file: str, name: str, array: np.ndarray) -> str:
+    size = " ".join(str(n) for n in array.shape)
+    return f'<DataItem Format="HDF" Dimensions="{size}">{file}:/{name}</DataItem>'
+
+
+def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
+    """frames: (time, points, cells or None, fields)."""
+    grids = []
+    for number, (time, points, cells, fields) in enumerate(frames):
+        file = f"{name}_{number:06d}.h5"
+        write_frame(folder / file, points, cells, fields)
+        kind = "Polyvertex" if cells is None else "Quadrilateral"
+        topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
+        attributes = "".join(
+            f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'
+            for field, values in fields.items()
+        )
+        grids.append(
+            f'<Grid Name="{name}"><Time Value="{time}"/>'
+            f'<Topology TopologyType="{kind}">{topology}</Topology>'
+            f'<Geometry GeometryType="XY">{xdmf_item(file, "coordinates", points)}</Geometry>'
+            f"{attributes}</Grid>"
+        )
+    text = "".join(grids)
+    (folder / f"{name}.xdmf").write_text(
+        f'<Xdmf Version="3.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">{text}</Grid>'
+        "</Domain></Xdmf>"
+    )
+
+
+def soil_frames() -> list[tuple]:
+    """A column 0.2 m x 0.1 m that is sheared, linearly in height and time."""
+    x, y = np.meshgrid(np.arange(0.00125, 0.2, 0.0025), np.arange(0.00125, 0.1, 0.0025))
+    start = np.column_stack([x.ravel(), y.ravel()])
+    frames = []
+    for time in np.linspace(0, END, 6):
+        u = np.column_stack([0.8 * time * start[:, 1], np.zeros(len(start))])
+        frames.append((time, start + u, None, {"displacement": u, "plastic_strain": u[:, 0]}))
+    return frames
+
+
+def structure_frames() -> list[tuple]:
+    """A wall 0.01 m x 0.05 m of 2 x 10 cells that bends."""
+    x, y = np.meshgrid(np.linspace(0.25, 0.26, 3), np.linspace(0, 0.05, 11))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    corner = (np.arange(10)[:, None] * 3 + np.arange(2)[None]).ravel()
+    cells = np.column_stack([corner, corner + 1, corner + 4, corner + 3])
+    frames = []
+    for time in np.linspace(0, END, 6):
+        u = np.column_stack([4 * time * points[:, 1] ** 2, np.zeros(len(points))])
+        frames.append((time, points + u, cells, {"displacement": u}))
+    return frames
+
+
+def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path:
+    """A whole results folder. scale multiplies displacement and force."""
+    write_tables(folder, scale, iterations)
+    write_series(folder / "mpm", "soil", soil_frames())
+    write_series(folder / "fem", "structure", structure_frames())
+    summary = {"program": "coupler", "completed": True, "end_time": END, "steps": STEPS, "cuts": 0,
+               "coupling_iterations": {"mean_in_contact": iterations, "max": iterations},
+               "wall_seconds": {"total": 12.5}}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    return folder

@@ -1,0 +1,101 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The measures of scripts/bench on runs whose answers are known, and each study as a whole."""
+
+import contextlib
+import csv
+import io
+import json
+import unittest
+
+import numpy as np
+from script_case import ScriptCase
+
+import made_up_results as made_up
+from plotting.results import Results, ResultsError
+from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
+from studies.measures import Curve, Measured, relative_rms
+from studies.runner import Runner
+
+
+class MadeUpRunner(Runner):
+    """Writes made-up results instead of running. scale_of: label -> scale of displacement and force."""
+
+    scales: dict[str, float] = {}
+
+    def run(self, label: str, scene: str, settings: list[str]) -> Measured:
+        scale = self.scales.get(label, 1.0)
+        return Measured(Results(made_up.write_results(self.folder / label, scale)))
+
+
+class Measures(ScriptCase):
+    def test_relative_rms(self) -> None:
+        time = np.linspace(0, 1, 101)
+        reference = Curve(time, np.sin(time))
+        self.assertAlmostEqual(relative_rms(Curve(time, 1.1 * np.sin(time)), reference), 0.1, places=12)
+        coarse = Curve(time[::10], np.sin(time[::10]))
+        self.assertLess(relative_rms(coarse, reference), 1e-3)
+
+    def test_run_that_stopped_early_is_refused(self) -> None:
+        time = np.linspace(0, 1, 11)
+        with self.assertRaisesRegex(ResultsError, "end at 0.9 s and 1 s"):
+            relative_rms(Curve(time[:-1], time[:-1]), Curve(time, time))
+
+    def test_mean_of_last(self) -> None:
+        time = np.array([0.0, 0.5, 0.93, 1.0])  # uneven steps, linear values: exact
+        self.assertAlmostEqual(Curve(time, 2 * time).mean_of_last(0.1), 1.9, places=12)
+
+    def test_force_and_impulse(self) -> None:
+        run = Measured(Results(made_up.write_results(self.folder, scale=2, iterations=7)))
+        self.assertAlmostEqual(run.impulse().values[-1], 2 * made_up.FORCE * 0.3, places=9)
+        self.assertAlmostEqual(run.force().mean_of_last(0.1), 2 * made_up.FORCE, places=9)
+        self.assertEqual(set(run.iterations_in_contact()), {7})
+
+    def test_unfinished_run_is_refused(self) -> None:
+        made_up.write_results(self.folder)
+        (self.folder / "summary.json").write_text(json.dumps({"completed": False, "reason": "x"}))
+        with self.assertRaisesRegex(ResultsError, "did not come to its end"):
+            Measured(Results(self.folder))
+
+
+class Studies(ScriptCase):
+    def table(self, study, scales: dict[str, float]) -> list[list[str]]:
+        runner = MadeUpRunner(self.folder, reuse=False, settings=[])
+        runner.scales = scales
+        with contextlib.redirect_stdout(io.StringIO()):
+            study(runner)
+        with (self.folder / "table.csv").open(newline="") as file:
+            return list(csv.reader(file))[1:]
+
+    def test_error_vs_time(self) -> None:
+        rows = self.table(error_vs_time, {"dt_0.001": 1.2, "dt_0.0005": 1.1})
+        np.testing.assert_allclose([float(row[1]) for row in rows], [0.2, 0.1, 0, 0], atol=1e-12)
+        np.testing.assert_allclose([float(row[2]) for row in rows], [0.2, 0.1, 0, 0], atol=1e-12)
+
+    def test_dt_consistency(self) -> None:
+        rows = self.table(dt_consistency, {"dt_0.0002": 1.5})
+        self.assertAlmostEqual(float(rows[0][2]), 1.5 * made_up.FORCE, places=9)
+        self.assertAlmostEqual(float(rows[0][4]), 0.5, places=9)
+        self.assertAlmostEqual(float(rows[2][4]), 0, places=12)
+
+    def test_failed_run_stands_in_the_table(self) -> None:
+        class Failing(MadeUpRunner):
+            def run(self, label, scene, settings):
+                if label == "constant":
+                    raise ResultsError("constant: the run failed with exit code 3")
+                return super().run(label, scene, settings)
+
+        with contextlib.redirect_stdout(io.StringIO()):
+            acceleration(Failing(self.folder, reuse=False, settings=[]))
+        text = (self.folder / "table.csv").read_text()
+        self.assertIn("constant,failed", text)
+        self.assertIn("MVQN,5.0,5,0,12.5", text)
+
+    def test_every_study_runs(self) -> None:
+        for name, study in STUDIES.items():
+            with self.subTest(name):
+                self.assertTrue(self.table(study, {}))
+
+
+if __name__ == "__main__":
+    unittest.main()

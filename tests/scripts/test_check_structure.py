@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/check_structure finds each breach, and nothing where there is none."""
+
+import unittest
+
+from script_case import ScriptCase
+
+SPDX = "// SPDX-License-Identifier: BSD-3-Clause\n"
+HEADER = SPDX + "#pragma once\n"
+
+
+class CheckStructure(ScriptCase):
+    def breaches(self) -> list[str]:
+        result = self.python_script("check_structure", self.folder)
+        lines = result.stderr.splitlines()
+        self.assertEqual(result.returncode, 1 if lines else 0)
+        return lines
+
+    def expect_breach(self, path: str, text: str, *words: str) -> None:
+        """One file, one breach that names the file and contains the words."""
+        self.write(path, text)
+        lines = self.breaches()
+        self.assertEqual(len(lines), 1, lines)
+        for word in (path.rpartition(".")[0], *words):
+            self.assertIn(word, lines[0])
+
+    def test_allowed_arrows_pass(self) -> None:
+        self.write("common/base/log.hpp", HEADER)
+        mesh = SPDX + '#include "common/base/log.hpp"\n#include <petscmat.h>\n'
+        self.write("common/mechanics/mesh.cpp", mesh)
+        self.write("protocol/socket.cpp", SPDX + '#include <zmq.hpp>\n#include "protocol/socket.hpp"\n')
+        self.write("coupler/loop.cpp", SPDX + '#include "protocol/codec.hpp"\n#include <Eigen/Core>\n')
+        self.write("fem_solver/main.cpp", SPDX + '#include "common/mechanics/mesh.hpp"\n#include <mpi.h>\n')
+        self.write("common/base/mpi_session.cpp", SPDX + "auto world = MPI_COMM_WORLD;\n")
+        self.assertEqual(self.breaches(), [])
+
+    def test_base_must_not_know_mechanics(self) -> None:
+        text = SPDX + '#include "common/mechanics/mesh.hpp"\n'
+        self.expect_breach("common/base/a.cpp", text, "common/base/")
+
+    def test_solvers_must_not_know_each_other(self) -> None:
+        self.expect_breach("mpm_solver/a.cpp", SPDX + '#include "fem_solver/fem_step.hpp"\n', "fem_step.hpp")
+
+    def test_coupler_must_not_know_mechanics(self) -> None:
+        self.expect_breach("coupler/a.cpp", SPDX + '#include "common/mechanics/mesh.hpp"\n', "coupler")
+
+    def test_relative_include_is_refused(self) -> None:
+        self.expect_breach("coupler/a.cpp", SPDX + '#include "a.hpp"\n', "a.hpp")
+
+    def test_coupler_without_petsc(self) -> None:
+        self.expect_breach("coupler/a.cpp", SPDX + "#  include <petscksp.h>\n", "PETSc")
+
+    def test_world_has_one_owner(self) -> None:
+        self.expect_breach("fem_solver/a.cpp", SPDX + "int x = rank(MPI_COMM_WORLD);\n", "MPI_COMM_WORLD")
+
+    def test_zmq_outside_protocol(self) -> None:
+        self.expect_breach("coupler/a.cpp", SPDX + "#include <zmq.hpp>\n", "ZeroMQ")
+
+    def test_zmq_in_two_pairs_of_protocol(self) -> None:
+        self.write("protocol/a.cpp", SPDX + "#include <zmq.h>\n")
+        self.write("protocol/b.hpp", HEADER + "#include <zmq.hpp>\n")
+        self.assertEqual(len(self.breaches()), 1)
+
+    def test_missing_licence_and_pragma(self) -> None:
+        self.expect_breach("coupler/a.hpp", SPDX, "#pragma once")
+        self.write("coupler/a.hpp", "#pragma once\n")
+        self.assertIn("SPDX", self.breaches()[0])
+
+    def test_script_without_licence(self) -> None:
+        self.expect_breach("scripts/go.sh", "#!/bin/sh\n", "SPDX")
+
+    def test_file_length(self) -> None:
+        self.write("coupler/a.cpp", SPDX + "\n" * 399)
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("coupler/a.cpp", SPDX + "\n" * 400, "401 lines")
+
+    def test_configs(self) -> None:
+        self.write("configs/a/README.md", "")
+        self.expect_breach("configs/a/mpm.json", '{"dt": 1,}', "configs/a/mpm.json")
+        self.write("configs/a/mpm.json", "{}")
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("configs/b/fem.json", "{}", "README.md")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/plot reads what a results folder holds and draws it."""
+
+import unittest
+from pathlib import Path
+
+import numpy as np
+from script_case import ROOT, ScriptCase
+
+import made_up_results as made_up
+from plotting.column import compare_surface, front_of, read_reference, surface_of
+from plotting.results import Results, ResultsError, Series, Table
+from plotting.summary import summary_lines
+
+
+class Reading(ScriptCase):
+    def test_table(self) -> None:
+        path = self.write("a.csv", "time,verdict,x\n0,converged,1e-3\n1,cut,\n2,conv")
+        table = Table(path)
+        self.assertEqual(table.num_rows, 2)  # the half row of a killed run is left out
+        np.testing.assert_array_equal(table["time"], [0, 1])
+        self.assertEqual(table["x"][0], 1e-3)
+        self.assertTrue(np.isnan(table["x"][1]))
+        self.assertEqual(list(table["verdict"]), ["converged", "cut"])
+        with self.assertRaisesRegex(ResultsError, "no column y; there are time, verdict, x"):
+            table["y"]
+
+    def test_broken_table_is_refused(self) -> None:
+        with self.assertRaisesRegex(ResultsError, "another number of cells"):
+            Table(self.write("a.csv", "a,b\n1,2\n1\n1\n3,4\n"))
+
+    def test_series_gives_back_what_was_written(self) -> None:
+        made_up.write_series(self.folder, "structure", made_up.structure_frames())
+        series = Series(self.folder / "structure.xdmf")
+        time, points, cells, fields = made_up.structure_frames()[3]
+        self.assertEqual(series.nearest(time + 0.01), 3)
+        frame = series.frame(3)
+        np.testing.assert_array_equal(frame.points, points)
+        np.testing.assert_array_equal(frame.cells, cells)
+        np.testing.assert_array_equal(frame.fields["displacement"], fields["displacement"])
+
+    def test_missing_frame_is_named(self) -> None:
+        made_up.write_series(self.folder, "soil", made_up.soil_frames())
+        (self.folder / "soil_000002.h5").unlink()
+        with self.assertRaisesRegex(ResultsError, "soil_000002.h5"):
+            Series(self.folder / "soil.xdmf").frame(2)
+
+
+class Column(ScriptCase):
+    def points(self) -> np.ndarray:
+        """A wedge of height 0.1 (1 - x / 0.4) of points at distance 2 mm, and one stray grain."""
+        x, y = np.meshgrid(np.arange(0.001, 0.4, 0.002), np.arange(0.001, 0.1, 0.002))
+        inside = y < 0.1 * (1 - x / 0.4)
+        return np.vstack([np.column_stack([x[inside], y[inside]]), [[0.5, 0.001]]])
+
+    def test_surface_of_a_wedge(self) -> None:
+        x, height = surface_of(self.points(), 0.002)
+        covered = (x > 0.005) & (x < 0.38)
+        np.testing.assert_allclose(height[covered], 0.1 * (1 - x[covered] / 0.4), atol=0.0025)
+
+    def test_front_leaves_stray_grains_aside(self) -> None:
+        self.assertAlmostEqual(front_of(self.points(), 0.002), 0.396, delta=0.004)
+
+    def test_error_is_the_shift(self) -> None:
+        measured = np.array([[x, 0.1 * (1 - x / 0.4) - 0.01] for x in np.linspace(0.01, 0.3, 20)])
+        error = compare_surface(self.points(), 0.002, measured)
+        self.assertAlmostEqual(error.mean_abs_m, 0.01, delta=0.002)
+        self.assertGreaterEqual(error.max_abs_m, error.mean_abs_m)
+
+    def test_reference_of_the_scene(self) -> None:
+        series = read_reference(ROOT / "configs/column_collapse/data/bui2008_column_collapse.csv")
+        surface = series["exp_surface"]
+        self.assertLess(surface[0, 0], 0.01)
+        self.assertAlmostEqual(surface[0, 1], 0.1, delta=0.002)
+        self.assertTrue((np.diff(surface[:, 0]) > 0).all())
+
+
+class Drawing(ScriptCase):
+    def draw(self, *arguments: object) -> list[str]:
+        result = self.python_script("plot", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        paths = [Path(line) for line in result.stdout.splitlines() if line.endswith((".png", ".gif"))]
+        for path in paths:
+            self.assertGreater(path.stat().st_size, 5000)
+        return [path.name for path in paths]
+
+    def test_everything(self) -> None:
+        made_up.write_results(self.folder / "a")
+        self.assertEqual(
+            self.draw(self.folder / "a"),
+            ["probes.png", "residuals.png", "iterations.png", "forces.png", "energies.png", "scene.png"],
+        )
+
+    def test_choices(self) -> None:
+        a, b = (made_up.write_results(self.folder / name) for name in "ab")
+        self.assertEqual(self.draw(a, "--residuals"), ["residuals.png"])
+        self.assertEqual(self.draw(a, "--compare", b, "--labels", "one", "two"), ["compare.png"])
+
+    def test_unknown_field_names_the_known_ones(self) -> None:
+        result = self.python_script("plot", made_up.write_results(self.folder / "a"), "--field", "colour")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("no field colour; there are displacement, plastic_strain", result.stderr)
+
+    def test_empty_folder(self) -> None:
+        result = self.python_script("plot", self.folder)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("nothing to draw", result.stderr)
+
+    def test_summary(self) -> None:
+        text = "\n".join(summary_lines(Results(made_up.write_results(self.folder / "a"))))
+        self.assertIn("completed at t = 0.5 s in 12.5 s", text)
+        self.assertIn(f"largest {2e3 * made_up.AMPLITUDE:.3f} mm", text)
+        self.assertIn("impulse 6 N s/m", text)  # 20 N/m through 0.3 s
+
+
+if __name__ == "__main__":
+    unittest.main()

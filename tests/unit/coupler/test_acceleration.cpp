@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "coupler/convergence.hpp"
+#include "tests/unit/coupler/affine_map.hpp"
+
+namespace gabion {
+namespace {
+
+using test::AffineMap;
+using test::iteration_counts;
+using Counts = std::vector<int>;
+
+AccelerationSettings settings(const std::string& method, double filter, int history) {
+  AccelerationSettings s;
+  s.method = method;
+  s.relaxation = 0.1;
+  s.filter = filter;
+  s.history = history;
+  s.max_columns = 1000;
+  return s;
+}
+
+struct Reference {
+  AccelerationSettings settings;
+  std::map<double, Counts> counts;  // by m
+  double mean_difference;
+  int largest_difference;
+};
+
+/// The reference does not say how its b changes from step to step, which decides the counts of the
+/// later steps: those may differ by 2, the first one by 1 (by where the limit 1e-8 is crossed).
+void expect_counts(const Reference& reference) {
+  double sum = 0;
+  int entries = 0;
+  for (const auto& [m, expected] : reference.counts) {
+    const auto acceleration = make_acceleration(reference.settings);
+    const Counts found = iteration_counts(AffineMap(m), *acceleration);
+    EXPECT_NEAR(found[0], expected[0], 1) << "m = " << m;
+    for (std::size_t s = 0; s < expected.size(); ++s, ++entries) {
+      EXPECT_NEAR(found[s], expected[s], reference.largest_difference) << "m = " << m << " step " << s;
+      sum += std::abs(found[s] - expected[s]);
+    }
+  }
+  EXPECT_LE(sum / entries, reference.mean_difference);
+}
+
+TEST(Acceleration, iqn_ils_needs_the_published_iterations) {
+  expect_counts({settings("iqn_ils", 1e-2, 10),
+                 {{0.5, {8, 6, 5, 2, 2}},
+                  {2, {11, 8, 6, 2, 2}},
+                  {10, {17, 11, 7, 5, 3}},
+                  {50, {27, 15, 9, 4, 2}}},
+                 0.5,
+                 1});
+}
+
+TEST(Acceleration, mvqn_needs_the_iterations_of_the_dense_multi_vector_method) {
+  expect_counts({settings("mvqn", 1e-9, 100),
+                 {{0.5, {8, 6, 5, 5, 4}},
+                  {2, {11, 8, 5, 7, 5}},
+                  {10, {17, 11, 7, 6, 7}},
+                  {50, {24, 16, 11, 10, 5}}},
+                 0.8,
+                 2});
+}
+
+TEST(Acceleration, aitken_needs_the_published_iterations) {
+  const std::map<double, std::pair<int, int>> bands = {
+      {0.5, {11, 13}}, {2, {18, 18}}, {10, {31, 33}}, {50, {55, 65}}};
+  for (const auto& [m, band] : bands) {
+    const auto acceleration = make_acceleration(settings("aitken", 0, 0));
+    double mean = 0;
+    for (const int count : iteration_counts(AffineMap(m), *acceleration)) mean += count / 5.0;
+    EXPECT_GE(mean, 0.9 * band.first) << "m = " << m;
+    EXPECT_LE(mean, 1.1 * band.second) << "m = " << m;
+  }
+}
+
+TEST(Acceleration, all_methods_reach_the_exact_fixed_point) {
+  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+    AffineMap map(10);
+    const auto acceleration = make_acceleration(settings(method, 1e-6, 10));
+    acceleration->begin_step();
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+    for (int k = 0; k < 80; ++k) {
+      const Eigen::VectorXd x_tilde = map(x);
+      if ((x_tilde - x).norm() < 1e-11) break;
+      x = acceleration->next(x, x_tilde);
+    }
+    EXPECT_LE((x - map.fixed_point()).norm(), 1e-10) << method;
+  }
+}
+
+TEST(Acceleration, a_linear_problem_of_n_unknowns_is_solved_by_n_secants) {
+  // n secants span the space: the update is Newton's with the exact Jacobian.
+  for (const std::string method : {"iqn_ils", "mvqn"}) {
+    AffineMap map(2, 4);
+    const auto acceleration = make_acceleration(settings(method, 0, 10));
+    acceleration->begin_step();
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+    for (int k = 0; k < 5; ++k) x = acceleration->next(x, map(x));
+    EXPECT_EQ(acceleration->counters().columns, 4);
+    EXPECT_LE((x - map.fixed_point()).norm(), 1e-11) << method;
+  }
+}
+
+/// N = N_prev + (W - N_prev V) V^+, x+ = x_tilde - N r, as a matrix.
+class DenseMultiVector {
+ public:
+  explicit DenseMultiVector(Eigen::Index n) : previous_(Eigen::MatrixXd::Zero(n, n)) {}
+
+  void add(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
+    const Eigen::VectorXd r = x_tilde - x;
+    if (r_last_.size() > 0) {
+      V_.conservativeResize(r.size(), V_.cols() + 1);
+      W_.conservativeResize(r.size(), W_.cols() + 1);
+      V_.rightCols(1) = r - r_last_;
+      W_.rightCols(1) = x_tilde - x_tilde_last_;
+    }
+    r_last_ = r;
+    x_tilde_last_ = x_tilde;
+  }
+  Eigen::MatrixXd inverse_jacobian() const {
+    if (V_.cols() == 0) return previous_;
+    return previous_ +
+           (W_ - previous_ * V_) * V_.completeOrthogonalDecomposition().pseudoInverse();
+  }
+  void end_step() {
+    previous_ = inverse_jacobian();
+    V_.resize(0, 0);
+    W_.resize(0, 0);
+    r_last_.resize(0);
+  }
+
+ private:
+  Eigen::MatrixXd previous_;
+  Eigen::MatrixXd V_;
+  Eigen::MatrixXd W_;
+  Eigen::VectorXd r_last_;
+  Eigen::VectorXd x_tilde_last_;
+};
+
+TEST(Acceleration, mvqn_without_a_matrix_equals_the_dense_update) {
+  AffineMap map(10, 20);
+  const auto acceleration = make_acceleration(settings("mvqn", 0, 100));
+  DenseMultiVector dense(map.size());
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+  for (int s = 0; s < 4; ++s) {
+    map.set_step(5 * s);
+    acceleration->begin_step();
+    for (int k = 0; k < 6; ++k) {
+      // Slightly nonlinear, so that the blocks of different steps disagree.
+      const Eigen::VectorXd x_tilde = map(x) + 0.05 * x.cwiseProduct(x).matrix();
+      dense.add(x, x_tilde);
+      if (k == 5) {
+        acceleration->end_step(x, x_tilde);
+        x = x_tilde;
+        break;
+      }
+      const Eigen::VectorXd next = acceleration->next(x, x_tilde);
+      const Eigen::VectorXd r = x_tilde - x;
+      if (s > 0 || k > 0) {
+        const Eigen::VectorXd expected = x_tilde - dense.inverse_jacobian() * r;
+        EXPECT_LE((next - expected).norm(), 1e-9 * (expected.norm() + r.norm()))
+            << "step " << s << " iteration " << k;
+      } else {
+        EXPECT_LE((next - (x + 0.1 * r)).norm(), 1e-15 * r.norm());
+      }
+      x = next;
+    }
+    dense.end_step();
+  }
+}
+
+TEST(Acceleration, damping_scales_only_what_no_column_covers) {
+  AccelerationSettings s = settings("mvqn", 0, 0);
+  s.damping = 0.25;
+  const auto acceleration = make_acceleration(s);
+  acceleration->begin_step();
+  const Eigen::Vector3d x0(0, 0, 0), r0(1, 0, 0), x1(1, 0, 0), r1(0.5, 2, 0);
+  acceleration->next(x0, x0 + r0);
+  const Eigen::VectorXd x2 = acceleration->next(x1, x1 + r1);
+  // V = r1 - r0, W = (x1 + r1) - (x0 + r0); c = -V.r1 / V.V
+  const Eigen::Vector3d V = r1 - r0, W = x1 + r1 - x0 - r0;
+  const double c = -V.dot(r1) / V.squaredNorm();
+  const Eigen::Vector3d expected = x1 + (W - V) * c + 0.25 * (r1 + V * c);
+  EXPECT_LE((x2 - expected).norm(), 1e-14);
+}
+
+TEST(Acceleration, the_filter_drops_dependent_columns_and_never_the_newest) {
+  const auto acceleration = make_acceleration(settings("iqn_ils", 1e-2, 0));
+  acceleration->begin_step();
+  const Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  acceleration->next(x, Eigen::Vector3d(1, 0, 0));
+  acceleration->next(x, Eigen::Vector3d(2, 0, 0));
+  acceleration->next(x, Eigen::Vector3d(3, 1e-3, 0));  // almost along the column before
+  EXPECT_EQ(acceleration->counters().columns, 1);
+  EXPECT_EQ(acceleration->counters().columns_dropped, 1);
+  acceleration->next(x, Eigen::Vector3d(3, 1, 0));
+  EXPECT_EQ(acceleration->counters().columns, 2);
+}
+
+TEST(Acceleration, equal_residuals_give_no_column_and_no_nan) {
+  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+    const auto acceleration = make_acceleration(settings(method, 0, 5));
+    acceleration->begin_step();
+    const Eigen::Vector3d x(1, 2, 3), x_tilde(2, 2, 2);
+    acceleration->next(x, x_tilde);
+    const Eigen::VectorXd next = acceleration->next(x, x_tilde);
+    EXPECT_TRUE(next.isApprox(x + 0.1 * (x_tilde - x), 1e-15)) << method;
+  }
+}
+
+TEST(Acceleration, a_discarded_step_leaves_no_trace) {
+  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+    const auto straight = make_acceleration(settings(method, 1e-9, 10));
+    const auto detour = make_acceleration(settings(method, 1e-9, 10));
+    const Counts expected = iteration_counts(AffineMap(2), *straight, 200, 1);
+    EXPECT_EQ(iteration_counts(AffineMap(2), *detour, 200, 1), expected);
+    detour->begin_step();
+    AffineMap other(10);
+    Eigen::VectorXd x = Eigen::VectorXd::Ones(other.size());
+    for (int k = 0; k < 4; ++k) x = detour->next(x, other(x));
+    detour->discard_step();
+    if (method == "aitken") straight->reset();  // forgets its omega too
+
+    AffineMap map(2);
+    map.set_step(1);
+    straight->begin_step();
+    detour->begin_step();
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(map.size());
+    Eigen::VectorXd b = a;
+    for (int k = 0; k < 4; ++k) {
+      a = straight->next(a, map(a));
+      b = detour->next(b, map(b));
+      EXPECT_EQ((a - b).norm(), 0) << method << " iteration " << k;
+    }
+  }
+}
+
+TEST(Acceleration, reset_forgets_earlier_steps) {
+  const auto acceleration = make_acceleration(settings("mvqn", 1e-9, 10));
+  AffineMap map(10);
+  const Counts first = iteration_counts(map, *acceleration, 200, 1);
+  const Counts again = iteration_counts(map, *acceleration, 200, 1);
+  EXPECT_LT(again[0], first[0] / 2);
+  acceleration->reset();
+  EXPECT_EQ(iteration_counts(map, *acceleration, 200, 1), first);
+}
+
+TEST(Acceleration, history_and_columns_are_limited) {
+  AccelerationSettings s = settings("mvqn", 0, 2);
+  const auto acceleration = make_acceleration(s);
+  iteration_counts(AffineMap(2), *acceleration, 5, 4);  // 4 secants a step
+  acceleration->begin_step();
+  acceleration->next(Eigen::VectorXd::Zero(50), Eigen::VectorXd::Ones(50));
+  EXPECT_EQ(acceleration->counters().columns, 8);
+}
+
+Verdict verdict_of_gauss_seidel(double m) {
+  ConvergenceSettings limits;
+  limits.displacement = {1e-8, 1e-8, 1e-12};
+  limits.force = {1e-8, 1e-8, 1e-12};
+  limits.divergence = 1e3;
+  Convergence convergence(limits);
+  convergence.begin_step();
+  AffineMap map(m);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+  for (int k = 0; k < 2000; ++k) {
+    const Eigen::VectorXd x_tilde = map(x);
+    const Verdict verdict = convergence.check(x, x_tilde, -x).verdict;
+    if (verdict != Verdict::going_on) return verdict;
+    x = x_tilde;
+  }
+  return Verdict::going_on;
+}
+
+TEST(Acceleration, gauss_seidel_converges_below_mass_ratio_one_and_is_reported_above) {
+  EXPECT_EQ(verdict_of_gauss_seidel(0.5), Verdict::converged);
+  for (const double m : {2.0, 10.0, 50.0}) {
+    EXPECT_EQ(verdict_of_gauss_seidel(m), Verdict::diverged) << "m = " << m;
+  }
+}
+
+}  // namespace
+}  // namespace gabion

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "coupler/interface_map.hpp"
+#include "coupler/mapping/mapping.hpp"
+#include "tests/unit/coupler/affine_map.hpp"
+
+namespace gabion {
+namespace {
+
+using Values = std::vector<double>;
+
+/// Polyline from (0, 0) to (1, 2), unevenly divided; the structure lies to its left.
+InterfaceMesh polyline(const Values& stations, bool facets = true) {
+  InterfaceMesh mesh;
+  mesh.name = "wall";
+  mesh.dim = 2;
+  mesh.vertices_per_facet = facets ? 2 : 0;
+  for (const double s : stations) mesh.coordinates.insert(mesh.coordinates.end(), {s, 2 * s});
+  for (std::size_t i = 0; facets && i + 1 < stations.size(); ++i) {
+    mesh.facets.insert(mesh.facets.end(), {std::int64_t(i), std::int64_t(i + 1)});
+  }
+  return mesh;
+}
+
+/// Tilted plane z = x / 2 + y / 4 over the unit square, n x m quads or twice as many triangles.
+InterfaceMesh plane(int n, int m, int vertices_per_facet) {
+  InterfaceMesh mesh;
+  mesh.name = "wall";
+  mesh.dim = 3;
+  mesh.vertices_per_facet = vertices_per_facet;
+  for (int j = 0; j <= m; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      const double x = double(i) / n;
+      const double y = double(j) / m;
+      mesh.coordinates.insert(mesh.coordinates.end(), {x, y, x / 2 + y / 4});
+    }
+  }
+  for (int j = 0; j < m; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const std::int64_t a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
+      if (vertices_per_facet == 4) mesh.facets.insert(mesh.facets.end(), {a, b, c, d});
+      if (vertices_per_facet == 3) mesh.facets.insert(mesh.facets.end(), {a, b, c, a, c, d});
+    }
+  }
+  return mesh;
+}
+
+struct Pair {
+  InterfaceMesh structure;
+  InterfaceMesh soil;
+};
+
+std::vector<Pair> pairs() {
+  return {{polyline({0, 0.2, 0.55, 1}), polyline({0, 0.1, 0.37, 0.6, 0.93, 1})},
+          {plane(3, 2, 3), plane(4, 5, 3)},
+          {plane(3, 2, 4), plane(4, 5, 4)},
+          {plane(3, 2, 4), plane(5, 3, 3)}};
+}
+
+const MappingSettings projection{"nearest_projection", 1e-9};
+
+/// field(x) = a + B x at all vertices
+Values linear_field(const InterfaceMesh& mesh, const Eigen::Vector3d& a, const Eigen::Matrix3d& B) {
+  Values values;
+  for (std::int64_t v = 0; v < mesh.num_vertices(); ++v) {
+    Eigen::Vector3d x = Eigen::Vector3d::Zero();
+    for (int i = 0; i < mesh.dim; ++i) x(i) = mesh.coordinates[v * mesh.dim + i];
+    const Eigen::Vector3d u = a + B * x;
+    for (int i = 0; i < mesh.dim; ++i) values.push_back(u(i));
+  }
+  return values;
+}
+
+Values random_values(std::size_t count, int seed) {
+  test::Sequence sequence(seed);
+  Values values(count);
+  for (double& v : values) v = sequence();
+  return values;
+}
+
+double dot(const Values& a, const Values& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+TEST(Mapping, projection_reproduces_constants_and_linear_fields) {
+  Eigen::Matrix3d B;
+  B << 1, 2, -1, 0.3, -0.7, 0.2, 2, 1, 0.1;
+  for (const Pair& pair : pairs()) {
+    const Mapping mapping(pair.structure, pair.soil, projection);
+    for (const Eigen::Matrix3d& gradient : {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), B}) {
+      const Eigen::Vector3d a(0.5, -2, 3);
+      Values found(pair.soil.coordinates.size());
+      mapping.to_soil(linear_field(pair.structure, a, gradient), found);
+      const Values expected = linear_field(pair.soil, a, gradient);
+      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-13);
+    }
+    EXPECT_LE(mapping.farthest(), 1e-15);
+    EXPECT_EQ(mapping.num_matched(), pair.soil.num_vertices());
+  }
+}
+
+TEST(Mapping, nearest_neighbor_reproduces_constants_only) {
+  const Pair pair = pairs()[0];
+  const Mapping mapping(pair.structure, pair.soil, {"nearest_neighbor", 1});
+  Values found(pair.soil.coordinates.size());
+  mapping.to_soil(linear_field(pair.structure, {1, 2, 0}, Eigen::Matrix3d::Zero()), found);
+  EXPECT_EQ(found, linear_field(pair.soil, {1, 2, 0}, Eigen::Matrix3d::Zero()));
+  mapping.to_soil(linear_field(pair.structure, {0, 0, 0}, Eigen::Matrix3d::Identity()), found);
+  EXPECT_EQ(found[2], 0.0);  // soil vertex 1 at 0.1 takes structure vertex 0 at 0
+  EXPECT_EQ(found[4], 0.2);  // soil vertex 2 at 0.37 takes structure vertex 1 at 0.2
+}
+
+TEST(Mapping, forces_keep_sum_moment_and_work) {
+  for (const Pair& pair : pairs()) {
+    const InterfaceMap map({{"wall", "soil", "structure"}},
+                           {{"soil", {pair.soil}}, {"structure", {pair.structure}}}, projection);
+    const Values x_values = random_values(pair.structure.coordinates.size(), 1);
+    const Eigen::VectorXd x =
+        Eigen::Map<const Eigen::VectorXd>(x_values.data(), Eigen::Index(x_values.size()));
+    const InterfaceValues u = map.soil_displacement("soil", x);
+    const InterfaceValues f_soil = {{"wall", random_values(pair.soil.coordinates.size(), 2)}};
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(map.size());
+    map.add_soil_force("soil", f_soil, f);
+
+    const Resultant here = map.soil_resultant("soil", u, f_soil);
+    const Resultant there = map.structure_resultant(x, f);
+    EXPECT_GT(here.force.norm(), 0.1);
+    EXPECT_GT(here.moment.norm(), 0.1);
+    EXPECT_LE((here.force - there.force).norm(), 1e-12);
+    EXPECT_LE((here.moment - there.moment).norm(), 1e-12);
+    EXPECT_NEAR(dot(u.at("wall"), f_soil.at("wall")), x.dot(f), 1e-12);
+  }
+}
+
+TEST(Mapping, matching_meshes_are_mapped_by_the_identity) {
+  for (const InterfaceMesh& mesh : {polyline({0, 0.3, 0.7, 1}), plane(3, 4, 3), plane(3, 4, 4)}) {
+    const Mapping mapping(mesh, mesh, projection);
+    const Values x = random_values(mesh.coordinates.size(), 5);
+    Values u(x.size());
+    mapping.to_soil(x, u);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(u[i], x[i], 1e-14);
+  }
+}
+
+TEST(Mapping, finds_the_closest_facet_even_if_none_of_its_vertices_is_close) {
+  // A long segment passes near the point; vertices of short ones are nearer than its ends.
+  InterfaceMesh structure;
+  structure.name = "wall";
+  structure.dim = 2;
+  structure.vertices_per_facet = 2;
+  structure.coordinates = {-10, 0, 10, 0, 0, 1, 0.1, 1};
+  structure.facets = {0, 1, 2, 3};
+  const Surface surface(structure);
+  const SurfacePoint found = surface.nearest_on_facets({0, 0.2, 0});
+  EXPECT_EQ(found.facet, 0);
+  EXPECT_NEAR(found.distance, 0.2, 1e-15);
+  EXPECT_NEAR(found.weights[0], 0.5, 1e-15);
+}
+
+TEST(ClosestPoint, agrees_with_a_search_over_the_facet) {
+  const std::array<Eigen::Vector3d, 4> quad = {
+      Eigen::Vector3d(0, 0, 0), {1, 0.1, 0.3}, {1.2, 1, -0.2}, {-0.1, 0.8, 0.1}};
+  test::Sequence random(4);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Vector3d p(0.5 + 1.5 * random(), 0.5 + 1.5 * random(), random());
+    const ClosestPoint on_quad = closest_on_quad(p, quad);
+    const ClosestPoint on_triangle = closest_on_triangle(p, {quad[0], quad[1], quad[2]});
+    double quad_best = 1e9;
+    double triangle_best = 1e9;
+    constexpr int n = 100;
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        const double s = double(i) / n, t = double(j) / n;
+        const Eigen::Vector3d q = (1 - s) * (1 - t) * quad[0] + s * (1 - t) * quad[1] +
+                                  s * t * quad[2] + (1 - s) * t * quad[3];
+        quad_best = std::min(quad_best, (q - p).norm());
+        const Eigen::Vector3d r = quad[0] + s * (1 - t) * (quad[1] - quad[0]) +
+                                  s * t * (quad[2] - quad[0]);
+        triangle_best = std::min(triangle_best, (r - p).norm());
+      }
+    }
+    EXPECT_LE(on_quad.distance, quad_best + 1e-12);
+    EXPECT_GE(on_quad.distance, quad_best - 0.02);
+    EXPECT_LE(on_triangle.distance, triangle_best + 1e-12);
+    EXPECT_GE(on_triangle.distance, triangle_best - 0.02);
+    Eigen::Vector3d image = Eigen::Vector3d::Zero();
+    double sum = 0;
+    for (int a = 0; a < 4; ++a) {
+      image += on_quad.weights[a] * quad[a];
+      sum += on_quad.weights[a];
+      EXPECT_GE(on_quad.weights[a], -1e-12);
+    }
+    EXPECT_NEAR(sum, 1, 1e-13);
+    EXPECT_NEAR((image - p).norm(), on_quad.distance, 1e-12);
+  }
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Mapping, surfaces_too_far_apart_are_refused_with_the_place) {
+  InterfaceMesh soil = polyline({0, 0.5, 1});
+  soil.coordinates[2] += 0.25;  // vertex 1 to (0.75, 1)
+  const std::string text = error_of([&] {
+    Mapping(polyline({0, 1}), soil, {"nearest_projection", 1e-3});
+  });
+  EXPECT_NE(text.find("interface \"wall\": soil vertex 1 at (0.75, 1) is 0.2236"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("allowed: 0.001 m (coupling/mapping/tolerance)"), std::string::npos) << text;
+}
+
+TEST(Mapping, opposite_normals_are_refused) {
+  InterfaceMesh soil = polyline({0, 0.5, 1});
+  std::swap(soil.facets[2], soil.facets[3]);
+  const std::string text = error_of([&] { Mapping(polyline({0, 1}), soil, projection); });
+  EXPECT_NE(text.find("facet 1 of the soil's side"), std::string::npos) << text;
+  EXPECT_NE(text.find("normals that agree"), std::string::npos) << text;
+}
+
+TEST(Mapping, unusable_meshes_are_refused) {
+  const InterfaceMesh good = polyline({0, 1});
+  InterfaceMesh bad = good;
+  bad.facets[1] = 7;
+  EXPECT_NE(error_of([&] { Mapping(bad, good, projection); }).find("names vertex 7"),
+            std::string::npos);
+  bad = good;
+  bad.coordinates = {0, 0, 0, 0};
+  EXPECT_NE(error_of([&] { Mapping(bad, good, projection); }).find("facet 0 has no extent"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { Mapping(plane(1, 1, 3), good, projection); }).find("dimension"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { Mapping(polyline({0, 1}, false), good, projection); })
+                .find("allowed: nearest_neighbor"),
+            std::string::npos);
+}
+
+TEST(InterfaceMap, several_interfaces_and_structures_share_one_vector) {
+  InterfaceMesh left = polyline({0, 1});
+  InterfaceMesh right = polyline({0, 0.5, 1});
+  left.name = "left";
+  right.name = "right";
+  const InterfaceMap map({{"left", "soil", "post"}, {"right", "soil", "net"}},
+                         {{"soil", {right, left}}, {"post", {left}}, {"net", {right}}}, projection);
+  ASSERT_EQ(map.size(), 10);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(10);
+  map.put_structure_values("post", {{"left", {1, 2, 3, 4}}}, x);
+  map.put_structure_values("net", {{"right", {5, 6, 7, 8, 9, 10}}}, x);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(x(i), i + 1);
+  EXPECT_EQ(map.structure_values("net", x).at("right"), (Values{5, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(map.soil_displacement("soil", x).at("left"), (Values{1, 2, 3, 4}));
+  EXPECT_THROW(map.put_structure_values("net", {{"right", {5}}}, x), Error);
+  EXPECT_THROW(map.put_structure_values("net", {{"left", {5}}}, x), Error);
+}
+
+TEST(InterfaceMap, interfaces_that_do_not_pair_up_are_refused) {
+  const InterfaceMesh wall = polyline({0, 1});
+  InterfaceMesh roof = wall;
+  roof.name = "roof";
+  EXPECT_NE(error_of([&] {
+              InterfaceMap({{"wall", "soil", "structure"}},
+                           {{"soil", {wall}}, {"structure", {}}}, projection);
+            }).find("participant \"structure\" does not have it; it has: none"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] {
+              InterfaceMap({{"wall", "soil", "structure"}},
+                           {{"soil", {wall, roof}}, {"structure", {wall}}}, projection);
+            }).find("offers the interface \"roof\""),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace gabion

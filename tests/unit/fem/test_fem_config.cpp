@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/unit/fem/fem_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+Json valid() {
+  return {{"dimension", 2},
+          {"mesh", box_2d({1, 2}, {2, 4})},
+          {"material", elastic("linear_elastic", 1e6, 0.3, 1000)},
+          {"supports", {{{"group", "bottom"}}}},
+          {"interfaces", {{{"name", "wall"}, {"groups", {"left", "top"}}}}}};
+}
+
+std::string error_of(const Json& json) {
+  try {
+    fem_solver<2>(json);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_error(const Json& json, const std::vector<std::string>& parts) {
+  const std::string text = error_of(json);
+  for (const auto& part : parts) {
+    EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in: " << text;
+  }
+}
+
+TEST(FemConfig, defaults) {
+  const auto settings = fem_settings<2>(valid());
+  EXPECT_TRUE(settings.dynamic);
+  EXPECT_FALSE(settings.lumped_mass);
+  EXPECT_FALSE(settings.initial_equilibrium);
+  EXPECT_TRUE(settings.newton.reuse_matrix);
+  EXPECT_EQ(settings.supports.at(0).components, (std::vector<int>{0, 1}));
+  EXPECT_EQ(settings.gravity, Vector<2>::Zero());
+}
+
+TEST(FemConfig, missing_group_names_those_that_exist) {
+  Json json = valid();
+  json["supports"][0]["group"] = "base";
+  expect_error(json, {"fem.json", "/supports/0/group", "base", "bottom", "left", "right", "top"});
+  json = valid();
+  json["interfaces"][0]["groups"] = {"left", "roof"};
+  expect_error(json, {"/interfaces/0/groups", "roof", "bottom", "left", "right", "top"});
+}
+
+TEST(FemConfig, unknown_key_with_a_suggestion) {
+  Json json = valid();
+  json["gravitation"] = {0, -9.81};
+  expect_error(json, {"/gravitation", "unknown", "gravity"});
+  json = valid();
+  json["supports"][0]["component"] = {"x"};
+  expect_error(json, {"/supports/0/component", "unknown", "components"});
+}
+
+TEST(FemConfig, values_out_of_range) {
+  Json json = valid();
+  json["material"]["density"] = -1;
+  expect_error(json, {"/material/density", "-1", "> 0"});
+  json = valid();
+  json["dimension"] = 4;
+  EXPECT_NE(error_of(json).find("/dimension"), std::string::npos);
+  json = valid();
+  json["supports"][0]["components"] = {"z"};
+  expect_error(json, {"/supports/0/components/0", "\"z\"", "x, y"});
+  json = valid();
+  json["gravity"] = {0, 0, -9.81};
+  expect_error(json, {"/gravity", "2 numbers"});
+}
+
+TEST(FemConfig, plastic_law_is_refused) {
+  Json json = valid();
+  json["material"] = {{"law", "mohr_coulomb"},  {"young_modulus", 1e6},   {"poisson_ratio", 0.3},
+                      {"density", 1000},        {"friction_angle", 30.0}, {"dilation_angle", 0.0},
+                      {"cohesion", 100.0}};
+  expect_error(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
+}
+
+TEST(FemConfig, contradictions) {
+  Json json = valid();
+  json["prescribed"] = {{{"group", "left"}, {"component", "x"}, {"rate", 1.0}}};
+  expect_error(json, {"/prescribed/0/group", "component x", "already fixed"});
+  json = valid();
+  json["prescribed"] = {{{"group", "top"}, {"component", "x"}}};
+  expect_error(json, {"/prescribed/0", "rate", "table"});
+  json = valid();
+  json["prescribed"] = {
+      {{"group", "top"}, {"component", "x"}, {"table", {{0, 0}, {1, 1}, {1, 2}}}}};
+  expect_error(json, {"/prescribed/0/table/2", "increasing"});
+  json = valid();
+  json["analysis"] = "static";
+  json["mass"] = "lumped";
+  expect_error(json, {"/mass", "static"});
+  json = valid();
+  json["initial_equilibrium"] = true;
+  json["initial_velocity"] = {1, 0};
+  expect_error(json, {"/initial_velocity", "initial_equilibrium"});
+  json = valid();
+  json["interfaces"].push_back(json["interfaces"][0]);
+  expect_error(json, {"/interfaces/1/name", "wall", "distinct"});
+}
+
+TEST(FemConfig, points_away_from_the_mesh) {
+  Json json = valid();
+  json["probes"] = {{{"name", "A"}, {"point", {1.5, 1.0}}}};
+  expect_error(json, {"/probes/0/point", "1.5", "inside the mesh"});
+  json = valid();
+  json["loads"] = {{{"point", {0.6, 2.0}}, {"force", {1, 0}}}};
+  expect_error(json, {"/loads/0/point", "no node", "[0.5, 2]"});
+}
+
+TEST(FemConfig, time_is_only_read_without_a_coupler) {
+  Json json = valid();
+  json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
+  expect_error(json, {"/time", "unknown"});
+}
+
+TEST(TimeFunction, table_is_linear_inside_and_held_outside) {
+  const auto f = fem::TimeFunction::table({1, 2, 4}, {10, 20, 0});
+  EXPECT_EQ(f.at(0), 10);
+  EXPECT_EQ(f.at(1.5), 15);
+  EXPECT_EQ(f.at(3), 10);
+  EXPECT_EQ(f.at(9), 0);
+  EXPECT_FALSE(f.constant_after(0));
+  EXPECT_FALSE(f.constant_after(3.9));
+  EXPECT_TRUE(f.constant_after(4));
+  EXPECT_TRUE(fem::TimeFunction::constant(3).constant_after(0));
+  EXPECT_FALSE(fem::TimeFunction::ramp(3).constant_after(100));
+  EXPECT_EQ(fem::TimeFunction::ramp(3).at(2), 6);
+}
+
+}  // namespace
+}  // namespace gabion::test

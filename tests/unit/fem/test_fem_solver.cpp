@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/fem/plate.hpp"
+
+namespace gabion::test {
+namespace {
+
+TEST(FemSolver, interface_faces_outward) {
+  const auto solver = fem_solver<2>(plate());
+  const auto meshes = solver->interfaces();
+  ASSERT_EQ(meshes.size(), 1u);
+  const InterfaceMesh& mesh = meshes[0];
+  EXPECT_EQ(mesh.name, "wall");
+  EXPECT_EQ(mesh.vertices_per_facet, 2);
+  EXPECT_EQ(mesh.num_vertices(), 13);
+  ASSERT_EQ(mesh.facets.size(), 24u);
+  for (std::size_t f = 0; f < mesh.facets.size(); f += 2) {
+    const auto* a = mesh.coordinates.data() + 2 * mesh.facets[f];
+    const auto* b = mesh.coordinates.data() + 2 * mesh.facets[f + 1];
+    const double nx = b[1] - a[1], ny = a[0] - b[0];
+    // Left facets look to -x, top facets to +y.
+    const bool is_left = a[0] == 0 && b[0] == 0;
+    EXPECT_EQ(nx < 0, is_left);
+    EXPECT_EQ(ny > 0, !is_left);
+  }
+}
+
+TEST(FemSolver, starts_in_equilibrium_and_stays_at_rest) {
+  const auto solver = fem_solver<2>(plate());
+  const auto before = solver->state();
+  EXPECT_TRUE(before.motion.is_still());
+  EXPECT_LT(probe(*solver, "A.uy"), -1e-4);
+  const double weight = width * height * density * g;
+  EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), weight, 1e-8 * weight);  // Newton's tolerance
+  const StepRequest request{1, 0, 0, 0.01};
+  InterfaceValues sent;
+  const StepReport report = solver->solve_step(request, push(*solver, 0), sent);
+  EXPECT_EQ(report.newton_iterations, 0);
+  EXPECT_EQ(report.details.at("skipped"), 1);
+  const AcceptReport accepted = solver->accept_step(request, true);
+  EXPECT_TRUE(accepted.at_rest);
+  EXPECT_EQ(solver->state().motion.u, before.motion.u);
+  EXPECT_EQ(solver->summary().at("skipped_solves"), 1);
+  EXPECT_EQ(sent.at("wall").size(), 26u);
+}
+
+TEST(FemSolver, a_push_ends_the_rest) {
+  const auto solver = fem_solver<2>(plate());
+  const double before = probe(*solver, "A.ux");
+  const StepRequest request{1, 0, 0, 0.01};
+  InterfaceValues sent;
+  const StepReport report = solver->solve_step(request, push(*solver, 0.1), sent);
+  EXPECT_GT(report.newton_iterations, 0);
+  EXPECT_EQ(report.details.at("skipped"), 0);
+  EXPECT_FALSE(solver->accept_step(request, true).at_rest);
+  EXPECT_GT(probe(*solver, "A.ux"), before);
+}
+
+TEST(FemSolver, a_load_that_is_still_to_change_is_no_rest) {
+  Json json = plate();
+  json["tractions"] = {{{"group", "right"}, {"traction", {1.0, 0.0}},
+                        {"table", {{0, 0}, {1, 0}, {2, 1}}}}};
+  const auto solver = fem_solver<2>(json);
+  const StepRequest request{1, 0, 0, 0.5};
+  InterfaceValues sent;
+  EXPECT_EQ(solver->solve_step(request, {}, sent).details.at("skipped"), 1);
+  EXPECT_FALSE(solver->accept_step(request, true).at_rest);
+}
+
+TEST(FemSolver, unsolved_step_passes_time_only) {
+  const auto solver = fem_solver<2>(plate());
+  const auto u = solver->state().motion.u;
+  EXPECT_TRUE(solver->accept_step({1, 0, 0, 0.01}, false).at_rest);
+  EXPECT_EQ(solver->state().time, 0.01);
+  EXPECT_EQ(solver->state().motion.u, u);
+  EXPECT_THROW(solver->accept_step({2, 0, 0.01, 0.01}, true), Error);
+}
+
+/// Strong pushes, so that modified Newton renews its matrix within the steps.
+TEST(FemSolver, repeated_requests_give_the_same_bits) {
+  const auto solver = fem_solver<2>(plate());
+  const auto strong = push(*solver, 8), stronger = push(*solver, 30);
+  for (int n = 1; n <= 4; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.02, 0.02};
+    InterfaceValues first, other, again, after_reject;
+    solver->solve_step(request, strong, first);
+    solver->solve_step(request, strong, again);
+    EXPECT_EQ(first, again);
+    solver->solve_step({n, 1, request.time, request.dt}, stronger, other);
+    EXPECT_NE(first, other);
+    const auto accepted = solver->state().motion.u;
+    solver->reject_step();
+    EXPECT_EQ(solver->state().motion.u, accepted);
+    solver->solve_step(request, strong, after_reject);
+    EXPECT_EQ(first, after_reject) << "step " << n;
+    solver->accept_step(request, true);
+  }
+  EXPECT_GT(solver->summary().at("restored_matrices").get<int>(), 0);
+}
+
+TEST(FemSolver, rejected_steps_leave_no_trace) {
+  const auto straight = fem_solver<2>(plate()), cut = fem_solver<2>(plate());
+  const auto load = push(*straight, 10);
+  InterfaceValues sent;
+  for (int n = 1; n <= 5; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.02, 0.02};
+    cut->solve_step({n, 0, request.time, 0.08}, push(*cut, 25), sent);
+    cut->reject_step();
+    for (auto* solver : {straight.get(), cut.get()}) {
+      solver->solve_step(request, load, sent);
+      solver->accept_step(request, true);
+    }
+    EXPECT_EQ(straight->state().motion.u, cut->state().motion.u) << "step " << n;
+    EXPECT_EQ(straight->state().motion.a, cut->state().motion.a) << "step " << n;
+  }
+}
+
+/// The factor of a linear structure serves all steps of one size.
+TEST(FemSolver, linear_structure_factors_once) {
+  const auto solver = fem_solver<2>(plate("linear_elastic"));
+  const auto start = solver->summary().at("factorisations").get<int>();
+  InterfaceValues sent;
+  for (int n = 1; n <= 10; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.01, 0.01};
+    for (int k = 0; k < 3; ++k) {
+      solver->solve_step({n, k, request.time, request.dt}, push(*solver, n + 0.1 * k), sent);
+    }
+    solver->accept_step(request, true);
+  }
+  EXPECT_EQ(solver->summary().at("factorisations").get<int>() - start, 1);
+  EXPECT_EQ(solver->summary().at("solves"), 30);
+}
+
+TEST(FemSolver, wrong_interface_values_are_refused) {
+  const auto solver = fem_solver<2>(plate());
+  InterfaceValues sent;
+  EXPECT_THROW(solver->solve_step({1, 0, 0, 0.01}, {{"roof", std::vector<double>(26)}}, sent),
+               Error);
+  EXPECT_THROW(solver->solve_step({1, 0, 0, 0.01}, {{"wall", std::vector<double>(24)}}, sent),
+               Error);
+  EXPECT_THROW(solver->solve_step({1, 0, 7, 0.01}, {}, sent), Error);
+}
+
+/// A point inside a cell sees the interpolated displacement: exact for uniform stretching.
+TEST(FemSolver, probe_inside_a_cell) {
+  Json json = {{"dimension", 2},
+               {"mesh", box_2d({width, height}, {2, 10})},
+               {"material", elastic("linear_elastic", 1e5, 0, density)},
+               {"analysis", "static"},
+               {"supports", {{{"group", "bottom"}, {"report_reaction", true}},
+                             {{"group", "left"}, {"components", {"x"}}}}},
+               {"prescribed", {{{"group", "top"}, {"component", "y"}, {"rate", 0.01}}}},
+               {"probes", {{{"name", "B"}, {"point", {0.033, 0.21}}}}}};
+  const auto solver = fem_solver<2>(json);
+  run_steps(*solver, 0.5, 2);
+  EXPECT_NEAR(probe(*solver, "B.uy"), 0.01 * 0.21 / height, 1e-14);
+  EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), -1e5 * 0.01 / height * width, 1e-8);
+  // Work of the moved side, W = k u^2 / 2 = stored energy.
+  EXPECT_NEAR(probe(*solver, "external_work"), probe(*solver, "elastic_energy"), 1e-10);
+  EXPECT_NEAR(probe(*solver, "elastic_energy"), 0.5 * 1e5 * width / height * 1e-4, 1e-10);
+}
+
+}  // namespace
+}  // namespace gabion::test

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/materials/random_state.hpp"
+
+namespace gabion::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Json soil() {
+  return {{"law", "mohr_coulomb"}, {"density", 2650},        {"young_modulus", 840e3},
+          {"poisson_ratio", 0.3},  {"friction_angle", 19.8}, {"cohesion", 10}};
+}
+
+std::string message_of(const Json& material) {
+  try {
+    read_material<2>(ConfigReader(material, "mpm.json"));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string message_with(const std::string& key, const Json& value) {
+  Json material = soil();
+  material[key] = value;
+  return message_of(material);
+}
+
+TEST(ReadMaterial, MohrCoulomb) {
+  const auto material = read_material<2>(ConfigReader(soil(), "mpm.json"));
+  EXPECT_EQ(material.law_name, "mohr_coulomb");
+  EXPECT_EQ(material.density, 2650);
+  const auto& law = std::get<MohrCoulomb<2>>(material.law);
+  EXPECT_NEAR(law.p_wave_modulus(), 840e3 * 0.7 / (1.3 * 0.4), 1e-6);
+  EXPECT_NEAR(law.mu(), 840e3 / 2.6, 1e-6);
+  EXPECT_NEAR(law.friction_angle(), 19.8 * degree, 1e-15);
+  EXPECT_EQ(law.dilation_angle(), 0);
+  EXPECT_EQ(law.cohesion(), 10);
+  EXPECT_FALSE(law.symmetric_tangent());
+}
+
+template <class Law>
+void expect_elastic(const std::string& name) {
+  const Json wall = {
+      {"law", name}, {"density", 1100}, {"young_modulus", 1e6}, {"poisson_ratio", 0}};
+  const auto material = read_material<3>(ConfigReader(wall, "fem.json"));
+  ASSERT_TRUE(std::holds_alternative<Law>(material.law)) << name;
+  EXPECT_EQ(std::get<Law>(material.law).lambda, 0);
+  EXPECT_EQ(std::get<Law>(material.law).mu, 5e5);
+
+  Json with_friction = wall;
+  with_friction["friction_angle"] = 30;
+  EXPECT_THROW(read_material<3>(ConfigReader(with_friction, "fem.json")), ConfigError);
+}
+
+TEST(ReadMaterial, ElasticLaws) {
+  expect_elastic<LinearElastic<3>>("linear_elastic");
+  expect_elastic<NeoHookean<3>>("neo_hookean");
+  expect_elastic<HenckyElastic<3>>("hencky_elastic");
+}
+
+TEST(ReadMaterial, TheVariantUpdatesLikeItsLaw) {
+  const auto material = read_material<2>(ConfigReader(soil(), "mpm.json"));
+  const Matrix<2> H = -0.01 * Matrix<2>::Identity();
+  StressUpdate<2> out;
+  ASSERT_TRUE(update<2>(material.law, H, {}, out, nullptr));
+  EXPECT_EQ(out.P, stress<2>(std::get<MohrCoulomb<2>>(material.law), H, {}).P);
+}
+
+TEST(ReadMaterial, ErrorsSayWhereWhatAndWhatIsAllowed) {
+  EXPECT_THAT(message_with("density", -1),
+              AllOf(HasSubstr("mpm.json"), HasSubstr("/density"), HasSubstr("-1"),
+                    HasSubstr("> 0")));
+  EXPECT_THAT(message_with("law", "mohr_columb"),
+              AllOf(HasSubstr("/law"), HasSubstr("mohr_columb"), HasSubstr("mohr_coulomb"),
+                    HasSubstr("hencky_elastic")));
+  EXPECT_THAT(message_with("poisson_ratio", 0.5),
+              AllOf(HasSubstr("/poisson_ratio"), HasSubstr("0.5, both excluded")));
+  EXPECT_THAT(message_with("poisson_ratio", -1), HasSubstr("/poisson_ratio"));
+  EXPECT_THAT(message_with("young_modulus", 0), HasSubstr("/young_modulus"));
+  EXPECT_THAT(message_with("friction_angle", 0),
+              AllOf(HasSubstr("/friction_angle"), HasSubstr("Tresca")));
+  EXPECT_THAT(message_with("friction_angle", 90), HasSubstr("/friction_angle"));
+  EXPECT_THAT(message_with("dilation_angle", 25),
+              AllOf(HasSubstr("/dilation_angle"), HasSubstr("19.8")));
+  EXPECT_THAT(message_with("cohesion", -5), HasSubstr("/cohesion"));
+  EXPECT_THAT(message_with("cohession", 5), AllOf(HasSubstr("cohession"), HasSubstr("cohesion")));
+  Json without_law = soil();
+  without_law.erase("law");
+  EXPECT_THAT(message_of(without_law), HasSubstr("law"));
+}
+
+}  // namespace
+}  // namespace gabion::testing

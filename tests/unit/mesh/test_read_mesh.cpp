@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/mesh/mesh_checks.hpp"
+
+namespace gabion {
+namespace {
+
+using test::config_error_of;
+
+/// A scene folder with one fem.json whose "mesh" is the given text.
+class ReadMesh : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("gabion_read_mesh_") +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    std::filesystem::copy_file(std::string(MESH_DATA) + "/plate.msh", folder_ / "plate.msh",
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  template <int dim = 2>
+  Mesh<dim> read(const std::string& mesh) {
+    std::ofstream(folder_ / "fem.json") << "{\"mesh\": " << mesh << "}";
+    const Scene scene(folder_.string(), {});
+    auto in = scene.reader("fem.json");
+    return read_mesh<dim>(scene, in.object("mesh"));
+  }
+  template <int dim = 2>
+  std::string message(const std::string& mesh) {
+    return config_error_of([&] { read<dim>(mesh); });
+  }
+  bool says(const std::string& message, const std::string& part) {
+    if (message.find(part) != std::string::npos) return true;
+    ADD_FAILURE() << "no \"" << part << "\" in: " << message;
+    return false;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReadMesh, FromAFileOfTheScene) {
+  EXPECT_EQ(read(R"({"file": "plate.msh"})").cell_type, CellType::tri3);
+}
+
+TEST_F(ReadMesh, FromABox) {
+  const auto mesh = read<3>(
+      R"({"box": {"low": [0, 0, 0], "high": [1, 2, 3], "cells": [2, 2, 2], "type": "tet4", "alternate": true}})");
+  EXPECT_EQ(mesh.num_cells(), 40);
+  EXPECT_NEAR(test::total_volume(mesh), 6.0, 1e-14);
+}
+
+TEST_F(ReadMesh, ExactlyOneSource) {
+  says(message("{}"), "/mesh/file: found neither, allowed: exactly one of \"file\" and \"box\"");
+  says(message(R"({"file": "plate.msh", "box": {}})"), "found both \"file\" and \"box\"");
+}
+
+TEST_F(ReadMesh, ErrorsNameTheKey) {
+  says(message(R"({"box": {"low": [0, 0], "high": [1, 0], "cells": [1, 1], "type": "tri3"}})"),
+       "/mesh/box/high: component 1: found 0, allowed: a number > low = 0");
+  says(message(R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [1, 0], "type": "tri3"}})"),
+       "/mesh/box/cells");
+  says(message(R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [1, 1], "type": "hex8"}})"),
+       "/mesh/box/type");
+  says(message(R"({"box": {"low": [0], "high": [1, 1], "cells": [1, 1], "type": "tri3"}})"),
+       "/mesh/box/low");
+  says(
+      message(
+          R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [1, 1], "type": "quad4", "alternate": true}})"),
+      "/mesh/box/alternate: found true, allowed: only with type tri3");
+  says(message(
+           R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [1, 1], "type": "tri3", "x": 1}})"),
+       "/mesh/box");
+  says(
+      message(
+          R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [100000, 100000], "type": "tri3"}})"),
+      "/mesh/box/cells: box mesh: found more cells");
+  says(message(R"({"file": "none.msh"})"), "/mesh/file: ");
+  says(message(R"({"file": "none.msh"})"), "none.msh: cannot open this mesh file");
+}
+
+}  // namespace
+}  // namespace gabion

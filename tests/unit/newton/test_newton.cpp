@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "tests/unit/newton/spring_chain.hpp"
+
+namespace gabion {
+namespace {
+
+using test::SpringChain;
+
+/// A chain with all that a solve needs.
+struct Bench {
+  SpringChain chain;
+  BlockMatrix<2> K;
+  LinearSolver<2> linear;
+  NewtonSettings settings;
+  NewtonMemory memory;
+  PhaseTimes times;
+  std::vector<double> du;
+
+  explicit Bench(SpringChain given = {}, const std::string& method = "auto")
+      : chain(std::move(given)), linear(test::comm(), LinearSolverSettings{.method = method}) {
+    chain.set_pattern(K);
+    du.assign(chain.num_dofs(), 0.0);
+  }
+  NewtonReport solve() {
+    return solve_newton<2>(chain, K, false, linear, settings, du, times, &memory);
+  }
+  std::string failure() {
+    try {
+      solve();
+    } catch (const ConvergenceError& error) {
+      return error.what();
+    }
+    return "no failure";
+  }
+};
+
+/// Strain under which a spring carries the load, by bisection.
+double exact_strain(const SpringChain& chain) {
+  double low = -1, high = 5;
+  for (int k = 0; k < 200; ++k) {
+    const double e = 0.5 * (low + high);
+    const double force = chain.stiffness * (e + chain.quadratic * e * e + chain.cubic * e * e * e);
+    (force < chain.load_x ? low : high) = e;
+  }
+  return low;
+}
+
+void expect_exact(const Bench& bench, double tolerance) {
+  const double e = exact_strain(bench.chain);
+  for (int i = 0; i <= bench.chain.num_springs; ++i) {
+    EXPECT_NEAR(bench.du[2 * i], i * e * bench.chain.length, tolerance);
+    EXPECT_NEAR(bench.du[2 * i + 1], i * bench.chain.load_y / bench.chain.stiffness, tolerance);
+  }
+}
+
+TEST(Newton, FindsTheSolutionOfANonlinearChain) {
+  Bench bench;
+  const NewtonReport report = bench.solve();
+  expect_exact(bench, 1e-8);
+  EXPECT_EQ(report.residuals.size(), report.iterations + 1u);
+  EXPECT_LE(report.residuals.back(), bench.settings.residual_tolerance);
+  EXPECT_GT(bench.times.seconds().at("solve"), 0);
+  EXPECT_GT(bench.times.seconds().at("assembly"), 0);
+}
+
+TEST(Newton, ConvergesQuadratically) {
+  Bench bench({}, "lu");
+  bench.settings.residual_tolerance = 1e-12;
+  const auto residuals = bench.solve().residuals;
+  // Order from three residuals in the range where neither the start nor round-off rules.
+  double order = 0;
+  for (std::size_t k = 2; k < residuals.size(); ++k)
+    if (residuals[k - 2] < 0.1 && residuals[k] > 1e-14)
+      order =
+          std::log(residuals[k] / residuals[k - 1]) / std::log(residuals[k - 1] / residuals[k - 2]);
+  EXPECT_GT(order, 1.9);
+  EXPECT_LT(order, 2.2);
+}
+
+TEST(Newton, InexactLinearSolvesCostNoIteration) {
+  for (const double load : {3.0, 30.0, 100.0}) {
+    SpringChain chain;
+    chain.num_springs = 40;
+    chain.load_x = load;
+    Bench direct(chain, "lu"), krylov(chain, "bicgstab");
+    const auto exact = direct.solve(), inexact = krylov.solve();
+    EXPECT_EQ(inexact.iterations, exact.iterations) << load;
+    expect_exact(krylov, 1e-6);
+    EXPECT_GT(inexact.linear_iterations, 0);
+  }
+}
+
+TEST(Newton, WrongTangentConvergesLinearly) {
+  SpringChain chain;
+  chain.tangent_factor = 1.3;
+  Bench bench(chain, "lu");
+  bench.settings.max_iterations = 60;
+  const auto report = bench.solve();
+  expect_exact(bench, 1e-6);
+  const auto& r = report.residuals;
+  // The error shrinks by 1 - 1 / 1.3 an iteration.
+  EXPECT_NEAR(r[r.size() - 1] / r[r.size() - 2], 0.3 / 1.3, 0.01);
+}
+
+TEST(Newton, LinearProblemNeedsOneStepAndItsConfirmation) {
+  SpringChain chain;
+  chain.quadratic = chain.cubic = 0;
+  Bench bench(chain, "lu");
+  const auto report = bench.solve();
+  EXPECT_EQ(report.iterations, 2);
+  // The second iterate is foreseen as the last: residual only.
+  EXPECT_EQ(bench.chain.evaluations, 3);
+  EXPECT_EQ(report.matrices, 2);
+  expect_exact(bench, 1e-12);
+}
+
+TEST(Newton, WarmStartNeedsNoIteration) {
+  Bench bench;
+  bench.solve();
+  const auto solution = bench.du;
+  const auto again = bench.solve();
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_EQ(bench.du, solution);
+}
+
+TEST(Newton, PredictionSavesTheLastMatrix) {
+  Bench bench;
+  const auto report = bench.solve();
+  EXPECT_EQ(report.matrices, report.iterations);
+  EXPECT_EQ(bench.chain.evaluations, report.iterations + 1);
+}
+
+TEST(Newton, IncrementCriterionIsEnforced) {
+  Bench loose, tight;
+  loose.settings.residual_tolerance = tight.settings.residual_tolerance = 1e-2;
+  loose.settings.increment_tolerance = 1;
+  tight.settings.increment_tolerance = 1e-10;
+  EXPECT_LT(loose.solve().iterations, tight.solve().iterations);
+  expect_exact(tight, 1e-9);
+}
+
+TEST(Newton, LineSearchSavesAnInadmissibleStep) {
+  // Soft at first, stiff in compression: the full first step turns springs inside out.
+  SpringChain chain;
+  chain.load_x = -150;
+  chain.quadratic = 0;
+  chain.cubic = 4;
+  Bench bench(chain);
+  const auto report = bench.solve();
+  EXPECT_GE(report.line_search_cuts, 1);
+  expect_exact(bench, 1e-7);
+}
+
+TEST(Newton, LineSearchGivesUpWithTheReason) {
+  // No spring can carry this: N(-1) = -500.
+  SpringChain chain;
+  chain.load_x = -600;
+  chain.quadratic = 0;
+  chain.cubic = 4;
+  Bench bench(chain);
+  bench.settings.max_iterations = 200;
+  const std::string message = bench.failure();
+  EXPECT_NE(message.find("line search failed: spring "), std::string::npos) << message;
+  EXPECT_NE(message.find("is turned inside out"), std::string::npos) << message;
+}
+
+TEST(Newton, IterationLimitNamesTheWorstNodeAndAllResiduals) {
+  Bench bench;
+  bench.settings.max_iterations = 2;
+  const std::string message = bench.failure();
+  EXPECT_NE(message.find("iteration 2: iteration limit"), std::string::npos) << message;
+  EXPECT_NE(message.find("worst node 10"), std::string::npos) << message;
+  const std::string series = message.substr(message.find("|r|/scale: ") + 11);
+  EXPECT_EQ(std::count(series.begin(), series.end(), 'e'), 3) << message;
+}
+
+TEST(Newton, ResidualThatIsNotFiniteFailsAtOnce) {
+  SpringChain chain;
+  chain.load_y = std::numeric_limits<double>::quiet_NaN();
+  Bench bench(chain);
+  const std::string message = bench.failure();
+  EXPECT_NE(message.find("not finite, worst node 10"), std::string::npos) << message;
+}
+
+TEST(Newton, InadmissibleGuessFails) {
+  Bench bench;
+  bench.du[6] = -5;
+  EXPECT_NE(bench.failure().find("the guess is inadmissible: spring 2"), std::string::npos);
+}
+
+TEST(Newton, SingularMatrixFailsWithTheIteration) {
+  SpringChain chain;
+  chain.tangent_factor = 0;
+  Bench bench(chain);
+  EXPECT_NE(bench.failure().find("iteration 0: linear solver: "), std::string::npos);
+}
+
+TEST(Newton, WithoutForcesTheGuessIsTheSolution) {
+  SpringChain chain;
+  chain.load_x = chain.load_y = 0;
+  Bench bench(chain);
+  const auto report = bench.solve();
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(report.residuals, std::vector<double>{0.0});
+}
+
+/// Ten load steps; every solve starts from the last solution.
+std::int64_t load_history(bool reuse, std::vector<double>& du) {
+  SpringChain chain;
+  chain.quadratic = 0.1;
+  chain.cubic = 0.2;
+  Bench bench(chain, "lu");
+  bench.settings.reuse_matrix = reuse;
+  bench.settings.max_iterations = 40;
+  for (int step = 1; step <= 10; ++step) {
+    bench.chain.load_x = 3.0 * step;
+    bench.solve();
+    expect_exact(bench, 1e-7);
+  }
+  du = bench.du;
+  return bench.linear.factorisations();
+}
+
+TEST(Newton, ReusedMatrixGivesTheSameSolutionWithFewerFactorisations) {
+  std::vector<double> full, reused;
+  const auto many = load_history(false, full);
+  const auto few = load_history(true, reused);
+  EXPECT_LT(3 * few, many);
+  for (std::size_t k = 0; k < full.size(); ++k) EXPECT_NEAR(full[k], reused[k], 1e-8);
+}
+
+TEST(Newton, ReusedMatrixThatNoLongerServesIsReplaced) {
+  Bench bench({}, "lu");
+  bench.settings.reuse_matrix = true;
+  bench.settings.max_iterations = 40;
+  bench.solve();
+  EXPECT_TRUE(bench.memory.matrix_is_usable);
+  bench.chain.load_x = 3000;  // ten times stiffer
+  bench.solve();
+  expect_exact(bench, 1e-7);
+}
+
+TEST(Newton, LinearProblemIsFactorisedOnceForEver) {
+  SpringChain chain;
+  chain.quadratic = chain.cubic = 0;
+  Bench bench(chain, "lu");
+  bench.settings.reuse_matrix = true;
+  for (int step = 1; step <= 5; ++step) {
+    bench.chain.load_x = 2.0 * step;
+    bench.solve();
+    expect_exact(bench, 1e-12);
+  }
+  EXPECT_EQ(bench.linear.factorisations(), 1);
+  EXPECT_EQ(bench.chain.tangents, 1);
+}
+
+TEST(Newton, FailedSolveForgetsTheMatrix) {
+  Bench bench({}, "lu");
+  bench.settings.reuse_matrix = true;
+  bench.solve();
+  bench.chain.load_x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(bench.failure(), "no failure");
+  EXPECT_FALSE(bench.memory.matrix_is_usable);
+}
+
+std::string config_error(const Json& json) {
+  try {
+    read_newton_settings(ConfigReader(json, "f.json"));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(NewtonSettings, ReadAndRefused) {
+  const Json json = {{"residual_tolerance", 1e-6}, {"max_iterations", 7}, {"reuse_matrix", true}};
+  const auto settings =
+      read_newton_settings(ConfigReader(json, "f.json"), {.increment_tolerance = 1e-3});
+  EXPECT_EQ(settings.residual_tolerance, 1e-6);
+  EXPECT_EQ(settings.increment_tolerance, 1e-3);
+  EXPECT_EQ(settings.max_iterations, 7);
+  EXPECT_TRUE(settings.reuse_matrix);
+  EXPECT_NE(config_error({{"residual_tolerance", 0}}).find("/residual_tolerance"),
+            std::string::npos);
+  EXPECT_NE(config_error({{"increment_tolerance", -1}}).find("/increment_tolerance"),
+            std::string::npos);
+  EXPECT_NE(config_error({{"max_iterations", 0}}).find("/max_iterations"), std::string::npos);
+  EXPECT_NE(config_error({{"tolerance", 1e-6}}).find("tolerance"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gabion

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "common/mechanics/output/xdmf_series.hpp"
+#include "tests/unit/output/output_folder.hpp"
+
+namespace gabion {
+namespace {
+
+using test::error_of;
+using test::read_dataset;
+
+class XdmfSeriesTest : public test::OutputFolder {
+ protected:
+  std::string text(const std::string& file) const {
+    std::ostringstream out;
+    out << std::ifstream(path(file)).rdbuf();
+    return out.str();
+  }
+};
+
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+/// Every opened element is closed in order.
+bool is_well_formed(const std::string& xml) {
+  std::vector<std::string> open;
+  for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1)) {
+    const std::size_t end = xml.find('>', at);
+    if (end == std::string::npos) return false;
+    const std::string tag = xml.substr(at + 1, end - at - 1);
+    if (tag[0] == '?' || tag.back() == '/') continue;
+    if (tag[0] == '/') {
+      if (open.empty() || open.back() != tag.substr(1)) return false;
+      open.pop_back();
+    } else {
+      open.push_back(tag.substr(0, tag.find(' ')));
+    }
+  }
+  return open.empty();
+}
+
+TEST_F(XdmfSeriesTest, ThreeFramesAreThreeFilesAndOneIndex) {
+  XdmfSeries series(path("results"), "soil");
+  for (int frame = 0; frame < 3; ++frame) {
+    const std::vector<double> x(2 * (4 + frame), 0.1 + frame);
+    const std::vector<double> pressure(4 + frame, 2.0 * frame);
+    series.write(0.1 * frame, 2, x, CellType::point1, {}, {{"pressure", 1, pressure}});
+    EXPECT_EQ(series.num_frames(), frame + 1);
+    const std::string index = text("results/soil.xdmf");
+    EXPECT_TRUE(is_well_formed(index));
+    EXPECT_EQ(count(index, "<Time "), frame + 1);
+  }
+  folder_ = folder_ / "results";
+  EXPECT_EQ(files(), (std::vector<std::string>{"soil.xdmf", "soil_000000.h5", "soil_000001.h5",
+                                               "soil_000002.h5"}));
+  folder_ = folder_.parent_path();
+  const std::string index = text("results/soil.xdmf");
+  EXPECT_EQ(count(index, "<Time Value=\"0.2\"/>"), 1);
+  EXPECT_EQ(count(index, ">soil_000002.h5:/point/pressure</DataItem>"), 1);
+  EXPECT_EQ(count(index, "TopologyType=\"Polyvertex\""), 3);
+  EXPECT_EQ(count(index, "HyperSlab"), 0);
+
+  std::vector<hsize_t> sizes;
+  const auto x = read_dataset(path("results/soil_000001.h5"), "coordinates", &sizes);
+  EXPECT_EQ(sizes, (std::vector<hsize_t>{5, 3}));
+  EXPECT_EQ(x[0], 1.1);  // 64 bits
+  EXPECT_EQ(x[2], 0.0);
+  EXPECT_EQ(read_dataset(path("results/soil_000001.h5"), "connectivity"),
+            (std::vector<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(read_dataset(path("results/soil_000001.h5"), "point/pressure"),
+            std::vector<double>(5, 2.0));
+}
+
+TEST_F(XdmfSeriesTest, TensorsAreReorderedAndVectorsPadded) {
+  const std::vector<double> x = {1, 2}, plane = {11, 22, 33, 12}, space = {11, 22, 33, 12, 23, 13};
+  const std::vector<double> vector = {7, 8, 9};
+  XdmfSeries series(folder_.string(), "a");
+  series.write(0, 2, x, CellType::point1, {},
+               {{"plane", 4, plane}, {"space", 6, space}, {"v2", 2, x}, {"v3", 3, vector}});
+  EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/plane"),
+            (std::vector<double>{11, 12, 0, 22, 0, 33}));
+  EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/space"),
+            (std::vector<double>{11, 12, 13, 22, 23, 33}));
+  EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/v2"), (std::vector<double>{1, 2, 0}));
+  EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/v3"), vector);
+  EXPECT_EQ(count(text("a.xdmf"), "AttributeType=\"Tensor6\""), 2);
+  EXPECT_EQ(count(text("a.xdmf"), "AttributeType=\"Vector\""), 2);
+}
+
+TEST_F(XdmfSeriesTest, AMeshHasItsCellsAndCellValues) {
+  const std::vector<double> x = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, value = {3.0};
+  const std::vector<std::int32_t> cells = {0, 1, 2, 3};
+  XdmfSeries series(folder_.string(), "mesh");
+  series.write(1e-3, 3, x, CellType::tet4, cells, {{"damage", 1, value, true}});
+  const std::string index = text("mesh.xdmf");
+  EXPECT_EQ(count(index, "TopologyType=\"Tetrahedron\" NumberOfElements=\"1\""), 1);
+  EXPECT_EQ(count(index, "Center=\"Cell\""), 1);
+  EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "connectivity"),
+            (std::vector<double>{0, 1, 2, 3}));
+  EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "cell/damage"), value);
+}
+
+TEST_F(XdmfSeriesTest, BadFieldsAreRefusedAndLeaveNoFrame) {
+  const std::vector<double> x = {0, 0, 1, 1}, one = {1.0}, two = {1.0, 2.0}, huge = {1e39, 0};
+  XdmfSeries series(folder_.string(), "a");
+  const auto message = [&](const OutputField& field) {
+    return error_of([&] { series.write(0, 2, x, CellType::point1, {}, {field}); });
+  };
+  EXPECT_EQ(message({"p", 1, one}), "output field p: found 1 values, expected 2 x 1");
+  EXPECT_EQ(message({"p", 5, one}), "output field p: found 5 components, allowed: 1, 2, 3, 4, 6");
+  EXPECT_EQ(message({"a/b", 1, two}),
+            "output field: found the name \"a/b\", allowed: letters, digits, _ and -");
+  EXPECT_EQ(message({"p", 1, huge}),
+            "output field p: found 1e+39, allowed: what a 32-bit number can hold");
+  EXPECT_EQ(error_of([&] { series.write(NAN, 2, x, CellType::point1, {}, {}); }),
+            "output a: found time nan");
+  EXPECT_TRUE(files().empty());
+  EXPECT_EQ(series.num_frames(), 0);
+}
+
+TEST_F(XdmfSeriesTest, AFolderThatCannotBeOrIsGoneIsAnError) {
+  std::ofstream(path("file")) << "x";
+  EXPECT_EQ(error_of([&] { XdmfSeries(path("file/results"), "a"); }).find(path("file/results")),
+            0u);
+  XdmfSeries series(path("results"), "a");
+  std::filesystem::remove_all(path("results"));
+  const std::vector<double> x = {0, 0};
+  EXPECT_NE(error_of([&] {
+              series.write(0, 2, x, CellType::point1, {}, {});
+            }).find("cannot create this file"),
+            std::string::npos);
+  EXPECT_EQ(series.num_frames(), 0);
+}
+
+}  // namespace
+}  // namespace gabion

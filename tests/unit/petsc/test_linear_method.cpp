@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "common/mechanics/petsc/linear_method.hpp"
+
+namespace gabion {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+LinearMethod automatic(double courant, bool symmetric, int dim, std::int64_t num_dofs,
+                       int num_ranks = 1) {
+  return choose_linear_method({}, {symmetric, courant}, dim, num_dofs, num_ranks);
+}
+
+TEST(LinearMethod, AutomaticFollowsTheRegime) {
+  using M = SolutionMethod;
+  using P = Preconditioner;
+  EXPECT_EQ(automatic(0.8, false, 2, 3000), (LinearMethod{M::bicgstab, P::jacobi}));
+  EXPECT_EQ(automatic(0.8, true, 2, 3000), (LinearMethod{M::cg, P::jacobi}));
+  EXPECT_EQ(automatic(5, false, 2, 3000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(20, false, 2, 3000), (LinearMethod{M::lu, P::none}));
+  EXPECT_EQ(automatic(20, false, 2, 8000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(infinity, false, 3, 600), (LinearMethod{M::lu, P::none}));
+  EXPECT_EQ(automatic(infinity, false, 2, 3000), (LinearMethod{M::lu, P::none}));
+  EXPECT_EQ(automatic(infinity, false, 2, 100000), (LinearMethod{M::mumps, P::none}));
+  EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
+  EXPECT_EQ(automatic(infinity, false, 3, 100000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
+}
+
+TEST(LinearMethod, SettingsOverrideTheRegime) {
+  LinearSolverSettings settings;
+  settings.method = "gmres";
+  settings.preconditioner = "ilu";
+  EXPECT_EQ(choose_linear_method(settings, {false, 0.1}, 2, 100, 1),
+            (LinearMethod{SolutionMethod::gmres, Preconditioner::ilu}));
+  settings.method = "mumps";
+  EXPECT_TRUE(choose_linear_method(settings, {false, 0.1}, 2, 100, 1).direct());
+}
+
+std::string error_of(const Json& json) {
+  try {
+    read_linear_solver_settings(ConfigReader(json, "f.json"));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LinearMethod, ReadsSettings) {
+  const Json json = {
+      {"method", "gmres"}, {"preconditioner", "ilu"}, {"tolerance", 1e-6}, {"max_iterations", 80}};
+  const auto settings = read_linear_solver_settings(ConfigReader(json, "f.json"));
+  EXPECT_EQ(settings.method, "gmres");
+  EXPECT_EQ(settings.preconditioner, "ilu");
+  EXPECT_EQ(settings.tolerance, 1e-6);
+  EXPECT_EQ(settings.max_iterations, 80);
+}
+
+TEST(LinearMethod, RefusesWrongSettings) {
+  EXPECT_NE(error_of({{"method", "qr"}}).find("/method"), std::string::npos);
+  EXPECT_NE(error_of({{"tolerance", 0.0}}).find("/tolerance"), std::string::npos);
+  EXPECT_NE(error_of({{"max_iterations", 0}}).find("/max_iterations"), std::string::npos);
+  EXPECT_NE(error_of({{"tolerence", 1e-6}}).find("tolerance"), std::string::npos);
+  EXPECT_NE(error_of({{"method", "lu"}, {"preconditioner", "ilu"}}).find("/preconditioner"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace gabion

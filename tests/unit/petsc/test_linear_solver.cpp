@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/petsc/linear_solver.hpp"
+#include "common/mechanics/petsc/petsc_session.hpp"
+#include "tests/support/mpi_main.hpp"
+#include "tests/unit/petsc/random_system.hpp"
+
+namespace gabion {
+namespace {
+
+using test::random_system;
+using test::RandomSystem;
+
+LinearSolverSettings settings_of(const std::string& method, const std::string& preconditioner,
+                                 double tolerance = 1e-11) {
+  return {.method = method, .preconditioner = preconditioner, .tolerance = tolerance};
+}
+
+/// Each rank assembles its share of the cells.
+template <int dim>
+BlockMatrix<dim> assembled_share(const RandomSystem<dim>& system) {
+  BlockMatrix<dim> K;
+  K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
+  system.assemble(K, test::rank(), test::size());
+  return K;
+}
+
+template <int dim>
+Eigen::VectorXd solve(LinearSolver<dim>& solver, const Eigen::VectorXd& b) {
+  Eigen::VectorXd x(b.size());
+  solver.solve({b.data(), static_cast<std::size_t>(b.size())},
+               {x.data(), static_cast<std::size_t>(x.size())});
+  return x;
+}
+
+Eigen::VectorXd load(Eigen::Index size) {
+  return Eigen::VectorXd::NullaryExpr(size, [](Eigen::Index i) { return std::sin(1.0 + 3.0 * i); });
+}
+
+template <int dim>
+void expect_dense_solution(const LinearSolverSettings& settings, double skew) {
+  SCOPED_TRACE(settings.method + " " + settings.preconditioner + " dim " + std::to_string(dim));
+  const auto system = random_system<dim>(61, 80, dim + 1, skew, 11);
+  const auto K = assembled_share(system);
+  LinearSolver<dim> solver(test::comm(), settings);
+  solver.set_regime({skew == 0, 1}, system.num_nodes);
+  solver.set_matrix(K, true);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  const Eigen::VectorXd expected = system.dense.partialPivLu().solve(b);
+  // Dense matrices here have condition numbers below 1e2.
+  EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_EQ(solver.fallbacks(), 0);
+  EXPECT_EQ(solver.factorisations(), 1);
+}
+
+TEST(LinearSolver, EveryMethodSolvesUnsymmetricSystems) {
+  for (const char* method : {"bicgstab", "gmres"})
+    for (const char* preconditioner : {"jacobi", "ilu"}) {
+      expect_dense_solution<2>(settings_of(method, preconditioner), 0.3);
+      expect_dense_solution<3>(settings_of(method, preconditioner), 0.3);
+    }
+  for (const char* method : {"lu", "mumps"}) {
+    expect_dense_solution<2>(settings_of(method, "auto"), 0.3);
+    expect_dense_solution<3>(settings_of(method, "auto"), 0.3);
+  }
+}
+
+TEST(LinearSolver, EveryMethodSolvesSymmetricSystems) {
+  for (const char* method : {"cg", "bicgstab", "gmres"})
+    for (const char* preconditioner : {"jacobi", "ilu"}) {
+      expect_dense_solution<2>(settings_of(method, preconditioner), 0);
+      expect_dense_solution<3>(settings_of(method, preconditioner), 0);
+    }
+  expect_dense_solution<2>(settings_of("auto", "auto"), 0);
+}
+
+TEST(LinearSolver, NumberOfRanksDoesNotMatter) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 5);
+  BlockMatrix<2> K_all;
+  K_all.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
+  system.assemble(K_all);
+  const auto K_share = assembled_share(system);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  for (const char* method : {"bicgstab", "mumps"}) {
+    LinearSolver<2> alone(MPI_COMM_SELF, settings_of(method, "auto", 1e-12));
+    LinearSolver<2> together(test::comm(), settings_of(method, "auto", 1e-12));
+    alone.set_matrix(K_all, true);
+    together.set_matrix(K_share, true);
+    const Eigen::VectorXd x = solve(alone, b);
+    EXPECT_LT((solve(together, b) - x).norm(), 1e-10 * x.norm()) << method;
+  }
+}
+
+TEST(LinearSolver, RanksMayHoldDifferentPatterns) {
+  const auto system = random_system<2>(31, 40, 3, 0.2, 6);
+  std::vector<std::int32_t> offsets{0}, nodes;
+  BlockMatrix<2> K;
+  std::vector<int> own;
+  for (int c = test::rank(); c < system.num_cells(); c += test::size()) {
+    own.push_back(c);
+    nodes.insert(nodes.end(), system.cell_nodes.begin() + system.offsets[c],
+                 system.cell_nodes.begin() + system.offsets[c + 1]);
+    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+  K.set_pattern(system.num_nodes, offsets, nodes);
+  for (std::size_t k = 0; k < own.size(); ++k)
+    K.add_cell(static_cast<std::int32_t>(k), system.cells[own[k]].data());
+  LinearSolver<2> solver(test::comm(), settings_of("gmres", "jacobi"));
+  solver.set_matrix(K, true);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  const Eigen::VectorXd expected = system.dense.partialPivLu().solve(b);
+  EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(LinearSolver, NewValuesAndNewPatternsAreSeen) {
+  for (const char* method : {"bicgstab", "gmres", "lu", "mumps"})
+    for (const char* preconditioner : {"jacobi", "ilu"}) {
+      SCOPED_TRACE(std::string(method) + " " + preconditioner);
+      LinearSolver<2> solver(test::comm(), settings_of(method, preconditioner));
+      BlockMatrix<2> K;
+      for (const unsigned seed : {1u, 2u, 3u}) {
+        const auto system = random_system<2>(30 + 7 * seed, 60, 3, 0.2, seed);
+        K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
+        const Eigen::VectorXd b = load(system.dense.rows());
+        for (const double factor : {1.0, 1e-6, 1e6}) {
+          K.set_zero();
+          system.assemble(K, test::rank(), test::size());
+          for (double& value : K.values()) value *= factor;
+          // One node stiffer: an old preconditioner or factor would not do.
+          if (test::rank() == 0) K.add_diagonal(3, 100 * factor);
+          Eigen::MatrixXd dense = factor * system.dense;
+          dense.block<2, 2>(6, 6) += 100 * factor * Matrix<2>::Identity();
+          solver.set_matrix(K, false);
+          const Eigen::VectorXd expected = dense.partialPivLu().solve(b);
+          EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
+        }
+      }
+      EXPECT_EQ(solver.factorisations(), 9);
+      EXPECT_EQ(solver.fallbacks(), 0);
+    }
+}
+
+TEST(LinearSolver, FactorServesManyRightHandSides) {
+  const auto system = random_system<2>(40, 60, 3, 0.2, 8);
+  const auto K = assembled_share(system);
+  for (const char* method : {"lu", "mumps"}) {
+    LinearSolver<2> solver(test::comm(), settings_of(method, "auto"));
+    solver.set_matrix(K, true);
+    for (int k = 1; k <= 4; ++k) {
+      const Eigen::VectorXd b = k * load(system.dense.rows()).array().pow(k);
+      EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-10 * b.norm());
+    }
+    EXPECT_EQ(solver.factorisations(), 1) << method;
+  }
+}
+
+TEST(LinearSolver, KrylovThatFailsIsReplacedByDirect) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 11);
+  const auto K = assembled_share(system);
+  auto settings = settings_of("bicgstab", "jacobi");
+  settings.max_iterations = 2;
+  LinearSolver<2> solver(test::comm(), settings);
+  solver.set_matrix(K, true);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  for (int k = 0; k < 3; ++k)
+    EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-8 * b.norm());
+  EXPECT_EQ(solver.fallbacks(), 1);
+  solver.set_matrix(K, false);
+  EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-8 * b.norm());
+  EXPECT_EQ(solver.fallbacks(), 2);
+}
+
+/// Two nodes whose diagonal blocks vanish: block Jacobi, block ILU and LU without pivots all fail.
+BlockMatrix<2> saddle() {
+  BlockMatrix<2> K;
+  const std::vector<std::int32_t> offsets{0, 2}, nodes{0, 1};
+  K.set_pattern(2, offsets, nodes);
+  if (test::rank() == 0) {
+    K.add_block(0, 1, 2 * Matrix<2>::Identity());
+    K.add_block(1, 0, 3 * Matrix<2>::Identity());
+  }
+  return K;
+}
+
+TEST(LinearSolver, ZeroDiagonalBlocksEndInThePivotingSolver) {
+  const auto K = saddle();
+  const Eigen::Vector4d b(1, 2, 3, 4), expected(1, 4.0 / 3, 0.5, 1);
+  for (const char* preconditioner : {"jacobi", "ilu"}) {
+    LinearSolver<2> solver(test::comm(), settings_of("gmres", preconditioner));
+    solver.set_matrix(K, true);
+    EXPECT_LT((solve(solver, b) - expected).norm(), 1e-12) << preconditioner;
+    EXPECT_EQ(solver.fallbacks(), 1);
+  }
+  LinearSolver<2> lu(test::comm(), settings_of("lu", "auto"));
+  lu.set_matrix(K, true);
+  EXPECT_LT((solve(lu, b) - expected).norm(), 1e-12);
+}
+
+TEST(LinearSolver, SingularMatrixThrows) {
+  // One spring between two nodes that nothing holds, and a load that is not in equilibrium.
+  BlockMatrix<2> K;
+  const std::vector<std::int32_t> offsets{0, 2}, nodes{0, 1};
+  K.set_pattern(2, offsets, nodes);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      if (test::rank() == 0) K.add_block(i, j, (i == j ? 3 : -3) * Matrix<2>::Identity());
+  const Eigen::Vector4d b(1, 0, 1, 0);
+  for (const char* method : {"bicgstab", "gmres", "cg", "lu", "mumps"}) {
+    LinearSolver<2> solver(test::comm(), settings_of(method, "auto"));
+    solver.set_matrix(K, true);
+    EXPECT_THROW(solve(solver, b), ConvergenceError) << method;
+    const auto good = random_system<2>(20, 30, 3, 0, 1);
+    const auto good_K = assembled_share(good);
+    solver.set_matrix(good_K, true);
+    const Eigen::VectorXd c = load(40);
+    EXPECT_LT((good.dense * solve(solver, c) - c).norm(), 1e-8 * c.norm()) << method;
+  }
+}
+
+TEST(LinearSolver, ValuesThatAreNotFiniteThrow) {
+  const auto system = random_system<2>(20, 30, 3, 0, 1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* method : {"bicgstab", "gmres", "cg", "lu", "mumps"}) {
+    auto K = assembled_share(system);
+    LinearSolver<2> solver(test::comm(), settings_of(method, "auto"));
+    solver.set_matrix(K, true);
+    Eigen::VectorXd b = load(40);
+    b[17] = nan;
+    EXPECT_THROW(solve(solver, b), ConvergenceError) << method;
+    K.values()[5] = nan;
+    solver.set_matrix(K, false);
+    EXPECT_THROW(solve(solver, load(40)), ConvergenceError) << method;
+  }
+}
+
+TEST(LinearSolver, NoLoadNoDisplacement) {
+  const auto system = random_system<2>(20, 30, 3, 0, 1);
+  const auto K = assembled_share(system);
+  LinearSolver<2> solver(test::comm(), {});
+  solver.set_matrix(K, true);
+  EXPECT_EQ(solve(solver, Eigen::VectorXd::Zero(40)).norm(), 0);
+}
+
+TEST(LinearSolver, LooserToleranceSavesIterations) {
+  const auto system = random_system<2>(200, 260, 3, 0.1, 1);
+  const auto K = assembled_share(system);
+  LinearSolver<2> solver(test::comm(), settings_of("bicgstab", "jacobi", 1e-10));
+  solver.set_matrix(K, true);
+  const Eigen::VectorXd b = load(400);
+  std::vector<double> x(400);
+  const std::span<const double> load_span(b.data(), 400);
+  const int tight = solver.solve(load_span, x);
+  EXPECT_EQ(solver.solve(load_span, x, 1e-14), tight);
+  EXPECT_LT(solver.solve(load_span, x, 1e-3), tight);
+}
+
+TEST(PetscSession, ErrorsCarryPetscsText) {
+  try {
+    check_petsc(63, "KSPSolve");
+    FAIL() << "no exception";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("KSPSolve failed with code 63: "), std::string::npos);
+    EXPECT_GT(std::string(error.what()).size(), 45u);
+  }
+}
+
+}  // namespace
+}  // namespace gabion

@@ -1,0 +1,563 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Peers that die, freeze, come late, lie, or fail. Processes are forked before any socket exists
+// in this one and learn the endpoint through a pipe.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <future>
+#include <limits>
+#include <thread>
+
+#include "common/base/timer.hpp"
+#include "dummy_solver.hpp"
+#include "protocol/interrupt.hpp"
+#include "protocol/serve.hpp"
+#include "raw_participant.hpp"
+
+namespace gabion::test {
+namespace {
+
+void sleep_for(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+/// A forked process that runs body(endpoint) once it is told the endpoint; its exit code is 0, or
+/// that of the Error that body throws.
+class Child {
+ public:
+  explicit Child(const std::function<void(const std::string&)>& body) {
+    if (pipe(pipe_.data()) != 0) throw std::runtime_error("pipe");
+    pid_ = fork();
+    if (pid_ != 0) return;
+    close(pipe_[1]);
+    std::array<char, 200> endpoint{};
+    if (read(pipe_[0], endpoint.data(), endpoint.size() - 1) <= 0) _exit(99);
+    try {
+      body(endpoint.data());
+    } catch (const Error& problem) {
+      _exit(problem.exit_code());
+    }
+    _exit(0);
+  }
+  ~Child() {
+    if (!reaped_) {
+      signal(SIGKILL);
+      exit_status();
+    }
+    close(pipe_[0]);
+    close(pipe_[1]);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  void tell(const std::string& endpoint) {
+    ASSERT_EQ(write(pipe_[1], endpoint.data(), endpoint.size()),
+              static_cast<ssize_t>(endpoint.size()));
+  }
+  void signal(int number) const { kill(pid_, number); }
+  pid_t pid() const { return pid_; }
+  /// Wait for the end; 128 + signal when one ended it.
+  int exit_status() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    reaped_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = 0;
+  std::array<int, 2> pipe_{};
+  bool reaped_ = false;
+};
+
+/// A participant process whose solve_step takes this long.
+std::function<void(const std::string&)> slow_participant(const std::string& name, double seconds) {
+  return [name, seconds](const std::string& endpoint) {
+    DummySolver solver(3, 2, 1.0);
+    solver.on_solve = [seconds](const StepRequest&) { sleep_for(seconds); };
+    ParticipantSettings settings = participant(name, endpoint);
+    settings.exit_when_coupler_is_lost = true;
+    Connection connection(settings);
+    serve(solver, connection);
+  };
+}
+
+#define EXPECT_CONTAINS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST(Faults, KilledParticipantIsNamedWithinTwoSeconds) {
+  Child structure(slow_participant("structure", 30));
+  Child soil(slow_participant("soil", 0));
+  Server server(short_deadlines());
+  structure.tell(server.endpoint());
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("structure"), expected("soil")});
+  std::thread killer([&] {
+    sleep_for(0.3);
+    structure.signal(SIGKILL);
+  });
+  const Stopwatch watch;
+  InterfaceValues sent;
+  const std::string error = message_of<ProtocolError>(
+      [&] { solvers.at("structure")->solve_step({57, 3, 0, 0.1}, {}, sent); });
+  const double noticed = watch.seconds() - 0.3;
+  killer.join();
+  EXPECT_LT(noticed, 0.5);
+  EXPECT_CONTAINS(error, "participant \"structure\" (fem_solver, pid " +
+                             std::to_string(structure.pid()) + ") has died: no process; last sign of life");
+  EXPECT_CONTAINS(error, "in phase \"solve_step 57 iteration 3\"");
+  // The failure is final, and the survivor is told.
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] { solvers.at("soil")->reject_step(); }),
+                  "failed before: participant \"structure\"");
+  EXPECT_EQ(soil.exit_status(), 4);
+  EXPECT_LT(watch.seconds(), 2.0);
+}
+
+TEST(Faults, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
+  Child structure(slow_participant("structure", 30));
+  Child soil(slow_participant("soil", 0));
+  Server server(short_deadlines());
+  structure.tell(server.endpoint());
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("structure"), expected("soil")});
+  soil.signal(SIGKILL);
+  InterfaceValues sent;
+  const Stopwatch watch;
+  const std::string error = message_of<ProtocolError>(
+      [&] { solvers.at("structure")->solve_step({1, 0, 0, 0.1}, {}, sent); });
+  EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
+  EXPECT_LT(watch.seconds(), 0.5);
+}
+
+TEST(Faults, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
+  Child soil([](const std::string& endpoint) {
+    DummySolver solver(3, 2, 1.0);
+    solver.on_solve = [](const StepRequest&) { _exit(0); };
+    Connection connection(participant("soil", endpoint));
+    serve(solver, connection);
+  });
+  Server server(short_deadlines());
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  InterfaceValues sent;
+  const Stopwatch watch;
+  EXPECT_CONTAINS(message_of<ProtocolError>(
+                      [&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); }),
+                  "has died: no process");
+  EXPECT_LT(watch.seconds(), 0.5);
+}
+
+TEST(Faults, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
+  Child soil(slow_participant("soil", 30));
+  ServerSettings settings = short_deadlines();
+  settings.deadlines.silence = 1;
+  Server server(settings);
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  InterfaceValues sent;
+  const Stopwatch watch;
+  std::thread stopper([&] {
+    sleep_for(0.2);
+    soil.signal(SIGSTOP);
+  });
+  const std::string error = message_of<ProtocolError>(
+      [&] { solvers.at("soil")->solve_step({2, 1, 0, 0.1}, {}, sent); });
+  stopper.join();
+  EXPECT_CONTAINS(error, "is silent for 1.");
+  EXPECT_CONTAINS(error, "limit 1 s, option protocol/silence_deadline");
+  EXPECT_CONTAINS(error, "its process is stopped");
+  EXPECT_CONTAINS(error, "solve_step 2 iteration 1");
+  EXPECT_GT(watch.seconds(), 1.0);
+  EXPECT_LT(watch.seconds(), 2.0);
+}
+
+TEST(Faults, BusyParticipantOutlivesTheSilenceDeadline) {
+  Child soil(slow_participant("soil", 1.5));
+  ServerSettings settings = short_deadlines();
+  settings.deadlines.silence = 0.5;
+  Server server(settings);
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  auto& remote = static_cast<RemoteSolver&>(*solvers.at("soil"));
+  InterfaceValues sent;
+  remote.solve_step({1, 0, 0, 0.1}, {}, sent);
+  EXPECT_NEAR(remote.last_call().busy_seconds, 1.5, 0.1);
+  EXPECT_NEAR(remote.last_call().seconds, 1.5, 0.2);
+  server.finish();
+  EXPECT_EQ(soil.exit_status(), 0);
+}
+
+TEST(Faults, BusyCouplerOutlivesTheSilenceDeadline) {
+  Child soil(slow_participant("soil", 0));
+  ServerSettings settings = short_deadlines();
+  settings.deadlines.silence = 0.5;
+  Server server(settings);
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  sleep_for(1.5);  // the coupler computes
+  InterfaceValues sent;
+  solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
+  server.finish();
+  EXPECT_EQ(soil.exit_status(), 0);
+}
+
+TEST(Faults, ExitAfterFinishIsNoDeath) {
+  Child soil(slow_participant("soil", 0));
+  Server server(short_deadlines());
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  soil.signal(SIGSTOP);
+  std::thread waker([&] {
+    sleep_for(0.2);
+    soil.signal(SIGCONT);
+    // The process ends before the coupler looks for the answer: the answer counts.
+    soil.exit_status();
+  });
+  EXPECT_NO_THROW(server.finish());
+  waker.join();
+}
+
+TEST(Faults, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
+  Child soil(slow_participant("soil", 30));
+  ServerSettings settings = short_deadlines();
+  settings.deadlines.answer = 0.5;
+  Server server(settings);
+  soil.tell(server.endpoint());
+  auto solvers = server.wait_for({expected("soil")});
+  InterfaceValues sent;
+  const std::string error = message_of<ProtocolError>(
+      [&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); });
+  EXPECT_CONTAINS(error, "is alive but has not answered");
+  EXPECT_CONTAINS(error, "protocol/answer_deadline");
+}
+
+/// A coupler process that does nothing after the handshake, and a participant in a thread of ours.
+class DyingCoupler {
+ public:
+  explicit DyingCoupler(bool asks_to_solve)
+      : child_([this, asks_to_solve](const std::string&) {
+          ServerSettings settings = short_deadlines();
+          settings.deadlines.silence = 1;
+          Server server(settings);
+          const std::string endpoint = server.endpoint();
+          if (write(to_parent_[1], endpoint.data(), endpoint.size()) < 0) _exit(98);
+          auto solvers = server.wait_for({expected("soil")});
+          InterfaceValues sent;
+          if (asks_to_solve) solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
+          sleep_for(30);
+        }) {
+    child_.tell("go");
+    std::array<char, 200> endpoint{};
+    if (read(to_parent_[0], endpoint.data(), endpoint.size() - 1) > 0) endpoint_ = endpoint.data();
+  }
+  const std::string& endpoint() const { return endpoint_; }
+  Child& child() { return child_; }
+
+ private:
+  std::array<int, 2> to_parent_ = [] {
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) throw std::runtime_error("pipe");
+    return ends;
+  }();
+  Child child_;
+  std::string endpoint_;
+};
+
+TEST(Faults, WaitingParticipantNoticesTheCouplersDeath) {
+  DyingCoupler coupler(false);
+  DummySolver solver(3, 2, 1.0);
+  Connection connection(participant("soil", coupler.endpoint()));
+  connection.handshake(solver);
+  std::thread killer([&] {
+    sleep_for(0.3);
+    coupler.child().signal(SIGKILL);
+  });
+  const Stopwatch watch;
+  const std::string error = message_of<ProtocolError>([&] { serve(solver, connection); });
+  killer.join();
+  EXPECT_CONTAINS(error, "the coupler (pid " + std::to_string(coupler.child().pid()) + ") has died");
+  EXPECT_LT(watch.seconds(), 1.0);
+}
+
+TEST(Faults, WaitingParticipantNoticesAStoppedCoupler) {
+  DyingCoupler coupler(false);
+  DummySolver solver(3, 2, 1.0);
+  Connection connection(participant("soil", coupler.endpoint()));
+  connection.handshake(solver);
+  coupler.child().signal(SIGSTOP);
+  const std::string error = message_of<ProtocolError>([&] { serve(solver, connection); });
+  EXPECT_CONTAINS(error, "the coupler (pid");
+  EXPECT_CONTAINS(error, "its process is stopped");
+}
+
+TEST(Faults, BusyParticipantEndsWhenTheCouplerDies) {
+  Child soil(slow_participant("soil", 30));
+  DyingCoupler coupler(true);
+  soil.tell(coupler.endpoint());
+  sleep_for(0.5);
+  coupler.child().signal(SIGKILL);
+  coupler.child().exit_status();
+  const Stopwatch watch;
+  EXPECT_EQ(soil.exit_status(), 4);
+  EXPECT_LT(watch.seconds(), 2.0);
+}
+
+TEST(Faults, AbsentParticipantMeetsTheConnectDeadline) {
+  ServerSettings settings = short_deadlines();
+  settings.deadlines.connect = 0.3;
+  Server server(settings);
+  const Stopwatch watch;
+  const std::string error =
+      message_of<ProtocolError>([&] { server.wait_for({expected("soil"), expected("structure")}); });
+  EXPECT_CONTAINS(error, "soil");
+  EXPECT_CONTAINS(error, "structure");
+  EXPECT_CONTAINS(error, server.endpoint());
+  EXPECT_CONTAINS(error, "protocol/connect_deadline");
+  EXPECT_LT(watch.seconds(), 1.0);
+}
+
+TEST(Faults, AbsentCouplerMeetsTheConnectDeadline) {
+  std::string endpoint;
+  {
+    Server gone(short_deadlines());
+    endpoint = gone.endpoint();
+  }
+  ParticipantSettings settings = participant("soil", endpoint);
+  settings.connect_deadline = 0.3;
+  DummySolver solver(3, 2, 1.0);
+  const std::string error = message_of<ProtocolError>([&] {
+    Connection connection(settings);
+    serve(solver, connection);
+  });
+  EXPECT_CONTAINS(error, endpoint);
+  EXPECT_CONTAINS(error, "--connect-deadline");
+}
+
+/// A coupler in this thread, participants in others.
+class Threads : public ::testing::Test {
+ protected:
+  Solver& connect(DummySolver& solver, const std::string& name = "soil") {
+    end_ = std::async(std::launch::async, [this, &solver, name] {
+      return message_of<std::exception>([&] {
+        Connection connection(participant(name, server_->endpoint()));
+        serve(solver, connection);
+      });
+    });
+    solvers_ = server_->wait_for({expected(name)});
+    return *solvers_.at(name);
+  }
+  std::string participants_error() { return end_.get(); }
+
+  std::unique_ptr<Server> server_ = std::make_unique<Server>(short_deadlines());
+  std::map<std::string, std::unique_ptr<Solver>> solvers_;
+  std::future<std::string> end_;
+  InterfaceValues sent_;
+};
+
+TEST_F(Threads, FailedStepIsAConvergenceErrorAndTheRunGoesOn) {
+  DummySolver solver(3, 2, 1.0);
+  solver.on_solve = [](const StepRequest& request) {
+    if (request.dt > 0.06) throw ConvergenceError("Newton: residual 3.1 after 20 iterations");
+  };
+  Solver& soil = connect(solver);
+  EXPECT_EQ(message_of<ConvergenceError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); }),
+            "participant \"soil\": Newton: residual 3.1 after 20 iterations");
+  soil.reject_step();
+  soil.solve_step({1, 0, 0, 0.05}, {}, sent_);
+  EXPECT_EQ(soil.accept_step({1, 0, 0, 0.05}, true).probes, std::vector<double>{1.05});
+  server_->finish();
+  EXPECT_EQ(participants_error(), "");
+}
+
+TEST_F(Threads, AnyOtherErrorOfASolverEndsTheRunWithItsText) {
+  DummySolver solver(3, 2, 1.0);
+  solver.on_solve = [](const StepRequest&) { throw std::runtime_error("disk full"); };
+  Solver& soil = connect(solver);
+  const std::string error =
+      message_of<ProtocolError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); });
+  EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
+  EXPECT_CONTAINS(error, "ended the run: disk full");
+  EXPECT_EQ(participants_error(), "disk full");
+}
+
+TEST_F(Threads, ValuesThatAreNotFiniteAreReported) {
+  DummySolver solver(3, 2, 1.0);
+  solver.spoil = [](InterfaceValues& sent) {
+    sent["wall"][3] = std::numeric_limits<double>::infinity();
+  };
+  Solver& soil = connect(solver);
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); }),
+                  "\"force:wall\" is inf at vertex 1, component 1");
+}
+
+TEST_F(Threads, CouplersAbortReachesTheParticipant) {
+  DummySolver solver(3, 2, 1.0);
+  connect(solver);
+  server_->abort("dt_min reached");
+  EXPECT_EQ(participants_error(), "the coupler ended the run: dt_min reached");
+}
+
+TEST_F(Threads, CouplerThatEndsWithoutFinishIsAFailure) {
+  DummySolver solver(3, 2, 1.0);
+  connect(solver);
+  solvers_.clear();
+  server_.reset();
+  EXPECT_CONTAINS(participants_error(), "the coupler ended without finishing the run");
+}
+
+TEST_F(Threads, AcceptingWithoutSolutionIsRefused) {
+  DummySolver solver(3, 2, 1.0);
+  Solver& soil = connect(solver);
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.accept_step({4, 0, 0, 0.1}, true); }),
+                  "accepts step 4, which has no solution");
+}
+
+TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
+  DummySolver solver(3, 2, 1.0);
+  Solver& soil = connect(solver);
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    soil.solve_step({1, 0, 0, 0.1}, {{"wall", std::vector<double>(5)}}, sent_);
+                  }),
+                  "\"displacement:wall\": expected 3 x 2 values, found 5");
+}
+
+TEST_F(Threads, TwoSolversWorkAtOnce) {
+  DummySolver a(3, 2, 1.0);
+  DummySolver b(3, 2, 1.0);
+  a.on_solve = b.on_solve = [](const StepRequest&) { sleep_for(0.3); };
+  const auto run = [this](DummySolver& solver, const char* name) {
+    return std::async(std::launch::async, [this, &solver, name] {
+      Connection connection(participant(name, server_->endpoint()));
+      serve(solver, connection);
+    });
+  };
+  auto end_a = run(a, "soil");
+  auto end_b = run(b, "structure");
+  solvers_ = server_->wait_for({expected("soil"), expected("structure")});
+  auto& soil = static_cast<RemoteSolver&>(*solvers_.at("soil"));
+  auto& structure = static_cast<RemoteSolver&>(*solvers_.at("structure"));
+  const Stopwatch watch;
+  soil.start_solve({1, 0, 0, 0.1}, {});
+  structure.start_solve({1, 0, 0, 0.1}, {});
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.start_solve({1, 0, 0, 0.1}, {}); }),
+                  "asked before the answer");
+  soil.finish_solve(sent_);
+  structure.finish_solve(sent_);
+  EXPECT_LT(watch.seconds(), 0.5);
+  server_->finish();
+  end_a.get();
+  end_b.get();
+}
+
+/// A participant that answers a solve_step with this message; the coupler's error.
+std::string error_on_answer(const std::function<void(RawParticipant&, const Message&)>& answer) {
+  Server server(short_deadlines());
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(to_message(good_hello("soil")));
+  auto solvers = server.wait_for({expected("soil")});
+  raw.receive();
+  auto& soil = static_cast<RemoteSolver&>(*solvers.at("soil"));
+  soil.start_solve({1, 0, 0, 0.1}, {});
+  answer(raw, raw.receive());
+  InterfaceValues sent;
+  return message_of<ProtocolError>([&] { soil.finish_solve(sent); });
+}
+
+Message solved(const Message& request, std::int64_t num_vertices, double value) {
+  Message reply;
+  reply.type = "solved";
+  reply.sequence = request.sequence;
+  reply.fields = {{"newton_iterations", 1}, {"linear_iterations", 1}, {"interface_active", true},
+                  {"details", Json::object()}, {"busy_seconds", 0.0}};
+  reply.add("force:wall", {num_vertices, 2},
+            std::vector<double>(static_cast<std::size_t>(2 * num_vertices), value));
+  return reply;
+}
+
+TEST(Lies, WrongAnswersAreReported) {
+  EXPECT_EQ(error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 3, 1)); }), "");
+  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 4, 1)); }),
+                  "participant \"soil\" answered wrongly: message \"solved\", array \"force:wall\": "
+                  "expected shape [3, 2], found [4, 2]");
+  EXPECT_CONTAINS(
+      error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 3, NAN)); }),
+      "participant \"soil\" answered wrongly: \"force:wall\" is nan at vertex 0, component 0");
+  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto& request) {
+                    Message reply = solved(request, 3, 1);
+                    reply.sequence += 1;
+                    raw.send(reply);
+                  }),
+                  "answered \"solved\" to request 2, expected an answer to 1");
+  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto& request) {
+                    Message reply = solved(request, 3, 1);
+                    reply.type = "accepted";
+                    raw.send(reply);
+                  }),
+                  "answered \"solve_step\" with \"accepted\"");
+  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto&) { raw.send_frames({"garbage"}); }),
+                  "sent a message that is not understood: header frame is not JSON");
+  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto& request) {
+                    Message reply = solved(request, 3, 1);
+                    reply.arrays.clear();
+                    raw.send(reply);
+                  }),
+                  "expected an array \"force:wall\"");
+}
+
+class Signals : public Threads {
+ protected:
+  void SetUp() override { interrupt::install(); }
+  void TearDown() override {
+    interrupt::clear();
+    std::signal(SIGTERM, SIG_DFL);
+    std::signal(SIGINT, SIG_DFL);
+  }
+};
+
+TEST_F(Signals, SignalEndsAWait) {
+  DummySolver solver(3, 2, 1.0);
+  solver.on_solve = [](const StepRequest&) { sleep_for(0.5); };
+  Solver& soil = connect(solver);
+  std::thread sender([self = pthread_self()] {
+    sleep_for(0.1);
+    pthread_kill(self, SIGTERM);
+  });
+  const Stopwatch watch;
+  int code = 0;
+  try {
+    soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+  } catch (const Interrupted& problem) {
+    code = problem.exit_code();
+  }
+  EXPECT_EQ(code, 128 + SIGTERM);
+  EXPECT_LT(watch.seconds(), 0.3);
+  sender.join();
+}
+
+TEST(SignalsOfALauncher, DeathOfAPeerIsTheMessage) {
+  Child soil(slow_participant("soil", 30));
+  interrupt::install();
+  {
+    Server server(short_deadlines());
+    soil.tell(server.endpoint());
+    auto solvers = server.wait_for({expected("soil")});
+    std::thread launcher([&, self = pthread_self()] {
+      sleep_for(0.2);
+      soil.signal(SIGKILL);
+      sleep_for(0.005);
+      pthread_kill(self, SIGTERM);
+    });
+    InterfaceValues sent;
+    EXPECT_CONTAINS(message_of<Error>([&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); }),
+                    "participant \"soil\" (mpm_solver, pid");
+    launcher.join();
+  }
+  interrupt::clear();
+  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+}  // namespace gabion::test

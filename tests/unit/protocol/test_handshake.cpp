@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every kind of disagreement is refused, and both sides are told both values.
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "dummy_solver.hpp"
+#include "protocol/serve.hpp"
+#include "raw_participant.hpp"
+
+namespace gabion::test {
+namespace {
+
+struct Outcome {
+  std::string coupler;      // text of the coupler's error
+  std::string participant;  // reason in "refused"
+};
+
+/// What becomes of this first message of a participant.
+Outcome outcome_of(const Message& hello, const std::vector<Expected>& participants) {
+  Server server(short_deadlines());
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(hello);
+  Outcome outcome;
+  outcome.coupler = message_of<ProtocolError>([&] { server.wait_for(participants); });
+  const Message answer = raw.receive();
+  EXPECT_EQ(answer.type, "refused");
+  if (answer.type == "refused") outcome.participant = answer.text("reason");
+  return outcome;
+}
+
+void expect_refused(const Message& hello, const std::vector<std::string>& parts) {
+  const Outcome outcome = outcome_of(hello, {expected("soil")});
+  for (const std::string& part : parts) {
+    EXPECT_NE(outcome.coupler.find(part), std::string::npos) << part << "\n" << outcome.coupler;
+    EXPECT_NE(outcome.participant.find(part), std::string::npos) << part << "\n" << outcome.participant;
+  }
+}
+
+TEST(Handshake, MessagesRoundTrip) {
+  Hello hello = good_hello("soil");
+  hello.probe_names = {"tip"};
+  hello.probes = {0.25};
+  hello.process = this_process();
+  const Hello back = read_hello(to_message(hello));
+  EXPECT_EQ(back.participant, hello.participant);
+  EXPECT_EQ(back.session, hello.session);
+  EXPECT_EQ(back.receives, hello.receives);
+  EXPECT_EQ(back.sends, hello.sends);
+  EXPECT_EQ(back.interfaces.at(0).coordinates, hello.interfaces[0].coordinates);
+  EXPECT_EQ(back.interfaces.at(0).facets, hello.interfaces[0].facets);
+  EXPECT_EQ(back.probes, hello.probes);
+  EXPECT_EQ(back.process.host, hello.process.host);
+  EXPECT_EQ(back.process.start_time, hello.process.start_time);
+  EXPECT_FALSE(back.sends_heartbeat);
+
+  Welcome welcome;
+  welcome.run = {{"end", 2.5}};
+  welcome.deadlines.silence = 3;
+  const Welcome welcomed = read_welcome(to_message(welcome));
+  EXPECT_EQ(welcomed.run, welcome.run);
+  EXPECT_EQ(welcomed.deadlines.silence, 3);
+}
+
+TEST(Handshake, OtherMajorVersionIsRefused) {
+  Hello hello = good_hello("soil");
+  hello.protocol = "2.0";
+  expect_refused(to_message(hello), {"protocol version", "1.0", "2.0"});
+}
+
+TEST(Handshake, OtherMinorVersionIsWelcome) {
+  Server server(short_deadlines());
+  RawParticipant raw(server.endpoint(), "raw");
+  Hello hello = good_hello("soil");
+  hello.protocol = "1.7";
+  raw.send(to_message(hello));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+  EXPECT_EQ(raw.receive().type, "welcome");
+}
+
+TEST(Handshake, ForeignCodeWithoutSceneHashIsWelcome) {
+  Server server(short_deadlines());
+  RawParticipant raw(server.endpoint(), "raw");
+  Hello hello = good_hello("soil");
+  hello.scene_hash = "";
+  raw.send(to_message(hello));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+}
+
+TEST(Handshake, EveryMismatchIsRefusedWithBothValues) {
+  Hello hello = good_hello("soil");
+  hello.scene_hash = "def";
+  expect_refused(to_message(hello), {"scene hash", "abc", "def"});
+  hello = good_hello("soil");
+  hello.interfaces[0].name = "dam";
+  expect_refused(to_message(hello), {"interfaces", "wall", "dam"});
+  hello = good_hello("soil");
+  hello.interfaces.clear();
+  expect_refused(to_message(hello), {"interfaces", "wall", "{}"});
+  hello = good_hello("soil");
+  hello.sends.unit = "kN";
+  expect_refused(to_message(hello), {"sends", "force [N]", "force [kN]"});
+  hello = good_hello("soil");
+  hello.receives = force();
+  expect_refused(to_message(hello), {"receives", "displacement [m]", "force [N]"});
+  hello = good_hello("soil");
+  hello.convention = "force: by structure on soil";
+  expect_refused(to_message(hello), {"sign convention", sign_convention, hello.convention});
+  hello = good_hello("soil");
+  hello.dimension = 3;
+  hello.interfaces[0].dim = 3;
+  hello.interfaces[0].coordinates.resize(9);
+  expect_refused(to_message(hello), {"dimension", "2", "3"});
+}
+
+TEST(Handshake, AllMismatchesAreToldAtOnce) {
+  Hello hello = good_hello("soil");
+  hello.scene_hash = "def";
+  hello.sends.unit = "kN";
+  expect_refused(to_message(hello), {"scene hash", "kN"});
+}
+
+TEST(Handshake, UnknownNameIsRefused) {
+  expect_refused(to_message(good_hello("structure")), {"participant name", "soil", "structure"});
+}
+
+TEST(Handshake, NameTwiceIsRefused) {
+  Server server(short_deadlines());
+  RawParticipant first(server.endpoint(), "a");
+  RawParticipant second(server.endpoint(), "b");
+  first.send(to_message(good_hello("soil")));
+  second.send(to_message(good_hello("soil")));
+  const std::string error = message_of<ProtocolError>(
+      [&] { server.wait_for({expected("soil"), expected("structure")}); });
+  EXPECT_NE(error.find("\"soil\" is connected already"), std::string::npos) << error;
+  const std::string one = first.receive().type;
+  const std::string other = second.receive().type;
+  EXPECT_EQ((std::set<std::string>{one, other}), (std::set<std::string>{"welcome", "refused"}));
+}
+
+TEST(Handshake, HelloDuringTheRunIsRefusedAndTheRunGoesOn) {
+  Server server(short_deadlines());
+  DummySolver soil(3, 2, 1.0);
+  auto end = std::async(std::launch::async, [&] {
+    return message_of<Error>([&] {
+      Connection connection(participant("soil", server.endpoint()));
+      serve(soil, connection);
+    });
+  });
+  auto solvers = server.wait_for({expected("soil")});
+  RawParticipant late(server.endpoint(), "late");
+  late.send(to_message(good_hello("soil")));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  InterfaceValues sent;
+  for (int i = 0; i < 3; ++i) solvers.at("soil")->solve_step({1, i, 0, 0.1}, {}, sent);
+  EXPECT_EQ(late.receive().type, "refused");
+  server.finish();
+  EXPECT_EQ(end.get(), "");
+}
+
+TEST(Handshake, BrokenHellosAreRefused) {
+  const auto broken = [](const std::string& key, const Json& value) {
+    Message hello = to_message(good_hello("soil"));
+    hello.fields[key] = value;
+    return hello;
+  };
+  expect_refused(broken("participant", "so il"), {"\"participant\""});
+  expect_refused(broken("participant", std::string(65, 'a')), {"\"participant\""});
+  expect_refused(broken("dimension", 4), {"dimension 2 or 3", "4"});
+  expect_refused(broken("sends", "force"), {"\"sends\"", "an object"});
+  expect_refused(broken("protocol", "one"), {"major.minor", "one"});
+  expect_refused(broken("probe_names", {1}), {"list of texts"});
+  Message bad_facet = to_message(good_hello("soil"));
+  std::get<std::vector<std::int64_t>>(bad_facet.arrays.at(1).values)[3] = 3;
+  expect_refused(bad_facet, {"facet names vertex 3, there are 3"});
+  Message bad_coordinate = to_message(good_hello("soil"));
+  std::get<std::vector<double>>(bad_coordinate.arrays.at(0).values)[4] = std::nan("");
+  expect_refused(bad_coordinate, {"coordinates:wall", "vertex 2, component 0"});
+}
+
+TEST(Handshake, ParticipantsErrorNamesBothValues) {
+  Server server(short_deadlines());
+  auto end = std::async(std::launch::async, [endpoint = server.endpoint()] {
+    return message_of<ProtocolError>([&] {
+      ParticipantSettings settings = participant("soil", endpoint);
+      settings.scene_hash = "def";
+      DummySolver soil(3, 2, 1.0);
+      Connection connection(settings);
+      serve(soil, connection);
+    });
+  });
+  message_of<ProtocolError>([&] { server.wait_for({expected("soil")}); });
+  const std::string error = end.get();
+  EXPECT_NE(error.find("scene hash: coupler abc, participant def"), std::string::npos) << error;
+}
+
+TEST(Handshake, GarbageFromStrangersIsIgnored) {
+  Server server(short_deadlines());
+  RawParticipant stranger(server.endpoint(), "stranger");
+  stranger.send_frames({"GET / HTTP/1.1"});
+  stranger.send_frames({"", ""});
+  stranger.send_frames({R"({"type":"solved","sequence":1})"});
+  stranger.send_frames({R"({"type":"alive","sequence":1})"});
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(to_message(good_hello("soil")));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+}
+
+}  // namespace
+}  // namespace gabion::test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole runs over a loopback socket, with solvers in threads of the test.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <future>
+#include <thread>
+
+#include "dummy_solver.hpp"
+#include "protocol/serve.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// A participant in a thread; the future holds what serve() threw, as text.
+std::future<std::string> start(DummySolver& solver, const ParticipantSettings& settings) {
+  return std::async(std::launch::async, [&solver, settings] {
+    return message_of<Error>([&] {
+      Connection connection(settings);
+      serve(solver, connection);
+    });
+  });
+}
+
+struct Pair {
+  DummySolver soil{5, 2, -2.0};
+  DummySolver structure{3, 2, 0.5};
+};
+
+TEST(Loopback, TwoSolversSolveAcceptSkipAndWrite) {
+  Pair pair;
+  Server server(short_deadlines());
+  auto soil_end = start(pair.soil, participant("soil", server.endpoint()));
+  auto structure_end = start(pair.structure, participant("structure", server.endpoint()));
+  auto solvers = server.wait_for({expected("soil"), expected("structure")}, {{"end", 1.5}});
+  Solver& soil = *solvers.at("soil");
+  Solver& structure = *solvers.at("structure");
+
+  const auto mesh = soil.interfaces();
+  ASSERT_EQ(mesh.size(), 1u);
+  EXPECT_EQ(mesh[0].coordinates, pair.soil.interfaces()[0].coordinates);
+  EXPECT_EQ(mesh[0].facets, pair.soil.interfaces()[0].facets);
+  EXPECT_EQ(soil.probe_names(), std::vector<std::string>{"tip"});
+  EXPECT_EQ(soil.probes(), std::vector<double>{1.0});
+
+  soil.write_output(0);
+  const StepRequest request{1, 0, 0.0, 0.1};
+  InterfaceValues sent;
+  const std::vector<double> u = {0.1, -0.0, 1e-310, 1e300, 1. / 3, 0, 0, 0, 0, 7};
+  StepReport report = soil.solve_step(request, {{"wall", u}}, sent);
+  for (std::size_t i = 0; i < u.size(); ++i) EXPECT_EQ(sent["wall"][i], 1 - 2 * u[i]);
+  EXPECT_EQ(report.newton_iterations, 3);
+  EXPECT_EQ(report.linear_iterations, 70);
+  EXPECT_TRUE(report.interface_active);
+  EXPECT_EQ(report.details["energy"].get<double>(), 0.1);
+
+  report = structure.solve_step(request, {}, sent);
+  EXPECT_FALSE(report.interface_active);
+  EXPECT_EQ(sent["wall"], std::vector<double>(6, 1.0));
+
+  structure.reject_step();
+  const AcceptReport accepted =
+      static_cast<RemoteSolver&>(soil).accept_and_write(request, true, 0.1);
+  EXPECT_EQ(accepted.probes, std::vector<double>{1.1});
+  EXPECT_EQ(soil.probes(), std::vector<double>{1.1});
+  EXPECT_FALSE(accepted.at_rest);
+  EXPECT_EQ(accepted.proposed_dt, 0.25);
+  EXPECT_TRUE(structure.accept_step(request, false).at_rest);
+  EXPECT_EQ(soil.summary()["linear_solver"], "none");
+  server.finish();
+
+  EXPECT_EQ(soil_end.get(), "");
+  EXPECT_EQ(structure_end.get(), "");
+  EXPECT_EQ(pair.soil.calls,
+            (std::vector<std::string>{"write 0.000000", "accept", "write 0.100000"}));
+  EXPECT_EQ(pair.structure.calls, (std::vector<std::string>{"reject", "skip"}));
+}
+
+}  // namespace
+}  // namespace gabion::test

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "tests/support/convergence_rate.hpp"
+#include "tests/unit/fem/fem_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr double E = 1e6, length = 1, thickness = 0.05;
+
+/// A horizontal cantilever, fixed at the left, end force spread over the right side, put on in
+/// ten parts.
+Json cantilever(const std::string& law, double nu, double force, int cells_along,
+                int cells_across = 1) {
+  return {{"dimension", 2},
+          {"mesh", box_2d({length, thickness}, {cells_along, cells_across})},
+          {"material", elastic(law, E, nu, 1)},
+          {"analysis", "static"},
+          {"supports", {{{"group", "left"}}}},
+          {"tractions", {{{"group", "right"}, {"traction", {0.0, -force / thickness}},
+                          {"table", {{0, 0}, {1, 1}}}}}},
+          {"probes", {{{"name", "tip"}, {"point", {length, thickness / 2}}}}}};
+}
+
+struct Tip {
+  double down, inward;
+};
+
+Tip tip_of(const Json& json, int steps) {
+  const auto solver = fem_solver<2>(json);
+  run_steps(*solver, 1.0 / steps, steps);
+  return {-probe(*solver, "tip.uy"), -probe(*solver, "tip.ux")};
+}
+
+/// Three meshes, each with half the cell length of the last.
+struct Refinement {
+  double order, limit;
+  Refinement(double coarse, double middle, double fine)
+      : order(std::log2((middle - coarse) / (fine - middle))),
+        limit(fine + (fine - middle) / 3) {}
+};
+
+/// Large bending against the elastica, alpha = P L^2 / EI: Bisshopp, Drucker (1945). The full
+/// integration of quad4 is too stiff by 0.5 (cell length / thickness)^2, second order; what remains
+/// in the limit is the shear deformation of the real plate, 0.6 (thickness / length)^2.
+void elastica(double alpha, double down, double inward) {
+  SCOPED_TRACE(alpha);
+  const double force = alpha * E * std::pow(thickness, 3) / 12 / (length * length);
+  std::array<Tip, 3> tips;
+  for (int k = 0; k < 3; ++k) {
+    tips[k] = tip_of(cantilever("hencky_elastic", 0, force, 40 << k), 5);
+  }
+  const Refinement vertical(tips[0].down, tips[1].down, tips[2].down);
+  const Refinement horizontal(tips[0].inward, tips[1].inward, tips[2].inward);
+  EXPECT_NEAR(vertical.order, 2, 0.2);
+  EXPECT_NEAR(horizontal.order, 2, 0.2);
+  EXPECT_NEAR(vertical.limit / length, down, 0.005 * down);
+  EXPECT_NEAR(horizontal.limit / length, inward, 0.01 * inward);
+}
+
+TEST(Cantilever, elastica_alpha_1) { elastica(1, 0.30172, 0.05643); }
+TEST(Cantilever, elastica_alpha_2) { elastica(2, 0.49346, 0.16064); }
+
+/// Small load in plane strain: P L^3 / 3 E' I with E' = E / (1 - nu^2).
+TEST(Cantilever, plane_strain_stiffness) {
+  const double nu = 0.3, force = 1e-3;
+  const double inertia = std::pow(thickness, 3) / 12;
+  const double exact = force * std::pow(length, 3) * (1 - nu * nu) / (3 * E * inertia);
+  std::array<double, 3> tips;
+  for (int k = 0; k < 3; ++k) {
+    tips[k] = tip_of(cantilever("linear_elastic", nu, force, 40 << k, 2 << k), 1).down;
+  }
+  const Refinement bending(tips[0], tips[1], tips[2]);
+  EXPECT_NEAR(bending.order, 2, 0.25);
+  EXPECT_NEAR(bending.limit, exact, 0.005 * exact);
+}
+
+/// A column under its weight: u(y) = rho g (L y - y^2 / 2) / E, exact at the nodes, for any mesh
+/// without lateral strain.
+TEST(Column, own_weight_is_exact_at_the_nodes) {
+  const double rho = 1000, g = 9.81, L = 2;
+  for (const std::string type : {"quad4", "tri3"}) {
+    const Json json = {{"dimension", 2},
+                       {"mesh", box_2d({0.4, L}, {2, 7}, type)},
+                       {"material", elastic("linear_elastic", E, 0, rho)},
+                       {"gravity", {0, -g}},
+                       {"initial_equilibrium", true},
+                       {"supports", {{{"group", "bottom"}, {"report_reaction", true}}}},
+                       {"probes", {{{"name", "top"}, {"point", {0.4, L}}},
+                                   {{"name", "low"}, {"point", {0.0, L / 7}}}}}};
+    const auto solver = fem_solver<2>(json);
+    EXPECT_NEAR(probe(*solver, "top.uy"), -rho * g * L * L / (2 * E), 1e-12) << type;
+    EXPECT_NEAR(probe(*solver, "low.uy"), -rho * g * (L * L / 7 - L * L / 98) / E, 1e-12) << type;
+    EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), rho * g * 0.4 * L, 1e-8) << type;
+    EXPECT_NEAR(probe(*solver, "reaction_bottom_x"), 0, 1e-8) << type;
+  }
+}
+
+TEST(Column, own_weight_in_3d) {
+  const double rho = 1000, g = 9.81, L = 2;
+  for (const std::string type : {"hex8", "tet4"}) {
+    const Json json = {{"dimension", 3},
+                       {"mesh", box_3d({0.4, 0.4, L}, {1, 1, 6}, type)},
+                       {"material", elastic("linear_elastic", E, 0, rho)},
+                       {"gravity", {0, 0, -g}},
+                       {"analysis", "static"},
+                       {"supports", {{{"group", "bottom"}, {"report_reaction", true}},
+                                     {{"group", "left"}, {"components", {"x"}}},
+                                     {{"group", "front"}, {"components", {"y"}}},
+                                     {{"group", "right"}, {"components", {"x"}}},
+                                     {{"group", "back"}, {"components", {"y"}}}}},
+                       {"probes", {{{"name", "top"}, {"point", {0.4, 0.4, L}}}}}};
+    const auto solver = fem_solver<3>(json);
+    run_steps(*solver, 1, 1);
+    // Tetrahedra lump the weight unevenly over the four corners of a layer.
+    const double tolerance = type == "hex8" ? 1e-12 : 2e-4;
+    EXPECT_NEAR(probe(*solver, "top.uz"), -rho * g * L * L / (2 * E), tolerance) << type;
+    EXPECT_NEAR(probe(*solver, "reaction_bottom_z"), rho * g * 0.16 * L, 1e-8) << type;
+  }
+}
+
+/// Uniaxial strain to a stretch of 0.75, Hencky elastic with nu = 0: force per area of the
+/// reference face = Kirchhoff stress / stretch = E ln(0.75) / 0.75.
+TEST(Column, large_compression) {
+  const Json json = {{"dimension", 2},
+                     {"mesh", box_2d({1, 1}, {3, 3})},
+                     {"material", elastic("hencky_elastic", E, 0, 1)},
+                     {"analysis", "static"},
+                     {"supports", {{{"group", "bottom"}, {"components", {"y"}},
+                                    {"report_reaction", true}},
+                                   {{"group", "left"}, {"components", {"x"}}},
+                                   {{"group", "right"}, {"components", {"x"}}}}},
+                     {"prescribed", {{{"group", "top"}, {"component", "y"}, {"rate", -0.25}}}}};
+  const auto solver = fem_solver<2>(json);
+  run_steps(*solver, 0.25, 4);
+  EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), -E * std::log(0.75) / 0.75, 1e-8 * E);
+}
+
+}  // namespace
+}  // namespace gabion::test

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/convergence_rate.hpp"
+#include "tests/unit/fem/fem_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double E = 100, rho = 1, L = 25, v0 = 0.1;
+constexpr double wave_number = pi / (2 * L);
+
+/// A bar fixed at x = 0 and free at x = L; without lateral strain the plate moves like a bar.
+Json bar(const std::string& law, int cells, const std::string& mass, const Json& scheme) {
+  return {{"dimension", 2},
+          {"mesh", box_2d({L, 1}, {cells, 1})},
+          {"material", elastic(law, E, 0, rho)},
+          {"mass", mass},
+          {"time_integration", scheme},
+          {"newton", {{"residual_tolerance", 1e-11}}},
+          {"supports", {{{"group", "left"}}, {{"group", "bottom"}, {"components", {"y"}}}}},
+          {"probes", {{{"name", "tip"}, {"point", {L, 0}}}}}};
+}
+
+/// First mode v = v0 sin(k x).
+void start_mode(FemSolver<2>& solver) {
+  std::vector<double> u(solver.mesh().nodes.size() * 2, 0.0), v(u.size(), 0.0);
+  for (std::size_t i = 0; i < u.size(); i += 2) {
+    v[i] = v0 * std::sin(wave_number * solver.mesh().nodes[i / 2][0]);
+  }
+  solver.set_motion(u, v);
+}
+
+/// Frequency of the mode in a mesh of linear cells: omega^2 = 6 c^2/h^2 (1 - cos kh) / (2 + cos kh)
+/// with the consistent mass, 2 c^2/h^2 (1 - cos kh) with the lumped one.
+double mesh_frequency(int cells, const std::string& mass) {
+  const double h = L / cells, c2 = E / rho, cosine = std::cos(wave_number * h);
+  const double divisor = mass == "lumped" ? 1 : (2 + cosine) / 3;
+  return std::sqrt(2 * c2 / (h * h) * (1 - cosine) / divisor);
+}
+
+const Json trapezoid = {{"scheme", "newmark"}};
+const Json bossak = {{"scheme", "bossak"}, {"alpha", -0.1}};
+
+/// Error of the tip's displacement after 0.9 periods against the motion of the same mesh with exact
+/// time integration.
+double tip_error(const std::string& mass, const Json& scheme, int steps_per_period) {
+  const int cells = 10, steps = steps_per_period * 9 / 10;
+  const auto solver = fem_solver<2>(bar("linear_elastic", cells, mass, scheme));
+  start_mode(*solver);
+  const double dt = 10.0 / steps_per_period;
+  run_steps(*solver, dt, steps);
+  const double omega = mesh_frequency(cells, mass);
+  return std::abs(probe(*solver, "tip.ux") - v0 / omega * std::sin(omega * steps * dt));
+}
+
+TEST(VibratingBar, second_order_in_dt) {
+  for (const std::string mass : {"consistent", "lumped"}) {
+    for (const Json& scheme : {trapezoid, bossak}) {
+      const std::vector<int> steps = {40, 80, 160};
+      std::vector<double> sizes, errors;
+      for (const int n : steps) {
+        sizes.push_back(1.0 / n);
+        errors.push_back(tip_error(mass, scheme, n));
+      }
+      EXPECT_GT(lowest_rate(sizes, errors), 1.9) << mass << " " << scheme;
+      EXPECT_LT(lowest_rate(sizes, errors), 2.2) << mass << " " << scheme;
+    }
+  }
+}
+
+/// Period from the upward zero crossings of the tip: 4 L / c = 10 s within 0.1 %.
+TEST(VibratingBar, period) {
+  const auto solver = fem_solver<2>(bar("linear_elastic", 50, "consistent", trapezoid));
+  start_mode(*solver);
+  const double dt = 0.05;
+  double before = 0, crossing = 0;
+  for (int n = 1; n <= 210 && crossing == 0; ++n) {
+    run_steps(*solver, dt, 1, n);
+    const double tip = probe(*solver, "tip.ux");
+    if (before < 0 && tip >= 0) crossing = (n - 1) * dt + dt * before / (before - tip);
+    before = tip;
+  }
+  EXPECT_NEAR(crossing, 10, 0.01);
+}
+
+TEST(VibratingBar, trapezoid_keeps_the_energy_of_a_linear_bar) {
+  const auto solver = fem_solver<2>(bar("linear_elastic", 20, "consistent", trapezoid));
+  start_mode(*solver);
+  const auto energy = [&] {
+    return probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy");
+  };
+  const double start = energy();
+  EXPECT_NEAR(start, 0.25 * rho * L * v0 * v0, 1e-3 * start);
+  for (int n = 1; n <= 100; ++n) {
+    run_steps(*solver, 0.3, 1, n);
+    EXPECT_NEAR(energy(), start, 1e-10 * start);
+  }
+}
+
+/// Finite strain: no closed form of the energy, but it must come back within 0.1 % a period.
+TEST(VibratingBar, energy_drift_at_finite_strain) {
+  const auto solver = fem_solver<2>(bar("hencky_elastic", 20, "consistent", trapezoid));
+  start_mode(*solver);
+  const auto energy = [&] {
+    return probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy");
+  };
+  const double start = energy();
+  run_steps(*solver, 0.1, 100);
+  EXPECT_NEAR(energy(), start, 1e-3 * start);
+}
+
+/// The energy that loads bring in is the energy that is there.
+TEST(VibratingBar, work_of_loads_is_the_energy) {
+  Json json = bar("linear_elastic", 20, "consistent", trapezoid);
+  json["tractions"] = {{{"group", "right"}, {"traction", {0.5, 0.0}},
+                        {"table", {{0, 0}, {3, 1}}}}};
+  json["gravity"] = {0.01, 0};
+  const auto solver = fem_solver<2>(json);
+  for (int n = 1; n <= 40; ++n) {
+    run_steps(*solver, 0.2, 1, n);
+    const double work = probe(*solver, "external_work");
+    EXPECT_NEAR(probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy"), work,
+                1e-10 * (1 + work));
+  }
+  EXPECT_GT(probe(*solver, "external_work"), 1e-2);
+}
+
+/// No supports: the centre of mass follows the parabola and the momentum the gravity impulse.
+TEST(FreeFlight, momentum_is_that_of_the_impulse) {
+  Json json = bar("neo_hookean", 10, "consistent", trapezoid);
+  json["supports"] = Json::array();
+  json["gravity"] = {0, -9.81};
+  json["initial_velocity"] = {2, 3};
+  const auto solver = fem_solver<2>(json);
+  run_steps(*solver, 0.05, 20);
+  const double mass = rho * L, t = 1;
+  EXPECT_NEAR(probe(*solver, "momentum_x"), 2 * mass, 1e-10 * mass);
+  EXPECT_NEAR(probe(*solver, "momentum_y"), (3 - 9.81 * t) * mass, 1e-10 * mass);
+  EXPECT_NEAR(probe(*solver, "tip.ux"), 2 * t, 1e-9);
+  EXPECT_NEAR(probe(*solver, "tip.uy"), 3 * t - 9.81 / 2 * t * t, 1e-9);
+}
+
+}  // namespace
+}  // namespace gabion::test
