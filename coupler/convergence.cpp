@@ -32,12 +32,18 @@ ConvergenceSettings read_convergence_settings(ConfigReader in) {
 
 std::string name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::going_on: return "going_on";
-    case Verdict::converged: return "converged";
-    case Verdict::not_finite: return "not_finite";
-    case Verdict::limit_reached: return "limit_reached";
-    case Verdict::stagnated: return "stagnated";
-    case Verdict::diverged: return "diverged";
+    case Verdict::going_on:
+      return "going_on";
+    case Verdict::converged:
+      return "converged";
+    case Verdict::not_finite:
+      return "not_finite";
+    case Verdict::limit_reached:
+      return "limit_reached";
+    case Verdict::stagnated:
+      return "stagnated";
+    case Verdict::diverged:
+      return "diverged";
   }
   return "unknown";
 }

@@ -33,10 +33,10 @@ std::string name(Verdict verdict);
 /// Result of one check; a residual that does not exist yet is empty.
 struct ConvergenceState {
   Verdict verdict = Verdict::going_on;
-  double displacement_residual = 0;     ///< [m]
-  double displacement_limit = 0;        ///< [m]
-  std::optional<double> force_residual; ///< [N], from the second iteration of a step on
-  double force_limit = 0;               ///< [N]
+  double displacement_residual = 0;      ///< [m]
+  double displacement_limit = 0;         ///< [m]
+  std::optional<double> force_residual;  ///< [N], from the second iteration of a step on
+  double force_limit = 0;                ///< [N]
 };
 
 /// Judges the iterations of one step. Values that are not finite are found before anything is
@@ -58,9 +58,9 @@ class Convergence {
   Verdict judge(const ConvergenceState& state);
 
   ConvergenceSettings settings_;
-  Eigen::VectorXd force_last_;   // empty in the first iteration
-  double reference_ = 0;         // [m] residual of the first iteration, not below its limit
-  double smallest_ = 0;          // of the residuals divided by their limits
+  Eigen::VectorXd force_last_;  // empty in the first iteration
+  double reference_ = 0;        // [m] residual of the first iteration, not below its limit
+  double smallest_ = 0;         // of the residuals divided by their limits
   int since_smallest_ = 0;
   bool first_ = true;
 };

@@ -42,8 +42,8 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
 }
 
 void require_participant(const ConfigReader& entry, const std::string& key,
-                         const std::string& found,
-                         const std::vector<ParticipantRole>& participants, bool sends_force) {
+                         const std::string& found, const std::vector<ParticipantRole>& participants,
+                         bool sends_force) {
   std::vector<std::string> allowed;
   for (const auto& p : participants) {
     if (p.sends_force == sends_force) allowed.push_back(p.name);
@@ -53,8 +53,8 @@ void require_participant(const ConfigReader& entry, const std::string& key,
                               sends_force ? "force" : "displacement", fmt::join(allowed, ", ")));
 }
 
-std::vector<InterfaceSettings> read_interfaces(
-    ConfigReader& in, const std::vector<ParticipantRole>& participants) {
+std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
+                                               const std::vector<ParticipantRole>& participants) {
   std::vector<InterfaceSettings> result;
   std::set<std::string> names;
   std::set<std::string> used;

@@ -15,7 +15,7 @@ struct CouplingCounts {
   std::int64_t rejected = 0;  ///< iterations of rejected ones
   std::int64_t steps_in_contact = 0;
   std::int64_t accepted_in_contact = 0;
-  int max = 0;  ///< iterations of one accepted solution
+  int max = 0;                            ///< iterations of one accepted solution
   std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
   std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
   std::int64_t accepted_unconverged = 0;

@@ -176,9 +176,8 @@ void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
 }
 
 bool CouplingLoop::contact_possible(const Attempt& now) const {
-  const bool active = std::any_of(soils_.begin(), soils_.end(), [](const Side& soil) {
-    return soil.report.interface_active;
-  });
+  const bool active = std::any_of(soils_.begin(), soils_.end(),
+                                  [](const Side& soil) { return soil.report.interface_active; });
   require(active || now.force.isZero(0),
           fmt::format("step {}: the soil sends a force (largest component {} N) and says that its "
                       "interfaces are not active",
@@ -238,8 +237,8 @@ std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& propo
     const AcceptReport report = side->solver.accept_step(now.row.request, side->solved);
     probes.insert(probes.end(), report.probes.begin(), report.probes.end());
     if (report.proposed_dt > 0) {
-      proposed_dt = proposed_dt > 0 ? std::min(proposed_dt, report.proposed_dt)
-                                    : report.proposed_dt;
+      proposed_dt =
+          proposed_dt > 0 ? std::min(proposed_dt, report.proposed_dt) : report.proposed_dt;
     }
     side->may_sleep = report.at_rest;
   }
@@ -263,8 +262,9 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   steps_.accept(proposed_dt);
   predictor_.accept(steps_.time(), accepted_x_);
 
-  StepRow row{now.row, steps_.time(), now.row.request.iteration + 1, now.status, now.skipped,
-              now.soil_newton, now.structure_newton, cuts, Json::object(), watch.seconds()};
+  StepRow row{now.row,        steps_.time(),   now.row.request.iteration + 1, now.status,
+              now.skipped,    now.soil_newton, now.structure_newton,          cuts,
+              Json::object(), watch.seconds()};
   for (const Side* side : sides()) {
     for (const auto& item : side->report.details.items()) {
       row.details[side->name + "." + item.key()] = item.value();

@@ -45,9 +45,9 @@ class CouplingLoop {
   struct Side {
     std::string name;
     Solver& solver;
-    StepReport report;      // of the last solution
-    bool solved = false;    // in the step under way
-    bool may_sleep = false; // after the last accepted step: at rest, and no force was on it
+    StepReport report;       // of the last solution
+    bool solved = false;     // in the step under way
+    bool may_sleep = false;  // after the last accepted step: at rest, and no force was on it
   };
   /// One try to solve a step; row.request is its last request.
   struct Attempt {

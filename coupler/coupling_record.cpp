@@ -21,7 +21,9 @@ CsvValue optional_cell(const std::optional<double>& value) {
   return value ? CsvValue(*value) : CsvValue(std::string());
 }
 
-CsvValue cell(int value) { return std::int64_t{value}; }
+CsvValue cell(int value) {
+  return std::int64_t{value};
+}
 
 }  // namespace
 
@@ -32,10 +34,18 @@ Columns CouplingRecord::force_columns(const std::string& prefix) const {
 }
 
 void CouplingRecord::start(const Columns& probe_names) {
-  Columns columns = {"step",           "iteration",      "time",
-                     "dt",             "status",         "displacement_residual",
-                     "displacement_limit", "force_residual", "force_limit",
-                     "omega",          "columns",        "columns_dropped"};
+  Columns columns = {"step",
+                     "iteration",
+                     "time",
+                     "dt",
+                     "status",
+                     "displacement_residual",
+                     "displacement_limit",
+                     "force_residual",
+                     "force_limit",
+                     "omega",
+                     "columns",
+                     "columns_dropped"};
   append(columns, force_columns("soil_f"));
   append(columns, force_columns("structure_f"));
   append(columns, {"mismatch_force", "mismatch_moment", "soil_newton", "structure_newton",
@@ -73,9 +83,9 @@ void CouplingRecord::iteration(const IterationRow& row) {
 
 void CouplingRecord::start_steps(const Json& details) {
   details_.start(details);
-  Columns columns = {"step",   "time",    "dt",
-                     "iterations", "status", "skipped",
-                     "displacement_residual", "force_residual"};
+  Columns columns = {
+      "step",          "time", "dt", "iterations", "status", "skipped", "displacement_residual",
+      "force_residual"};
   append(columns, force_columns("f"));
   append(columns, {"soil_newton", "structure_newton", "cuts"});
   append(columns, details_.names());

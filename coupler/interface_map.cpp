@@ -22,9 +22,9 @@ const InterfaceMesh& mesh_of(const Meshes& meshes, const std::string& participan
     if (mesh.name == interface) return mesh;
     found.push_back(mesh.name);
   }
-  throw ConfigError(fmt::format(
-      "interface \"{}\": participant \"{}\" does not have it; it has: {}", interface, participant,
-      found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+  throw ConfigError(
+      fmt::format("interface \"{}\": participant \"{}\" does not have it; it has: {}", interface,
+                  participant, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
 }
 
 void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes) {

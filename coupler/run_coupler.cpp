@@ -50,9 +50,9 @@ void couple(Server& server, const CouplerSettings& settings, const std::string& 
 }  // namespace
 
 void run_coupler(const ProgramOptions& options, const MpiSession& session) {
-  require<ConfigError>(session.size() == 1,
-                       fmt::format("coupler: launched with {} processes, allowed: 1",
-                                   session.size()));
+  require<ConfigError>(
+      session.size() == 1,
+      fmt::format("coupler: launched with {} processes, allowed: 1", session.size()));
   const Scene scene(options.scene, options.overrides);
   const ConfigReader reader = scene.reader("coupler.json");
   CouplerSettings settings = read_coupler_settings(reader);

@@ -209,15 +209,6 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   return s;
 }
 
-AloneSettings read_alone_settings(ConfigReader& in) {
-  AloneSettings alone;
-  alone.time = read_time_settings(in.object("time"));
-  ConfigReader output = in.object("output");
-  alone.output_interval = output.number("interval", positive());
-  output.finish();
-  return alone;
-}
-
 template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&);
 template FemSettings<3> read_fem_settings<3>(const Scene&, ConfigReader&);
 

@@ -7,7 +7,6 @@
 
 #include "common/base/config_reader.hpp"
 #include "common/base/scene.hpp"
-#include "common/base/time_steps.hpp"
 #include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/newton/newton.hpp"
@@ -88,12 +87,6 @@ struct FemSettings {
   LinearSolverSettings linear_solver;
 };
 
-/// What coupler.json says otherwise, for a scene without one.
-struct AloneSettings {
-  TimeSettings time;
-  double output_interval = 0;  ///< [s] > 0
-};
-
 /// Names of the components in config files and probe columns.
 inline constexpr const char* component_names[3] = {"x", "y", "z"};
 
@@ -104,8 +97,5 @@ int read_dimension(ConfigReader& in);
 /// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in);
-
-/// Read "time" and "output": {"interval"}.
-AloneSettings read_alone_settings(ConfigReader& in);
 
 }  // namespace gabion::fem

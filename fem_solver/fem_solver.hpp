@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/solver.hpp"
+#include "common/solver_program/solver_program.hpp"
 #include "fem_solver/coupling_boundary.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/fem_output.hpp"

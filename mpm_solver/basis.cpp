@@ -9,7 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh) {
@@ -109,4 +109,4 @@ template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2
 template void evaluate_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,
                                 PointWeights<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

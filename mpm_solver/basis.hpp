@@ -9,7 +9,7 @@
 #include "common/mechanics/mesh/mesh.hpp"
 #include "mpm_solver/material_points.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// The background grid: a mesh that stays where it is, and where a position lies in it.
 template <int dim>
@@ -66,4 +66,4 @@ template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                     PointWeights<dim>& weights);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -4,7 +4,7 @@
 #include "common/mechanics/elements/cell_type.hpp"
 #include "common/mechanics/tensor.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Force and stiffness of one cell, added up over its material points.
 template <int dim>
@@ -53,4 +53,4 @@ struct CellForces {
   }
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -9,7 +9,7 @@
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -267,4 +267,4 @@ void CouplingBoundary<dim>::accept() {
 template class CouplingBoundary<2>;
 template class CouplingBoundary<3>;
 
-}  // namespace gabion
+}  // namespace gabion::mpm

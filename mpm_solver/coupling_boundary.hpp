@@ -10,7 +10,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/grid_nodes.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// The soil's copy of a structure's surface.
 template <int dim>
@@ -114,4 +114,4 @@ class CouplingBoundary {
   int nodes_per_cell_ = 0;
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -10,7 +10,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/cell_forces.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -192,4 +192,4 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
 template class Equilibrium<2>;
 template class Equilibrium<3>;
 
-}  // namespace gabion
+}  // namespace gabion::mpm

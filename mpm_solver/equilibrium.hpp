@@ -12,7 +12,7 @@
 #include "mpm_solver/grid_nodes.hpp"
 #include "mpm_solver/wall_conditions.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// State of the material points at the end of a step that is being solved, by entry of PointWeights.
 template <int dim>
@@ -80,4 +80,4 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> f_int_;
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -3,7 +3,7 @@
 
 #include "common/mechanics/ranks/sum.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 template <int dim>
 bool activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
@@ -30,4 +30,4 @@ template bool activate_nodes<2>(MPI_Comm, const BackgroundGrid<2>&, const PointW
 template bool activate_nodes<3>(MPI_Comm, const BackgroundGrid<3>&, const PointWeights<3>&,
                                 GridNodes<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

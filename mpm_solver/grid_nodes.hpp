@@ -9,7 +9,7 @@
 
 #include "mpm_solver/basis.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// The nodes that carry the step: those of cells that hold a material point on any rank, numbered
 /// in the order of the grid. Nodal fields are replicated on all ranks.
@@ -30,4 +30,4 @@ template <int dim>
 bool activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                     const PointWeights<dim>& weights, GridNodes<dim>& nodes);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -3,7 +3,7 @@
 
 #include "common/mechanics/elements/shape_functions.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
@@ -49,4 +49,4 @@ template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t,
 template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,
                                     MaterialPoints<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

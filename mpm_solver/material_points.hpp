@@ -9,7 +9,7 @@
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/tensor.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// A body: one material, laid out as material points.
 template <int dim>
@@ -57,4 +57,4 @@ template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
                         int part, int num_parts, MaterialPoints<dim>& points);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

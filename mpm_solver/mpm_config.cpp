@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 
 #include "mpm_solver/basis.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -140,16 +141,6 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   return boundary;
 }
 
-template <int dim>
-AloneSettings read_alone(ConfigReader& in) {
-  AloneSettings alone;
-  alone.time = read_time_settings(in.object("time"));
-  auto output = in.object("output");
-  alone.output_interval = output.number("interval", positive());
-  output.finish();
-  return alone;
-}
-
 }  // namespace
 
 template <int dim>
@@ -168,7 +159,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
     item->finish();
   }
-  if (auto item = in.optional_object("newton")) settings.newton = read_newton_settings(*item);
+  if (auto item = in.optional_object("newton")) {
+    settings.newton = read_newton_settings(*item, settings.newton);
+  }
   if (auto item = in.optional_object("linear_solver")) {
     settings.linear_solver = read_linear_solver_settings(*item);
   }
@@ -185,7 +178,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
     item.finish();
   }
-  if (alone) *alone = read_alone<dim>(in);
+  if (alone) *alone = read_alone_settings(in);
   in.finish();
   return settings;
 }
@@ -193,4 +186,4 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
 template MpmSettings<2> read_mpm_settings<2>(const Scene&, ConfigReader&, AloneSettings*);
 template MpmSettings<3> read_mpm_settings<3>(const Scene&, ConfigReader&, AloneSettings*);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

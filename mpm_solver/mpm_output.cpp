@@ -5,7 +5,7 @@
 
 #include "common/mechanics/ranks/sum.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -99,4 +99,4 @@ template class MpmOutput<3>;
 template PointTotals<2> point_totals<2>(MPI_Comm, const MaterialPoints<2>&);
 template PointTotals<3> point_totals<3>(MPI_Comm, const MaterialPoints<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -9,7 +9,7 @@
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "mpm_solver/material_points.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Frames of the material points, gathered on the first rank: displacement, velocity, Cauchy
 /// stress, mean pressure, plastic strain, volume ratio, body.
@@ -39,4 +39,4 @@ struct PointTotals {
 template <int dim>
 PointTotals<dim> point_totals(MPI_Comm comm, const MaterialPoints<dim>& points);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -13,7 +13,7 @@
 #include "mpm_solver/mpm_output.hpp"
 #include "mpm_solver/transfer.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// The soil: implicit material point method in updated Lagrangian form (README.md).
 ///
@@ -74,4 +74,4 @@ class MpmSolver final : public Solver {
   std::int64_t solutions_ = 0;
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -3,7 +3,7 @@
 
 #include "common/mechanics/ranks/sum.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -124,4 +124,4 @@ template void grid_to_points<3>(const BackgroundGrid<3>&, const GridNodes<3>&,
                                 const NodalMotion<3>&, const PointWeights<3>&, double,
                                 MaterialPoints<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -10,7 +10,7 @@
 #include "mpm_solver/grid_nodes.hpp"
 #include "mpm_solver/material_points.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Map mass, velocity and acceleration of the material points to the active nodes (P2G).
 ///
@@ -44,4 +44,4 @@ void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes
                     const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
                     double pic_share, MaterialPoints<dim>& points);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -5,7 +5,7 @@
 
 #include "common/mechanics/mesh/boundary.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -71,4 +71,4 @@ void WallConditions<dim>::project(std::span<double> x) const {
 template class WallConditions<2>;
 template class WallConditions<3>;
 
-}  // namespace gabion
+}  // namespace gabion::mpm

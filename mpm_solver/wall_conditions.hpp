@@ -7,7 +7,7 @@
 
 #include "mpm_solver/grid_nodes.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Still walls along facets of the background grid.
 struct WallSettings {
@@ -38,4 +38,4 @@ class WallConditions {
   std::vector<Matrix<dim>> projectors_;
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

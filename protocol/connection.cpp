@@ -37,7 +37,7 @@ Connection::Connection(const ParticipantSettings& settings)
                                       settings.exit_when_coupler_is_lost})) {}
 
 Connection::~Connection() {
-  if (!welcomed() || closed_) return;
+  if (!welcomed() || !socket_) return;
   try {
     abort("the participant ended before the run was finished");
   } catch (const std::exception&) {
@@ -49,7 +49,7 @@ void Connection::post(const Message& message) {
   const EncodedMessage encoded = encode(message);
   std::vector<std::string_view> frames = {encoded.header};
   frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
-  require<ProtocolError>(socket_.send(frames),
+  require<ProtocolError>(socket_->send(frames),
                          fmt::format("cannot send \"{}\" to the coupler at {}: its queue is full",
                                      message.type, settings_.endpoint));
 }
@@ -98,7 +98,7 @@ void Connection::handshake(const Solver& solver) {
 Message Connection::await_answer_to_hello() {
   const Stopwatch waited;
   while (waited.seconds() <= settings_.connect_deadline) {
-    if (const auto frames = socket_.receive(slice_milliseconds)) return decode(std::span(*frames));
+    if (const auto frames = socket_->receive(slice_milliseconds)) return decode(std::span(*frames));
     interrupt::check();
   }
   fail(fmt::format("participant \"{}\": no answer from a coupler at {} within {} s (option "
@@ -107,12 +107,12 @@ Message Connection::await_answer_to_hello() {
 }
 
 Message Connection::next_request() {
-  require<ProtocolError>(welcomed(), "next_request before the handshake");
+  require<ProtocolError>(welcomed() && socket_, "next_request before the handshake or after close");
   require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
   heartbeat_->set_phase("waiting", false);
   const Stopwatch waited;
   for (;;) {
-    const auto frames = socket_.receive(slice_milliseconds);
+    const auto frames = socket_->receive(slice_milliseconds);
     if (frames) {
       Message request = accept_request(*frames);
       if (request.type != "alive") return request;
@@ -172,23 +172,26 @@ void Connection::check_health(bool queue_is_empty) {
 void Connection::collect_last_words(double seconds) {
   const Stopwatch waited;
   while (waited.seconds() < seconds) {
-    if (const auto frames = socket_.receive(20)) accept_request(*frames);
+    if (const auto frames = socket_->receive(20)) accept_request(*frames);
   }
 }
 
 void Connection::reply(Message message) {
+  require<ProtocolError>(welcomed() && socket_, "reply before the handshake or after close");
   require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
   message.sequence = last_sequence_;
   post(message);
 }
 
 void Connection::close() {
-  closed_ = true;
-  heartbeat_->set_phase("finished", false);
+  // The context closes with the last of its users, and waits for what is not sent yet.
+  heartbeat_.reset();
+  socket_.reset();
+  context_.reset();
 }
 
 void Connection::abort(const std::string& reason) {
-  if (!failure_.empty() || closed_) return;
+  if (!failure_.empty() || !socket_) return;
   failure_ = reason;
   post({.type = "abort", .sequence = last_sequence_, .fields = {{"reason", reason}}, .arrays = {}});
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/base/solver.hpp"
@@ -52,7 +53,7 @@ class Connection {
   Message next_request();
   /// Answer the request that next_request() gave last.
   void reply(Message message);
-  /// The last request was "finish" and is answered: nothing more will be said.
+  /// The last request was "finish" and is answered: wait until the answer is on its way, and close.
   void close();
 
   /// Tell the coupler that this participant cannot go on. Does nothing after another failure.
@@ -70,14 +71,13 @@ class Connection {
   ParticipantSettings settings_;
   std::string session_;
   std::shared_ptr<SocketContext> context_;
-  Socket socket_;
+  std::optional<Socket> socket_;  // empty when closed
   std::unique_ptr<Heartbeat> heartbeat_;
   std::shared_ptr<PeerWatch> coupler_;  // the heartbeat's thread updates it
   Deadlines deadlines_;
   Json run_ = Json::object();
   std::uint64_t last_sequence_ = 0;
   std::string failure_;
-  bool closed_ = false;
   Stopwatch since_health_check_;
 };
 

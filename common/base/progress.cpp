@@ -13,8 +13,8 @@ namespace gabion {
 
 namespace {
 
-constexpr double live_period = 0.1;   // [s] wall between two pictures on a terminal
-constexpr double plain_period = 10;   // [s] wall between two log lines
+constexpr double live_period = 0.1;  // [s] wall between two pictures on a terminal
+constexpr double plain_period = 10;  // [s] wall between two log lines
 constexpr double plain_fraction = 0.1;
 
 std::string duration_text(double seconds) {
@@ -37,14 +37,15 @@ void Progress::update(std::int64_t step, double time, double dt, int iterations)
   const double wall = watch_.seconds();
   const double fraction = time / end_;
   const bool done = time >= end_;
-  const bool due = terminal_ ? wall - last_shown_ >= live_period
-                             : wall - last_shown_ >= plain_period ||
-                                   fraction - last_fraction_ >= plain_fraction;
+  const bool due =
+      terminal_ ? wall - last_shown_ >= live_period
+                : wall - last_shown_ >= plain_period || fraction - last_fraction_ >= plain_fraction;
   if (!due && !done) return;
   last_shown_ = wall;
   last_fraction_ = fraction;
   const std::string text = fmt::format(
-      "step {}, time {:.6g} of {:.6g} s ({:.0f} %), dt {:.3g} s, iterations {}, {} so far, {} to go",
+      "step {}, time {:.6g} of {:.6g} s ({:.0f} %), dt {:.3g} s, iterations {}, {} so far, {} to "
+      "go",
       step, time, end_, 100 * fraction, dt, iterations, duration_text(wall),
       duration_text(wall * (1 - fraction) / fraction));
   if (!terminal_) {

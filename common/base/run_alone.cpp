@@ -89,8 +89,8 @@ class LoneRun {
                 const Stopwatch& watch) {
     if (!record_.has_table("steps.csv")) {
       details_.start(report.details);
-      std::vector<std::string> columns = {"step", "time", "dt", "newton_iterations",
-                                          "linear_iterations", "cuts"};
+      std::vector<std::string> columns = {
+          "step", "time", "dt", "newton_iterations", "linear_iterations", "cuts"};
       columns.insert(columns.end(), details_.names().begin(), details_.names().end());
       columns.push_back("wall_seconds");
       record_.open_table("steps.csv", columns);

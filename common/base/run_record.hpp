@@ -14,7 +14,8 @@ namespace gabion {
 /// The folder of one run's results and the tables in it.
 ///
 /// A marker file makes the folder ours. Results of an earlier run of the same kind are moved to
-/// "<folder>.previous", which replaces what was there; a folder that holds anything else is refused.
+/// "<folder>.previous", which replaces what was there; a folder that holds anything else is
+/// refused.
 class RunRecord {
  public:
   /// @param folder  created with its parents

@@ -13,7 +13,7 @@ namespace gabion {
 namespace {
 
 constexpr int steps_before_growth = 4;
-constexpr double max_ticks = 1e15;  // all of them are exact in a double
+constexpr double max_ticks = 1e15;         // all of them are exact in a double
 constexpr double raster_tolerance = 1e-9;  // [ticks relative to all]: `end` counts as on the raster
 
 }  // namespace
@@ -25,12 +25,12 @@ TimeSettings read_time_settings(ConfigReader in) {
   settings.dt_min = in.number("dt_min", positive());
   in.finish();
   if (settings.dt_min > settings.dt) {
-    in.fail("dt_min", fmt::format("found {}, allowed: a number <= dt = {}", settings.dt_min,
-                                  settings.dt));
+    in.fail("dt_min",
+            fmt::format("found {}, allowed: a number <= dt = {}", settings.dt_min, settings.dt));
   }
   if (settings.end / settings.dt_min > max_ticks) {
-    in.fail("dt_min", fmt::format("found {}, allowed: a number >= end / {:g} = {}",
-                                  settings.dt_min, max_ticks, settings.end / max_ticks));
+    in.fail("dt_min", fmt::format("found {}, allowed: a number >= end / {:g} = {}", settings.dt_min,
+                                  max_ticks, settings.end / max_ticks));
   }
   return settings;
 }
@@ -43,14 +43,18 @@ TimeSteps::TimeSteps(const TimeSettings& settings) : settings_(settings) {
   end_ticks_ = static_cast<std::int64_t>(on_raster ? nearest : std::ceil(ticks));
 }
 
-bool TimeSteps::finished() const { return ticks_ >= end_ticks_; }
+bool TimeSteps::finished() const {
+  return ticks_ >= end_ticks_;
+}
 
 double TimeSteps::time() const {
   if (finished()) return settings_.end;
   return std::ldexp(settings_.dt * static_cast<double>(ticks_), -max_level_);
 }
 
-double TimeSteps::level_dt(int level) const { return std::ldexp(settings_.dt, -level); }
+double TimeSteps::level_dt(int level) const {
+  return std::ldexp(settings_.dt, -level);
+}
 
 std::int64_t TimeSteps::ticks_under_way() const {
   return std::min(level_ticks(level_), end_ticks_ - ticks_);

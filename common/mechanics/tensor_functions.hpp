@@ -41,8 +41,8 @@ double trace(const Symmetric<dim>& s) {
 /// Double contraction s : t of two symmetric tensors.
 template <int dim>
 double contract(const Symmetric<dim>& s, const Symmetric<dim>& t) {
-  return s.dot(t) + s.template tail<symmetric_size<dim> - 3>().dot(
-                        t.template tail<symmetric_size<dim> - 3>());
+  return s.dot(t) +
+         s.template tail<symmetric_size<dim> - 3>().dot(t.template tail<symmetric_size<dim> - 3>());
 }
 
 /// det(1 + H) - 1 without the cancellation of the 1.

@@ -5,7 +5,8 @@
 
 namespace gabion {
 
-/// x+ = x + omega r with a given omega; omega = 1 is the plain fixed-point (Gauss-Seidel) iteration.
+/// x+ = x + omega r with a given omega; omega = 1 is the plain fixed-point (Gauss-Seidel)
+/// iteration.
 class Constant : public Acceleration {
  public:
   explicit Constant(double omega) : omega_(omega) {}

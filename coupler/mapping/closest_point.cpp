@@ -37,8 +37,8 @@ ClosestPoint closest_on_segment(const Vector3& p, const Vector3& a, const Vector
 ClosestPoint closest_on_triangle(const Vector3& p, const std::array<Vector3, 3>& corners) {
   Eigen::Matrix<double, 3, 2> edges;
   edges << corners[1] - corners[0], corners[2] - corners[0];
-  const Eigen::Vector2d t = (edges.transpose() * edges).ldlt().solve(edges.transpose() *
-                                                                      (p - corners[0]));
+  const Eigen::Vector2d t =
+      (edges.transpose() * edges).ldlt().solve(edges.transpose() * (p - corners[0]));
   if (t.minCoeff() < 0 || t.sum() > 1) return closest_on_border(p, corners);
   return {{1 - t.sum(), t(0), t(1)}, (p - corners[0] - edges * t).norm()};
 }
@@ -71,9 +71,9 @@ ClosestPoint closest_on_quad(const Vector3& p, const std::array<Vector3, 4>& cor
   if (st.cwiseAbs().maxCoeff() > 1) return border;
   const double s = st(0);
   const double t = st(1);
-  const ClosestPoint inside{{(1 - s) * (1 - t) / 4, (1 + s) * (1 - t) / 4, (1 + s) * (1 + t) / 4,
-                             (1 - s) * (1 + t) / 4},
-                            (c0 + c1 * s + c2 * t + c3 * (s * t) - p).norm()};
+  const ClosestPoint inside{
+      {(1 - s) * (1 - t) / 4, (1 + s) * (1 - t) / 4, (1 + s) * (1 + t) / 4, (1 - s) * (1 + t) / 4},
+      (c0 + c1 * s + c2 * t + c3 * (s * t) - p).norm()};
   return inside.distance <= border.distance ? inside : border;
 }
 

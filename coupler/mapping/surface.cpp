@@ -27,8 +27,8 @@ struct Cloud {
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
-                                                 Cloud, 3, std::size_t>;
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud,
+                                                 3, std::size_t>;
 
 void check_shape(const InterfaceMesh& mesh) {
   const auto where = fmt::format("interface \"{}\": ", mesh.name);
@@ -41,9 +41,9 @@ void check_shape(const InterfaceMesh& mesh) {
   const bool fits = n == 0 || (mesh.dim == 2 ? n == 2 : n == 3 || n == 4);
   require<ConfigError>(fits, fmt::format("{}found facets of {} vertices in {}D, allowed: {}", where,
                                          n, mesh.dim, mesh.dim == 2 ? "0, 2" : "0, 3, 4"));
-  require<ConfigError>(n == 0 ? mesh.facets.empty() : mesh.facets.size() % n == 0,
-                       fmt::format("{}found {} vertex numbers for facets of {}", where,
-                                   mesh.facets.size(), n));
+  require<ConfigError>(
+      n == 0 ? mesh.facets.empty() : mesh.facets.size() % n == 0,
+      fmt::format("{}found {} vertex numbers for facets of {}", where, mesh.facets.size(), n));
   for (const std::int64_t v : mesh.facets) {
     require<ConfigError>(v >= 0 && v < mesh.num_vertices(),
                          fmt::format("{}a facet names vertex {}, allowed: 0 to {}", where, v,
@@ -64,9 +64,8 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
   check_shape(mesh_);
   for (std::int64_t v = 0; v < mesh_.num_vertices(); ++v) {
     trees_->vertices.points.push_back(vertex(v));
-    require<ConfigError>(
-        vertex(v).allFinite(),
-        fmt::format("interface \"{}\": vertex {} is not finite", mesh_.name, v));
+    require<ConfigError>(vertex(v).allFinite(),
+                         fmt::format("interface \"{}\": vertex {} is not finite", mesh_.name, v));
   }
   trees_->vertex_tree = std::make_unique<Tree>(3, trees_->vertices);
   trees_->vertex_tree->buildIndex();
@@ -77,9 +76,8 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
       const Vector3 corner = vertex(mesh_.facets[f * mesh_.vertices_per_facet + a]);
       facet_radius_ = std::max(facet_radius_, (corner - centroid(f)).norm());
     }
-    require<ConfigError>(
-        normal(f).allFinite(),
-        fmt::format("interface \"{}\": facet {} has no extent", mesh_.name, f));
+    require<ConfigError>(normal(f).allFinite(),
+                         fmt::format("interface \"{}\": facet {} has no extent", mesh_.name, f));
   }
   trees_->centroid_tree = std::make_unique<Tree>(3, trees_->centroids);
   trees_->centroid_tree->buildIndex();
@@ -158,7 +156,8 @@ SurfacePoint Surface::nearest_on_facets(const Vector3& p, const Vector3& preferr
   std::vector<std::pair<std::size_t, double>> candidates;
   trees_->centroid_tree->radiusSearch(p.data(), reach * reach, candidates,
                                       nanoflann::SearchParams(0, 0, /*sorted=*/false));
-  std::sort(candidates.begin(), candidates.end());  // by facet: the result does not depend on the tree
+  std::sort(candidates.begin(),
+            candidates.end());  // by facet: the result does not depend on the tree
   const double same = 1e-9 * facet_radius_;
   SurfacePoint best;
   best.distance = std::numeric_limits<double>::infinity();

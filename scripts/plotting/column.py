@@ -40,18 +40,21 @@ def read_reference(path: Path) -> dict[str, np.ndarray]:
 
 
 def surface_of(points: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Free surface of a cloud of points: bins of width 3 `spacing`, highest point of each.
+    """Free surface of a cloud of points: the highest point of each bin of width 3 `spacing`.
 
     points: num_points x 2 (or 3) [m]; spacing: mean distance of points at the start [m].
     A point stands for a square of that side, hence half of it is added to the height.
-    returns: centres of the bins and heights [m]; 0 where there is no point.
+    returns: positions of these points and heights [m]; an empty bin has height 0 at its centre.
     """
     width = 3 * spacing
-    bins = np.arange(0, points[:, 0].max() + 2 * width, width)
-    heights = np.zeros(len(bins) - 1)
-    index = np.clip(np.digitize(points[:, 0], bins) - 1, 0, len(heights) - 1)
-    np.maximum.at(heights, index, points[:, 1] + 0.5 * spacing)
-    return 0.5 * (bins[1:] + bins[:-1]), heights
+    count = int(points[:, 0].max() / width) + 2
+    x, height = width * (np.arange(count) + 0.5), np.zeros(count)
+    upwards = points[np.argsort(points[:, 1])]
+    index = np.clip(upwards[:, 0] / width, 0, count - 1).astype(int)
+    for i in np.unique(index):
+        top = upwards[np.flatnonzero(index == i)[-1]]
+        x[i], height[i] = top[0], top[1] + 0.5 * spacing
+    return x, height
 
 
 def front_of(points: np.ndarray, spacing: float) -> float:

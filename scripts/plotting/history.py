@@ -13,7 +13,7 @@ RESIDUALS = {
     "displacement_residual": "residual of\ndisplacement [m]",
     "force_residual": "change of\nforce [N/m]",
 }
-FORCES = ("f_x", "f_y", "f_z")
+FORCES = ("fx", "fy", "fz")
 ITERATIONS = {
     "iterations": "coupling",
     "soil_newton": "Newton, soil",

@@ -59,9 +59,9 @@ def _probe_lines(results: Results) -> list[str]:
 
 def _force_lines(results: Results) -> list[str]:
     table = results.table("steps.csv")
-    if table is None or not table.num_rows or "f_x" not in table:
+    if table is None or not table.num_rows or "fx" not in table:
         return []
-    force = table["f_x"]
+    force = table["fx"]
     peak = int(np.nanargmax(np.abs(force)))
     return [
         f"horizontal force on the structure: largest {force[peak]:.4g} N/m "

@@ -70,7 +70,7 @@ class Measured:
     def force(self) -> Curve:
         """Horizontal force of the soil on the structure [N/m]."""
         table = self._need("steps.csv")
-        return Curve(table["time"], table["f_x"])
+        return Curve(table["time"], table["fx"])
 
     def impulse(self) -> Curve:
         """Integral of the force over time [N s/m]: each step's force holds through the step."""

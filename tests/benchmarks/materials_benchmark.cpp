@@ -41,8 +41,9 @@ void run(benchmark::State& bench, const Law& law, double compression, bool with_
       benchmark::DoNotOptimize(A);
     }
   }
-  bench.counters["ns_per_call"] = benchmark::Counter(
-      num_points * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  bench.counters["ns_per_call"] =
+      benchmark::Counter(num_points * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
+                                                benchmark::Counter::kInvert);
   bench.counters["plastic_share"] = double(plastic) / num_points;
 }
 

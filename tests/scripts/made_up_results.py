@@ -32,7 +32,7 @@ def write_tables(folder: Path, scale: float, iterations: int) -> None:
     contact = {t: t > 0.2 for t in times[1:]}
     write_table(folder / "steps.csv",
                 ["step", "time", "dt", "iterations", "status", "skipped", "displacement_residual",
-                 "force_residual", "f_x", "f_y", "soil_newton", "structure_newton", "cuts",
+                 "force_residual", "fx", "fy", "soil_newton", "structure_newton", "cuts",
                  "soil.kinetic_energy", "wall_seconds"],
                 [[n + 1, t, DT, iterations if contact[t] else 1, "converged" if contact[t] else "inactive",
                   "none" if contact[t] else "structure", 1e-9, 1e-6, scale * FORCE * contact[t], 0.0,

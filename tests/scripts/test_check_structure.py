@@ -48,6 +48,12 @@ class CheckStructure(ScriptCase):
     def test_relative_include_is_refused(self) -> None:
         self.expect_breach("coupler/a.cpp", SPDX + '#include "a.hpp"\n', "a.hpp")
 
+    def test_mechanics_must_not_know_the_protocol(self) -> None:
+        self.expect_breach("common/mechanics/a.cpp", SPDX + '#include "protocol/codec.hpp"\n', "codec.hpp")
+
+    def test_folder_without_rule(self) -> None:
+        self.expect_breach("common/drawer/a.cpp", SPDX, "does not say")
+
     def test_coupler_without_petsc(self) -> None:
         self.expect_breach("coupler/a.cpp", SPDX + "#  include <petscksp.h>\n", "PETSc")
 

@@ -89,8 +89,8 @@ bool MohrCoulomb<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& st
 
   const PrincipalMohrCoulomb law = {lambda_, mu_, k_, m_, strength_};
   const Eigen::Vector3d tau_trial = (lambda_ * eps.sum() + 2 * mu_ * eps.array()).matrix();
-  const double tolerance = yield_tolerance * (k_ + 1) * p_wave_modulus() *
-                           std::max(std::abs(eps[0]), std::abs(eps[2]));
+  const double tolerance =
+      yield_tolerance * (k_ + 1) * p_wave_modulus() * std::max(std::abs(eps[0]), std::abs(eps[2]));
   out.plastic = k_ * tau_trial[0] - tau_trial[2] - strength_ > tolerance;
 
   PrincipalReturn returned;

@@ -102,8 +102,7 @@ inline PrincipalReturn return_to_surface(const PrincipalMohrCoulomb& law,
   for (const YieldRegion region : {YieldRegion::edge_12, YieldRegion::edge_23}) {
     if (!(region == YieldRegion::edge_12 ? breaks_12 : breaks_23)) continue;
     const ActiveFace edge = active_face(law, region);
-    const Eigen::Vector3d eps_e =
-        averaged(eps, region) - edge.multiplier(law, tau_trial) * edge.c;
+    const Eigen::Vector3d eps_e = averaged(eps, region) - edge.multiplier(law, tau_trial) * edge.c;
     if (eps_e[0] > eps_e[2]) return {region, eps_e, eps - eps_e};
   }
   const double mean = law.strength / (law.k - 1) / (3 * law.lambda + 2 * law.mu);
@@ -119,8 +118,7 @@ inline Eigen::Matrix3d return_moduli(const PrincipalMohrCoulomb& law, YieldRegio
   const Eigen::Vector3d Cc = (law.lambda * face.c.sum() + 2 * law.mu * face.c.array()).matrix();
   Eigen::Matrix3d D = -Cc / face.stiffness(law) * Ca.transpose();
   D.array() += law.lambda;
-  for (int i = 0; i < 3; ++i)
-    D.col(i) += 2 * law.mu * averaged(Eigen::Vector3d::Unit(i), region);
+  for (int i = 0; i < 3; ++i) D.col(i) += 2 * law.mu * averaged(Eigen::Vector3d::Unit(i), region);
   return D;
 }
 

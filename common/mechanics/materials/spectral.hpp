@@ -13,10 +13,12 @@ namespace gabion {
 inline double artanh_ratio(double s) {
   if (std::abs(s) > 1.0 / 16) return std::atanh(s) / s;
   const double q = s * s;  // the first term left out is q^7 / 15 < 3e-18
-  return 1 + q * (1.0 / 3 + q * (1.0 / 5 + q * (1.0 / 7 + q * (1.0 / 9 + q * (1.0 / 11 + q * (1.0 / 13))))));
+  return 1 + q * (1.0 / 3 +
+                  q * (1.0 / 5 + q * (1.0 / 7 + q * (1.0 / 9 + q * (1.0 / 11 + q * (1.0 / 13))))));
 }
 
-/// Hencky strain ln(1 + e) / 2 of a principal value e = b - 1 > -1, to rounding for every size of e.
+/// Hencky strain ln(1 + e) / 2 of a principal value e = b - 1 > -1, to rounding for every size of
+/// e.
 inline double hencky_strain(double e) {
   const double s = e / (2 + e);
   return std::abs(s) > 1.0 / 16 ? 0.5 * std::log1p(e) : s * artanh_ratio(s);
@@ -93,7 +95,9 @@ struct PrincipalModuli {
 };
 
 /// Position of the pair i < j among 01, 12, 02.
-constexpr int pair_index(int i, int j) { return j - i == 2 ? 2 : i; }
+constexpr int pair_index(int i, int j) {
+  return j - i == 2 ? 2 : i;
+}
 
 /// Moduli of tau = lambda tr(eps) 1 + 2 mu eps at b_i = 1 + value_i.
 template <int dim>
@@ -139,8 +143,7 @@ Symmetric<3> compose<3>(const std::array<double, 3>& value, const Eigen::Matrix3
 /// a_ijij = G_ij b_j, a_ijji = G_ij b_i - tau_i.
 template <int dim>
 void spectral_tangent(const PrincipalModuli& moduli, const std::array<double, 3>& tau,
-                      const Eigenpairs<dim>& trial, const Matrix<dim>& F_inverse,
-                      Tangent<dim>& A) {
+                      const Eigenpairs<dim>& trial, const Matrix<dim>& F_inverse, Tangent<dim>& A) {
   // A = left^T right; row (i, j) of left is n_i (x) F^-1 n_j as a row-major list, right = a left
   Tangent<dim> left, right;
   const Matrix<dim> F_inverse_T = F_inverse.transpose();
@@ -153,8 +156,7 @@ void spectral_tangent(const PrincipalModuli& moduli, const std::array<double, 3>
   const auto row = [](int i, int j) { return i * dim + j; };
   for (int i = 0; i < dim; ++i) {
     right.row(row(i, i)) = -tau[i] * left.row(row(i, i));
-    for (int j = 0; j < dim; ++j)
-      right.row(row(i, i)) += moduli.D(i, j) * left.row(row(j, j));
+    for (int j = 0; j < dim; ++j) right.row(row(i, i)) += moduli.D(i, j) * left.row(row(j, j));
     for (int j = i + 1; j < dim; ++j) {
       const double G = moduli.G[pair_index(i, j)];
       const double b_i = 1 + trial.value[i], b_j = 1 + trial.value[j];

@@ -66,8 +66,8 @@ class AffineMap {
 
 /// Iterations that each of five steps needs until |r| <= 1e-8, starting from the solution of the
 /// step before; `limit` where it needs more.
-inline std::vector<int> iteration_counts(AffineMap map, Acceleration& acceleration,
-                                         int limit = 200, int steps = 5) {
+inline std::vector<int> iteration_counts(AffineMap map, Acceleration& acceleration, int limit = 200,
+                                         int steps = 5) {
   std::vector<int> counts;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
   for (int s = 0; s < steps; ++s) {

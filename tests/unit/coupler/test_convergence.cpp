@@ -21,9 +21,9 @@ ConvergenceSettings limits() {
 
 TEST(FieldLimits, the_smaller_of_absolute_and_relative_holds_and_the_floor_bounds_the_relative) {
   const FieldLimits l{1e-3, 1e-2, 1e-6};
-  EXPECT_EQ(l.limit(1), 1e-3);      // relative would be 1e-2
-  EXPECT_EQ(l.limit(0.01), 1e-4);   // relative
-  EXPECT_EQ(l.limit(1e-8), 1e-6);   // floor
+  EXPECT_EQ(l.limit(1), 1e-3);     // relative would be 1e-2
+  EXPECT_EQ(l.limit(0.01), 1e-4);  // relative
+  EXPECT_EQ(l.limit(1e-8), 1e-6);  // floor
   EXPECT_EQ(l.limit(0), 1e-6);
 }
 

@@ -179,8 +179,8 @@ TEST(ClosestPoint, agrees_with_a_search_over_the_facet) {
         const Eigen::Vector3d q = (1 - s) * (1 - t) * quad[0] + s * (1 - t) * quad[1] +
                                   s * t * quad[2] + (1 - s) * t * quad[3];
         quad_best = std::min(quad_best, (q - p).norm());
-        const Eigen::Vector3d r = quad[0] + s * (1 - t) * (quad[1] - quad[0]) +
-                                  s * t * (quad[2] - quad[0]);
+        const Eigen::Vector3d r =
+            quad[0] + s * (1 - t) * (quad[1] - quad[0]) + s * t * (quad[2] - quad[0]);
         triangle_best = std::min(triangle_best, (r - p).norm());
       }
     }
@@ -215,7 +215,8 @@ TEST(Mapping, surfaces_too_far_apart_are_refused_with_the_place) {
   const std::string text = error_of([&] {
     Mapping(polyline({0, 1}), soil, {"nearest_projection", 1e-3});
   });
-  EXPECT_NE(text.find("interface \"wall\": soil vertex 1 at (0.75, 1) is 0.2236"), std::string::npos)
+  EXPECT_NE(text.find("interface \"wall\": soil vertex 1 at (0.75, 1) is 0.2236"),
+            std::string::npos)
       << text;
   EXPECT_NE(text.find("allowed: 0.001 m (coupling/mapping/tolerance)"), std::string::npos) << text;
 }
@@ -240,8 +241,9 @@ TEST(Mapping, unusable_meshes_are_refused) {
             std::string::npos);
   EXPECT_NE(error_of([&] { Mapping(plane(1, 1, 3), good, projection); }).find("dimension"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { Mapping(polyline({0, 1}, false), good, projection); })
-                .find("allowed: nearest_neighbor"),
+  EXPECT_NE(error_of([&] {
+              Mapping(polyline({0, 1}, false), good, projection);
+            }).find("allowed: nearest_neighbor"),
             std::string::npos);
 }
 
@@ -268,8 +270,8 @@ TEST(InterfaceMap, interfaces_that_do_not_pair_up_are_refused) {
   InterfaceMesh roof = wall;
   roof.name = "roof";
   EXPECT_NE(error_of([&] {
-              InterfaceMap({{"wall", "soil", "structure"}},
-                           {{"soil", {wall}}, {"structure", {}}}, projection);
+              InterfaceMap({{"wall", "soil", "structure"}}, {{"soil", {wall}}, {"structure", {}}},
+                           projection);
             }).find("participant \"structure\" does not have it; it has: none"),
             std::string::npos);
   EXPECT_NE(error_of([&] {

@@ -30,8 +30,12 @@ void expect_conjugate_energies() {
   expect_conjugate_energy<dim>(MohrCoulomb<dim>{lambda, mu, 0.5, 0.1, 1e9});  // stays elastic
 }
 
-TEST(MaterialResponse, EnergyIsWorkConjugate2d) { expect_conjugate_energies<2>(); }
-TEST(MaterialResponse, EnergyIsWorkConjugate3d) { expect_conjugate_energies<3>(); }
+TEST(MaterialResponse, EnergyIsWorkConjugate2d) {
+  expect_conjugate_energies<2>();
+}
+TEST(MaterialResponse, EnergyIsWorkConjugate3d) {
+  expect_conjugate_energies<3>();
+}
 
 /// Turn a stressed point once around in many steps.
 template <int dim>
@@ -110,8 +114,12 @@ void expect_closed_form_shear() {
   }
 }
 
-TEST(MaterialResponse, LargeSimpleShear2d) { expect_closed_form_shear<2>(); }
-TEST(MaterialResponse, LargeSimpleShear3d) { expect_closed_form_shear<3>(); }
+TEST(MaterialResponse, LargeSimpleShear2d) {
+  expect_closed_form_shear<2>();
+}
+TEST(MaterialResponse, LargeSimpleShear3d) {
+  expect_closed_form_shear<3>();
+}
 
 TEST(MaterialResponse, UniaxialStretchHasTheConfinedModulus) {
   const double stretch = 1.3;

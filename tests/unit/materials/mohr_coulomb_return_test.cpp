@@ -102,8 +102,7 @@ Eigen::Vector3d stress_of(const Eigen::Vector3d& eps) {
 
 TEST_P(MohrCoulombReturn, EqualsTheOnlyAdmissibleCandidate) {
   const auto constants = law();
-  const Eigen::Vector3d apex =
-      Eigen::Vector3d::Constant(constants.strength / (constants.k - 1));
+  const Eigen::Vector3d apex = Eigen::Vector3d::Constant(constants.strength / (constants.k - 1));
   int apex_count = 0;
   for (const auto& [eps, trial] : trials(20000)) {
     const auto returned = return_to_surface(constants, eps, trial);
@@ -146,8 +145,8 @@ TEST_P(AssociatedReturn, IsTheClosestPoint) {
     for (int sample = 0; sample < 100; ++sample) {
       // admissible points about the result: pull a random one towards the axis until inside
       Eigen::Vector3d point = tau;
-      point += 0.1 * trial.norm() *
-               Eigen::Vector3d::NullaryExpr([&] { return random.uniform(-1, 1); });
+      point +=
+          0.1 * trial.norm() * Eigen::Vector3d::NullaryExpr([&] { return random.uniform(-1, 1); });
       const double mean = std::min(point.mean(), p_apex);
       const Eigen::Vector3d axis = Eigen::Vector3d::Constant(mean);
       const double f_point = constants.k * point.maxCoeff() - point.minCoeff() - constants.strength;
@@ -184,7 +183,8 @@ void expect_tensor_update(const MohrCoulomb<dim>& law) {
     const auto again = stress<dim>(law, Matrix<dim>::Zero(), out.state);
     ASSERT_LT((again.state.e - out.state.e).norm(), 1e-15);
     ASSERT_LT((again.tau - out.tau).norm(), 2e-15);
-    // next to the apex the roundings of the trial state are above those of the small remaining stress
+    // next to the apex the roundings of the trial state are above those of the small remaining
+    // stress
     if (out.tau.norm() > 1e-3) {
       ASSERT_FALSE(again.plastic) << "sample " << sample;
     }

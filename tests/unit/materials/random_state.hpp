@@ -79,16 +79,16 @@ Eigen::Vector3d principal(const Symmetric<dim>& s) {
 
 template <int dim>
 PrincipalMohrCoulomb principal_law(const MohrCoulomb<dim>& law) {
-  const auto ratio = [](double angle) {
-    return (1 + std::sin(angle)) / (1 - std::sin(angle));
-  };
+  const auto ratio = [](double angle) { return (1 + std::sin(angle)) / (1 - std::sin(angle)); };
   const double k = ratio(law.friction_angle());
-  return {law.lambda(), law.mu(), k, ratio(law.dilation_angle()), 2 * law.cohesion() * std::sqrt(k)};
+  return {law.lambda(), law.mu(), k, ratio(law.dilation_angle()),
+          2 * law.cohesion() * std::sqrt(k)};
 }
 
 /// -1 elastic, otherwise the YieldRegion of a step.
 template <int dim>
-int region_of(const MohrCoulomb<dim>& law, const Matrix<dim>& H, const MaterialState<dim>& state_n) {
+int region_of(const MohrCoulomb<dim>& law, const Matrix<dim>& H,
+              const MaterialState<dim>& state_n) {
   const auto constants = principal_law(law);
   const Eigen::Vector3d e = principal<dim>(push_forward<dim>(H, state_n.e));
   const Eigen::Vector3d eps = e.unaryExpr([](double x) { return 0.5 * std::log1p(x); });

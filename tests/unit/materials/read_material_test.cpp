@@ -72,9 +72,8 @@ TEST(ReadMaterial, TheVariantUpdatesLikeItsLaw) {
 }
 
 TEST(ReadMaterial, ErrorsSayWhereWhatAndWhatIsAllowed) {
-  EXPECT_THAT(message_with("density", -1),
-              AllOf(HasSubstr("mpm.json"), HasSubstr("/density"), HasSubstr("-1"),
-                    HasSubstr("> 0")));
+  EXPECT_THAT(message_with("density", -1), AllOf(HasSubstr("mpm.json"), HasSubstr("/density"),
+                                                 HasSubstr("-1"), HasSubstr("> 0")));
   EXPECT_THAT(message_with("law", "mohr_columb"),
               AllOf(HasSubstr("/law"), HasSubstr("mohr_columb"), HasSubstr("mohr_coulomb"),
                     HasSubstr("hencky_elastic")));

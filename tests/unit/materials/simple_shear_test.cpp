@@ -37,8 +37,8 @@ TEST(SimpleShear, StrengthIsTheDavisRatio) {
   };
   const double E = 1e9, nu = 0.3, sigma_n = 1e3;
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = E / (2 * (1 + nu));
-  for (const auto& [phi, psi, ratio] : {Row{19.8, 0, 0.33874}, Row{30, 0, 0.50000},
-                                        Row{30, 10, 0.53922}, Row{30, 30, 0.57735}}) {
+  for (const auto& [phi, psi, ratio] :
+       {Row{19.8, 0, 0.33874}, Row{30, 0, 0.50000}, Row{30, 10, 0.53922}, Row{30, 30, 0.57735}}) {
     const double sin_phi = std::sin(phi * degree), sin_psi = std::sin(psi * degree);
     const double davis = sin_phi * std::cos(psi * degree) / (1 - sin_phi * sin_psi);
     const MohrCoulomb<2> law{lambda, mu, phi * degree, psi * degree, 0};

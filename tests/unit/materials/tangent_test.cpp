@@ -70,9 +70,15 @@ void expect_elastic_law() {
   expect_tangent_at_tiny_strain<3>(Law<3>{lambda, mu});
 }
 
-TEST(Tangent, LinearElasticMatchesDifferences) { expect_elastic_law<LinearElastic>(); }
-TEST(Tangent, NeoHookeanMatchesDifferences) { expect_elastic_law<NeoHookean>(); }
-TEST(Tangent, HenckyElasticMatchesDifferences) { expect_elastic_law<HenckyElastic>(); }
+TEST(Tangent, LinearElasticMatchesDifferences) {
+  expect_elastic_law<LinearElastic>();
+}
+TEST(Tangent, NeoHookeanMatchesDifferences) {
+  expect_elastic_law<NeoHookean>();
+}
+TEST(Tangent, HenckyElasticMatchesDifferences) {
+  expect_elastic_law<HenckyElastic>();
+}
 
 struct Angles {
   double phi, psi;
@@ -179,10 +185,9 @@ TEST_P(MohrCoulombTangent, MatchesDifferencesAtEqualTrialValues) {
     ASSERT_EQ(region_of<2>(plane_law, Matrix<2>::Zero(), plane_state), edge);
     const Tangent<2> A2_num =
         difference_tangent<2>(plane_law, Matrix<2>::Zero(), plane_state, 1e-6);
-    EXPECT_LT((tangent<2>(plane_law, Matrix<2>::Zero(), plane_state) - A2_num)
-                  .cwiseAbs()
-                  .maxCoeff(),
-              tolerance);
+    EXPECT_LT(
+        (tangent<2>(plane_law, Matrix<2>::Zero(), plane_state) - A2_num).cwiseAbs().maxCoeff(),
+        tolerance);
   }
 }
 

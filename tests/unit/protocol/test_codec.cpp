@@ -7,9 +7,11 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <new>
 #include <random>
+#include <sstream>
 
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
@@ -134,6 +136,40 @@ std::string header(const std::string& arrays) {
 }
 std::string one_array(const std::string& shape, const std::string& dtype = "<f8") {
   return header(fmt::format(R"([{{"name":"x","dtype":"{}","shape":{}}}])", dtype, shape));
+}
+
+/// Frames from the hex dumps of README.md section 12, in their order.
+Frames readme_frames() {
+  std::ifstream readme(GABION_PROTOCOL_README);
+  Frames frames;
+  bool in_dump = false;
+  for (std::string line; std::getline(readme, line);) {
+    const bool dump = line.size() > 57 && line.starts_with("    0") && line.substr(8, 2) == "  ";
+    if (dump && !in_dump) frames.emplace_back();
+    in_dump = dump;
+    if (!dump) continue;
+    std::istringstream bytes(line.substr(10, 47));
+    for (std::string byte; bytes >> byte;) {
+      frames.back() += static_cast<char>(std::stoi(byte, nullptr, 16));
+    }
+  }
+  return frames;
+}
+
+TEST(Codec, WorkedExampleOfTheReadmeIsTrue) {
+  const Frames frames = readme_frames();
+  ASSERT_EQ(frames.size(), 4u);
+  const Message request = decode(Frames{frames[0], frames[1]});
+  EXPECT_EQ(request.type, "solve_step");
+  EXPECT_EQ(request.sequence, 7u);
+  EXPECT_EQ(read_step_request(request).step, 3);
+  EXPECT_EQ(read_step_request(request).dt, 0.001);
+  EXPECT_EQ(request.reals("displacement:wall", {2, 2}), (std::vector<double>{0, 0, 1e-3, -5e-4}));
+  EXPECT_EQ(frames_of(request), (Frames{frames[0], frames[1]}));
+  const Message reply = decode(Frames{frames[2], frames[3]});
+  EXPECT_EQ(read_step_report(reply).newton_iterations, 4);
+  EXPECT_EQ(reply.reals("force:wall", {2, 2}), (std::vector<double>{1, 0, 250, -12.5}));
+  EXPECT_EQ(frames_of(reply), (Frames{frames[2], frames[3]}));
 }
 
 TEST(Codec, BrokenFramesAreRefused) {

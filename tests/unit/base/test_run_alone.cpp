@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "common/base/run_alone.hpp"
+#include "common/base/run_record.hpp"
+
+namespace gabion {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder below the system's temporary one that goes away with the test.
+class TempFolder {
+ public:
+  TempFolder()
+      : path_(fs::temp_directory_path() /
+              ("gabion_base_" + std::to_string(getpid()) + "_" +
+               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
+  ~TempFolder() { fs::remove_all(path_); }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  TempFolder(TempFolder&&) = delete;
+  TempFolder& operator=(TempFolder&&) = delete;
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<std::string> lines(const std::string& path) {
+  std::ifstream in(path);
+  std::vector<std::string> result;
+  for (std::string line; std::getline(in, line);) result.push_back(line);
+  return result;
+}
+
+/// v' = 1: the exact value is the time.
+class ClockSolver : public Solver {
+ public:
+  std::vector<InterfaceMesh> interfaces() const override { return {}; }
+  std::vector<std::string> probe_names() const override { return {"value"}; }
+  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                        InterfaceValues&) override {
+    EXPECT_TRUE(received.empty());
+    if (on_solve) on_solve(request);
+    trial_ = value_ + request.dt;
+    StepReport report;
+    report.newton_iterations = 3;
+    report.details = {{"solve_seconds", 0.5}, {"work", 2.5}, {"points", 7}};
+    return report;
+  }
+  AcceptReport accept_step(const StepRequest&, bool) override {
+    value_ = trial_;
+    return {{value_}, false, 0};
+  }
+  void reject_step() override { ++rejected; }
+  void write_output(double time) override { frames.push_back(time); }
+  std::vector<double> probes() const override { return {value_}; }
+  Json summary() const override { return {{"linear_solver", "none"}}; }
+
+  std::function<void(const StepRequest&)> on_solve;
+  std::vector<double> frames;
+  int rejected = 0;
+
+ private:
+  double value_ = 0;
+  double trial_ = 0;
+};
+
+TEST(RunAlone, steps_probes_frames_and_summary) {
+  const TempFolder temp;
+  ClockSolver solver;
+  RunRecord record(temp / "out", "fem_solver");
+  run_alone(solver, {0.9, 0.2, 0.05}, 0.3, record);
+  EXPECT_EQ(solver.frames, (std::vector<double>{0, 0.4, 0.6000000000000001, 0.9}));
+  const auto steps = lines(temp / "out/steps.csv");
+  ASSERT_EQ(steps.size(), 6u);
+  EXPECT_EQ(steps[0],
+            "step,time,dt,newton_iterations,linear_iterations,cuts,points,work,solve_seconds,"
+            "wall_seconds");
+  EXPECT_EQ(steps[1].find("1,0.2,0.2,3,0,0,7,2.5,0.5,"), 0u) << steps[1];
+  EXPECT_EQ(steps[5].find("5,0.9,"), 0u) << steps[5];
+  const auto probes = lines(temp / "out/probes.csv");
+  ASSERT_EQ(probes.size(), 7u);
+  EXPECT_EQ(probes[0], "time,value");
+  EXPECT_EQ(probes[1], "0,0");
+  const Json summary = Json::parse(std::ifstream(temp / "out/summary.json"));
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["steps"], 5);
+  EXPECT_EQ(summary["end_time"], 0.9);
+  EXPECT_EQ(summary["newton_iterations"], 15);
+  EXPECT_EQ(summary["solver"]["linear_solver"], "none");
+  EXPECT_TRUE(summary["wall_seconds"].contains("solve"));
+}
+
+TEST(RunAlone, a_failing_step_is_cut_and_counted) {
+  const TempFolder temp;
+  ClockSolver solver;
+  solver.on_solve = [](const StepRequest& request) {
+    if (request.step == 2 && request.dt > 0.06) throw ConvergenceError("too large");
+  };
+  RunRecord record(temp / "out", "fem_solver");
+  run_alone(solver, {1, 0.2, 0.01}, 1, record);
+  EXPECT_EQ(solver.rejected, 2);
+  EXPECT_EQ(lines(temp / "out/steps.csv")[2].find("2,0.25,0.05,3,0,2,"), 0u);
+  EXPECT_NEAR(solver.probes()[0], 1, 1e-14);
+}
+
+TEST(RunAlone, a_run_that_fails_says_so_and_keeps_the_last_state) {
+  const TempFolder temp;
+  ClockSolver solver;
+  solver.on_solve = [](const StepRequest& request) {
+    if (request.time > 0.3) throw ConvergenceError("soil exploded");
+  };
+  RunRecord record(temp / "out", "mpm_solver");
+  EXPECT_THROW(run_alone(solver, {1, 0.2, 0.01}, 1, record), ConvergenceError);
+  const Json summary = Json::parse(std::ifstream(temp / "out/summary.json"));
+  EXPECT_EQ(summary["completed"], false);
+  EXPECT_NE(summary["reason"].get<std::string>().find("soil exploded"), std::string::npos);
+  EXPECT_EQ(summary["end_time"], 0.4);
+  EXPECT_EQ(solver.frames, (std::vector<double>{0, 0.4}));
+  EXPECT_EQ(lines(temp / "out/steps.csv").size(), 3u);
+}
+
+TEST(RunAlone, ranks_that_do_not_write_touch_nothing) {
+  const TempFolder temp;
+  ClockSolver solver;
+  RunRecord record(temp / "out", "fem_solver", /*writes=*/false);
+  run_alone(solver, {1, 0.2, 0.01}, 0.5, record);
+  EXPECT_EQ(solver.frames.size(), 3u);  // output is collective
+  EXPECT_FALSE(fs::exists(temp / "out"));
+}
+
+TEST(RunRecord, earlier_results_of_the_same_kind_move_to_previous) {
+  const TempFolder temp;
+  for (const std::string text : {"first", "second", "third"}) {
+    RunRecord record(temp / "out/", "coupler");
+    record.write_json("summary.json", {{"run", text}});
+  }
+  EXPECT_EQ(Json::parse(std::ifstream(temp / "out/summary.json"))["run"], "third");
+  EXPECT_EQ(Json::parse(std::ifstream(temp / "out.previous/summary.json"))["run"], "second");
+}
+
+std::string refusal(const std::string& folder, const std::string& kind) {
+  try {
+    RunRecord record(folder, kind);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(RunRecord, foreign_files_are_never_touched) {
+  const TempFolder temp;
+  fs::create_directories(temp / "papers");
+  std::ofstream(temp / "papers/thesis.tex") << "years of work";
+  EXPECT_NE(refusal(temp / "papers", "coupler").find("not Gabion results"), std::string::npos);
+  EXPECT_EQ(lines(temp / "papers/thesis.tex")[0], "years of work");
+
+  RunRecord ours(temp / "out", "fem_solver");
+  EXPECT_NE(refusal(temp / "out", "coupler").find("found results of \"fem_solver\""),
+            std::string::npos);
+
+  fs::create_directories(temp / "out.previous");
+  std::ofstream(temp / "out.previous/thesis.tex") << "years of work";
+  EXPECT_NE(refusal(temp / "out", "fem_solver").find("move it away"), std::string::npos);
+  EXPECT_EQ(lines(temp / "out.previous/thesis.tex")[0], "years of work");
+  EXPECT_EQ(refusal(temp / "out/.gabion_results", "coupler").find("output folder"), 0u);
+}
+
+TEST(OutputClock, first_time_at_or_after_each_multiple) {
+  OutputClock clock(0.1);
+  std::vector<double> due;
+  for (int n = 0; n <= 40; ++n) {
+    const double t = 0.03 * n;
+    if (clock.due(t)) due.push_back(t);
+  }
+  ASSERT_EQ(due.size(), 13u);
+  for (int k = 0; k < 13; ++k) {
+    EXPECT_GE(due[std::size_t(k)], 0.1 * k * (1 - 1e-12));
+    EXPECT_LT(due[std::size_t(k)], 0.1 * k + 0.03);
+  }
+  OutputClock wide_steps(0.1);
+  EXPECT_TRUE(wide_steps.due(0));
+  EXPECT_TRUE(wide_steps.due(0.55));  // several multiples at once: one frame
+  EXPECT_FALSE(wide_steps.due(0.58));
+  EXPECT_TRUE(wide_steps.due(0.6));
+}
+
+TEST(DetailColumns, unknown_names_and_texts_are_refused) {
+  DetailColumns columns;
+  columns.start({{"b", 1}, {"a_seconds", 2}, {"c", 3}});
+  EXPECT_EQ(columns.names(), (std::vector<std::string>{"b", "c", "a_seconds"}));
+  std::vector<CsvValue> cells;
+  columns.append({{"c", 4.5}}, cells);
+  ASSERT_EQ(cells.size(), 3u);
+  EXPECT_EQ(std::get<std::string>(cells[0]), "");
+  EXPECT_EQ(std::get<double>(cells[1]), 4.5);
+  EXPECT_THROW(columns.append({{"d", 1}}, cells), Error);
+  EXPECT_THROW(columns.append({{"b", "text"}}, cells), Error);
+}
+
+}  // namespace
+}  // namespace gabion

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/time_steps.hpp"
+
+namespace gabion {
+namespace {
+
+std::vector<double> times_of(TimeSteps& steps) {
+  std::vector<double> times = {steps.time()};
+  while (!steps.finished()) {
+    steps.accept();
+    times.push_back(steps.time());
+  }
+  return times;
+}
+
+TEST(TimeSteps, times_are_multiples_of_dt_to_the_bit) {
+  TimeSteps steps({1, 0.1, 1e-3});
+  const auto times = times_of(steps);
+  ASSERT_EQ(times.size(), 11u);
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(times[std::size_t(n)], 0.1 * n);
+  EXPECT_EQ(times.back(), 1.0);
+  EXPECT_EQ(steps.step(), 11);
+}
+
+TEST(TimeSteps, many_steps_do_not_drift) {
+  TimeSteps steps({100, 1e-3, 1e-5});
+  std::int64_t count = 0;
+  while (!steps.finished()) {
+    EXPECT_EQ(steps.time(), 1e-3 * double(count));
+    steps.accept();
+    ++count;
+  }
+  EXPECT_EQ(count, 100000);
+  EXPECT_EQ(steps.time(), 100);
+}
+
+TEST(TimeSteps, the_last_step_is_shorter_and_ends_exactly) {
+  TimeSteps steps({0.25, 0.1, 0.1});
+  steps.accept();
+  EXPECT_EQ(steps.dt(), 0.1);
+  steps.accept();
+  EXPECT_EQ(steps.dt(), 0.25 - 0.2);
+  EXPECT_EQ(steps.time() + steps.dt(), 0.25);
+  steps.accept();
+  EXPECT_TRUE(steps.finished());
+  EXPECT_EQ(steps.time(), 0.25);
+}
+
+TEST(TimeSteps, an_end_off_the_finest_raster_is_reached_exactly) {
+  TimeSteps steps({1.0 / 3, 0.1, 0.01});
+  const auto times = times_of(steps);
+  EXPECT_EQ(times.size(), 5u);
+  EXPECT_EQ(times.back(), 1.0 / 3);
+}
+
+TEST(TimeSteps, an_end_shorter_than_one_step_is_one_step) {
+  TimeSteps steps({0.03, 0.1, 0.1});
+  EXPECT_EQ(steps.dt(), 0.03);
+  steps.accept();
+  EXPECT_TRUE(steps.finished());
+}
+
+TEST(TimeSteps, a_cut_halves_and_growth_returns_to_the_raster) {
+  TimeSteps steps({10, 1, 0.1});
+  steps.accept();
+  steps.cut("");
+  EXPECT_EQ(steps.dt(), 0.5);
+  steps.cut("");
+  EXPECT_EQ(steps.dt(), 0.25);
+  EXPECT_EQ(steps.time(), 1);
+  EXPECT_EQ(steps.step(), 2);
+  EXPECT_EQ(steps.cuts(), 2);
+  std::vector<double> dts;
+  while (steps.time() < 5) {
+    dts.push_back(steps.dt());
+    steps.accept();
+  }
+  const std::vector<double> expected = {0.25, 0.25, 0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 1};
+  EXPECT_EQ(dts, expected);
+}
+
+TEST(TimeSteps, growth_waits_for_a_multiple_of_the_larger_step) {
+  TimeSteps steps({10, 1, 0.1});
+  steps.cut("");
+  for (int n = 0; n < 3; ++n) steps.accept();
+  steps.accept();  // 4 accepted, time 2: may grow
+  EXPECT_EQ(steps.dt(), 1);
+  steps.cut("");
+  steps.accept();  // time 2.5
+  steps.cut("");   // to 0.25
+  for (int n = 0; n < 4; ++n) steps.accept();
+  EXPECT_EQ(steps.time(), 3.5);
+  EXPECT_EQ(steps.dt(), 0.5);
+  for (int n = 0; n < 4; ++n) steps.accept();
+  EXPECT_EQ(steps.time(), 5.5);
+  EXPECT_EQ(steps.dt(), 0.5);  // 5.5 is no multiple of 1
+  steps.accept();
+  EXPECT_EQ(steps.dt(), 1);
+}
+
+TEST(TimeSteps, equal_schedules_give_equal_bits_with_and_without_cuts) {
+  TimeSteps straight({1, 0.1, 1e-4});
+  TimeSteps cut({1, 0.1, 1e-4});
+  cut.accept();
+  for (int n = 0; n < 5; ++n) cut.cut("");
+  std::vector<double> late;
+  while (!cut.finished()) {
+    cut.accept();
+    late.push_back(cut.time());
+  }
+  for (const double t : times_of(straight)) {
+    if (t <= 0.5) continue;
+    EXPECT_NE(std::find(late.begin(), late.end(), t), late.end()) << t;
+  }
+}
+
+TEST(TimeSteps, dt_min_ends_the_run_with_the_reason) {
+  TimeSteps steps({1, 0.1, 0.03});
+  steps.cut("first");
+  EXPECT_EQ(steps.dt(), 0.05);
+  try {
+    steps.cut("wall fell");
+    FAIL();
+  } catch (const ConvergenceError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("wall fell"), std::string::npos) << text;
+    EXPECT_NE(text.find("dt_min = 0.03"), std::string::npos) << text;
+  }
+  EXPECT_EQ(steps.cuts(), 1);
+}
+
+TEST(TimeSteps, cutting_a_shorter_last_step_makes_it_smaller) {
+  TimeSteps steps({0.13, 0.1, 0.001});
+  steps.accept();
+  const double last = steps.dt();
+  EXPECT_NEAR(last, 0.03, 1e-15);
+  steps.cut("");
+  EXPECT_LT(steps.dt(), last);
+  EXPECT_EQ(steps.dt(), 0.025);
+  const auto times = times_of(steps);
+  EXPECT_EQ(times.back(), 0.13);
+}
+
+TEST(TimeSteps, a_proposal_bounds_the_next_step) {
+  TimeSteps steps({10, 1, 0.1});
+  steps.accept(0.3);
+  EXPECT_EQ(steps.dt(), 0.25);
+  for (int n = 0; n < 8; ++n) steps.accept(0.3);
+  EXPECT_EQ(steps.dt(), 0.25);
+  for (int n = 0; n < 4; ++n) steps.accept(0.6);
+  EXPECT_EQ(steps.dt(), 0.5);
+  steps.accept(1e-9);
+  EXPECT_EQ(steps.dt(), 0.125);  // the smallest step of the raster
+}
+
+TEST(TimeSettings, all_keys_are_required_and_checked) {
+  const auto error_of = [](const Json& value) -> std::string {
+    try {
+      read_time_settings(ConfigReader(value, "f.json"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error_of({{"end", 1}, {"dt", 0.1}, {"dt_min", 0.1}}), "no error");
+  EXPECT_NE(error_of({{"end", 1}, {"dt", 0.1}}).find("f.json: at /dt_min: missing"),
+            std::string::npos);
+  EXPECT_NE(error_of({{"end", 0}, {"dt", 0.1}, {"dt_min", 0.1}}).find("/end: found 0"),
+            std::string::npos);
+  EXPECT_NE(error_of({{"end", 1}, {"dt", 0.1}, {"dt_min", 0.2}}).find("<= dt = 0.1"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace gabion

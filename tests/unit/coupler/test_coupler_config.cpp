@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "coupler/coupler_config.hpp"
+
+namespace gabion {
+namespace {
+
+Json good() {
+  return Json::parse(R"({
+    "time": {"end": 0.5, "dt": 2e-4, "dt_min": 1e-6},
+    "output": {"interval": 0.01},
+    "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
+    "interfaces": [{"name": "wall", "soil": "soil", "structure": "structure"}],
+    "coupling": {
+      "convergence": {
+        "displacement": {"absolute": 1e-6, "relative": 1e-5, "floor": 1e-9},
+        "force": {"absolute": 1e-2, "relative": 1e-5, "floor": 1e-7}
+      },
+      "mapping": {"tolerance": 1e-6}
+    }
+  })");
+}
+
+std::string error_with(const std::string& pointer, const Json& value) {
+  Json config = good();
+  config[Json::json_pointer(pointer)] = value;
+  try {
+    read_coupler_settings(ConfigReader(config, "coupler.json"));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_error(const std::string& pointer, const Json& value, const std::string& at,
+                  const std::string& text) {
+  const std::string found = error_with(pointer, value);
+  EXPECT_EQ(found.find("coupler.json: at " + at + ": "), 0u) << found;
+  EXPECT_NE(found.find(text), std::string::npos) << found;
+}
+
+TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
+  const ConfigReader reader(good(), "coupler.json");
+  const CouplerSettings s = read_coupler_settings(reader);
+  EXPECT_EQ(s.time.dt, 2e-4);
+  EXPECT_EQ(s.output_interval, 0.01);
+  ASSERT_EQ(s.participants.size(), 2u);
+  EXPECT_TRUE(s.participants[0].sends_force);
+  EXPECT_EQ(s.coupling.scheme, Scheme::serial_implicit);
+  EXPECT_EQ(s.coupling.acceleration.method, "mvqn");
+  const Json resolved = reader.resolved();
+  EXPECT_EQ(resolved["coupling"]["on_limit"], "cut");
+  EXPECT_EQ(resolved["coupling"]["acceleration"]["relaxation"], s.coupling.acceleration.relaxation);
+  EXPECT_EQ(resolved["coupling"]["convergence"]["stagnation"], 20);
+  EXPECT_TRUE(resolved["protocol"].contains("silence_deadline"));
+  // What was resolved is a complete config that reads as the same.
+  const ConfigReader again(resolved, "resolved");
+  read_coupler_settings(again);
+  EXPECT_EQ(again.resolved(), resolved);
+}
+
+TEST(CouplerConfig, mistakes_are_named_with_their_place) {
+  expect_error("/coupling/predictr", 1, "/coupling/predictr", "did you mean \"predictor\"?");
+  expect_error("/coupling/predictor", 3, "/coupling/predictor", "a number from 0 to 2");
+  expect_error("/coupling/max_iterations", 1, "/coupling/max_iterations", "a number >= 2");
+  expect_error("/coupling/on_limit", "ignore", "/coupling/on_limit", "cut, stop, accept");
+  expect_error("/coupling/scheme", "parallel", "/coupling/scheme", "serial_implicit, explicit");
+  expect_error("/coupling/acceleration", {{"method", "mvq"}}, "/coupling/acceleration/method",
+               "did you mean \"mvqn\"?");
+  expect_error("/coupling/acceleration", {{"relaxation", 0}}, "/coupling/acceleration/relaxation",
+               "a number > 0 and <= 2");
+  expect_error("/coupling/acceleration", {{"method", "aitken"}, {"filter", 0.1}},
+               "/coupling/acceleration/filter", "unknown key");
+  expect_error("/coupling/convergence/force/floor", 0, "/coupling/convergence/force/floor",
+               "a number > 0");
+  expect_error("/coupling/convergence/displacement", Json::object(),
+               "/coupling/convergence/displacement/absolute", "missing");
+  expect_error("/coupling/mapping/tolerance", -1, "/coupling/mapping/tolerance", "a number > 0");
+  expect_error("/time/dt_min", 1, "/time/dt_min", "<= dt");
+  expect_error("/time/dt_min", 1e-20, "/time/dt_min", "allowed: a number >= ");
+  expect_error("/output/interval", 0, "/output/interval", "a number > 0");
+  expect_error("/interfaces", Json::array(), "/interfaces", "found none");
+  expect_error("/interfaces/0/soil", "structure", "/interfaces/0/soil",
+               "allowed: a participant that sends force: soil");
+  expect_error("/interfaces/0/structure", "wal", "/interfaces/0/structure",
+               "allowed: a participant that sends displacement: structure");
+  expect_error("/interfaces/1", {{"name", "wall"}, {"soil", "soil"}, {"structure", "structure"}},
+               "/interfaces/1/name", "each name once");
+  expect_error("/participants/rock", {{"sends", "force"}}, "/participants/rock", "no entry");
+  expect_error("/participants/rock", {{"sends", "heat"}}, "/participants/rock/sends",
+               "force, displacement");
+}
+
+}  // namespace
+}  // namespace gabion

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "coupler/coupling_loop.hpp"
+#include "coupler/run_coupler.hpp"
+#include "protocol/serve.hpp"
+#include "tests/unit/coupler/mass_springs.hpp"
+
+namespace gabion {
+namespace {
+
+namespace fs = std::filesystem;
+using test::SoilSprings;
+using test::StructureSprings;
+
+CouplerSettings settings_for_test() {
+  CouplerSettings s;
+  s.time = {0.2, 0.01, 0.01 / 64};
+  s.output_interval = 0.05;
+  s.participants = {{"soil", true}, {"structure", false}};
+  s.interfaces = {{"wall", "soil", "structure"}};
+  s.coupling.convergence.displacement = {1e-11, 1e-9, 1e-14};
+  s.coupling.convergence.force = {1e-8, 1e-9, 1e-12};
+  s.coupling.mapping.tolerance = 1e-9;
+  return s;
+}
+
+/// One coupled run in a folder of its own.
+struct CoupledRun {
+  explicit CoupledRun(const std::string& name)
+      : folder(fs::temp_directory_path() /
+               ("gabion_loop_" + std::to_string(getpid()) + "_" + name)) {
+    fs::remove_all(folder);
+    soil.load = [](double) { return 5.0; };
+  }
+  ~CoupledRun() {
+    fs::remove_all(folder);
+    fs::remove_all(folder.string() + ".previous");
+  }
+  CoupledRun(const CoupledRun&) = delete;
+  CoupledRun& operator=(const CoupledRun&) = delete;
+  CoupledRun(CoupledRun&&) = delete;
+  CoupledRun& operator=(CoupledRun&&) = delete;
+
+  void go() {
+    RunRecord files(folder.string(), "coupler");
+    CouplingLoop loop(settings, {{"structure", structure}, {"soil", soil}}, files);
+    loop.run();
+  }
+  /// Rows of a table, without the columns of wall time.
+  std::vector<std::vector<std::string>> table(const std::string& file) const {
+    std::ifstream in(folder / file);
+    std::vector<std::vector<std::string>> rows;
+    std::size_t keep = 0;
+    for (std::string line; std::getline(in, line);) {
+      std::vector<std::string> cells;
+      std::stringstream stream(line);
+      for (std::string cell; std::getline(stream, cell, ',');) {
+        if (rows.empty() && cell.ends_with("_seconds")) break;
+        if (!rows.empty() && cells.size() == keep) break;
+        cells.push_back(cell);
+      }
+      if (rows.empty()) keep = cells.size();
+      rows.push_back(cells);
+    }
+    return rows;
+  }
+  std::vector<std::string> column(const std::string& file, const std::string& name) const {
+    const auto rows = table(file);
+    const auto at = std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin();
+    std::vector<std::string> result;
+    for (std::size_t i = 1; i < rows.size(); ++i) result.push_back(rows[i].at(std::size_t(at)));
+    return result;
+  }
+  Json summary() const {
+    std::ifstream in(folder / "summary.json");
+    return Json::parse(in);
+  }
+
+  fs::path folder;
+  CouplerSettings settings = settings_for_test();
+  SoilSprings soil{3, 2, 10};
+  StructureSprings structure{2, 1, 100};
+};
+
+/// Both sides as one system: M = M_structure + H^T M_soil H, and likewise K and the load.
+Eigen::VectorXd monolithic_history(double dt, int steps) {
+  Eigen::MatrixXd H(6, 4);
+  H << 1, 0, 0, 0, 0, 1, 0, 0, .5, 0, .5, 0, 0, .5, 0, .5, 0, 0, 1, 0, 0, 0, 0, 1;
+  const auto diagonal = [](double value, int n) {
+    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
+    for (int i = 0; i < n; ++i) m(i, i) = value * (1 + double(i / 2) / n);
+    return m;
+  };
+  const Eigen::MatrixXd M = diagonal(1, 4) + H.transpose() * diagonal(2, 6) * H;
+  const Eigen::MatrixXd K = diagonal(100, 4) + H.transpose() * diagonal(10, 6) * H;
+  Eigen::VectorXd load(6);
+  load << 5, 2.5, 5, 2.5, 5, 2.5;
+  const Eigen::VectorXd F = H.transpose() * load;
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(4), v = u, a = u;
+  Eigen::VectorXd history(steps);
+  for (int n = 0; n < steps; ++n) {
+    const Eigen::VectorXd a_at_u_n = -v * 4 / dt - a;  // trapezoidal rule, beta = 1/4
+    const Eigen::VectorXd du = (M * 4 / (dt * dt) + K).ldlt().solve(F - K * u - M * a_at_u_n);
+    const Eigen::VectorXd a_new = du * 4 / (dt * dt) + a_at_u_n;
+    v += dt / 2 * (a + a_new);
+    a = a_new;
+    u += du;
+    history(n) = u(0);
+  }
+  return history;
+}
+
+TEST(CouplingLoop, equals_the_monolithic_solution_for_every_method_and_predictor) {
+  const Eigen::VectorXd expected = monolithic_history(0.01, 20);
+  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+    for (const int predictor : {0, 1, 2}) {
+      CoupledRun run("monolithic");
+      run.settings.coupling.acceleration.method = method;
+      run.settings.coupling.predictor = predictor;
+      run.go();
+      const auto u = run.column("probes.csv", "structure.u");
+      ASSERT_EQ(u.size(), 21u);
+      EXPECT_EQ(std::stod(u[0]), 0);
+      for (int n = 0; n < 20; ++n) {
+        EXPECT_NEAR(std::stod(u[std::size_t(n) + 1]), expected(n), 1e-8 * expected.maxCoeff())
+            << method << " predictor " << predictor << " step " << n;
+      }
+      const Json summary = run.summary();
+      EXPECT_EQ(summary["completed"], true);
+      EXPECT_EQ(summary["steps"], 20);
+      EXPECT_EQ(summary["end_time"], 0.2);
+      EXPECT_EQ(summary["methods"]["acceleration"], method);
+      EXPECT_EQ(summary["participants"]["soil"]["linear_solver"], "none");
+    }
+  }
+}
+
+TEST(CouplingLoop, force_balance_is_logged_at_round_off) {
+  CoupledRun run("balance");
+  run.go();
+  for (const std::string name : {"mismatch_force", "mismatch_moment"}) {
+    for (const auto& cell : run.column("iterations.csv", name)) EXPECT_LE(std::stod(cell), 1e-11);
+  }
+  EXPECT_GT(std::abs(std::stod(run.column("steps.csv", "fx")[3])), 0.1);
+  EXPECT_EQ(run.column("steps.csv", "soil.work")[3], "6");
+}
+
+TEST(CouplingLoop, two_runs_write_the_same_tables) {
+  CoupledRun first("first");
+  CoupledRun second("second");
+  first.go();
+  second.go();
+  for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
+    const auto rows = first.table(file);
+    EXPECT_GT(rows.size(), 20u);
+    EXPECT_EQ(rows, second.table(file)) << file;
+  }
+}
+
+TEST(CouplingLoop, frames_are_written_at_the_start_at_multiples_and_at_the_end) {
+  CoupledRun run("frames");
+  run.settings.time.end = 0.17;
+  run.go();
+  ASSERT_EQ(run.soil.written.size(), 5u);
+  const std::vector<double> expected = {0, 0.05, 0.1, 0.15, 0.17};
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(run.soil.written[i], expected[i], 1e-14);
+  EXPECT_EQ(run.structure.written, run.soil.written);
+}
+
+TEST(CouplingLoop, a_solver_that_fails_at_large_steps_gets_smaller_ones) {
+  CoupledRun run("cut");
+  run.structure.on_solve = [](const StepRequest& request) {
+    if (request.time > 0.045 && request.time < 0.075 && request.dt > 0.006) {
+      throw ConvergenceError("too large");
+    }
+  };
+  run.go();
+  const Json summary = run.summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_GE(summary["cuts"], 1);
+  EXPECT_EQ(summary["cuts"], run.structure.rejected);
+  EXPECT_EQ(run.soil.rejected, run.structure.rejected);
+  EXPECT_EQ(run.soil.accepted, summary["steps"]);
+  const auto times = run.column("steps.csv", "time");
+  EXPECT_EQ(times.back(), "0.2");
+  EXPECT_NE(std::find(times.begin(), times.end(), "0.055"), times.end());
+  EXPECT_NE(std::find(times.begin(), times.end(), "0.14"), times.end());  // on the raster again
+}
+
+TEST(CouplingLoop, failure_below_dt_min_ends_the_run_and_keeps_what_was_written) {
+  CoupledRun run("dt_min");
+  run.structure.on_solve = [](const StepRequest& request) {
+    if (request.time > 0.045) throw ConvergenceError("wall is gone");
+  };
+  try {
+    run.go();
+    FAIL();
+  } catch (const ConvergenceError& error) {
+    EXPECT_NE(std::string(error.what()).find("wall is gone"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("dt_min"), std::string::npos);
+  }
+  EXPECT_EQ(run.summary()["completed"], false);
+  EXPECT_EQ(run.summary()["steps"], 5);
+  EXPECT_NE(run.summary()["reason"].get<std::string>().find("wall is gone"), std::string::npos);
+  EXPECT_EQ(run.table("steps.csv").size(), 6u);
+  EXPECT_NEAR(run.soil.written.back(), 0.05, 1e-14);
+}
+
+TEST(CouplingLoop, the_iteration_limit_is_never_a_silent_success) {
+  CoupledRun cut("limit_cut");
+  cut.settings.coupling.max_iterations = 2;
+  cut.settings.coupling.predictor = 0;
+  EXPECT_THROW(cut.go(), ConvergenceError);
+  EXPECT_NE(cut.summary()["reason"].get<std::string>().find("limit_reached after 2 iterations"),
+            std::string::npos);
+
+  CoupledRun stop("limit_stop");
+  stop.settings.coupling.max_iterations = 2;
+  stop.settings.coupling.on_limit = OnLimit::stop;
+  EXPECT_THROW(stop.go(), ConvergenceError);
+  EXPECT_EQ(stop.summary()["cuts"], 0);
+
+  CoupledRun accept("limit_accept");
+  accept.settings.coupling.max_iterations = 2;
+  accept.settings.coupling.on_limit = OnLimit::accept;
+  accept.go();
+  EXPECT_EQ(accept.summary()["completed"], true);
+  EXPECT_EQ(accept.summary()["accepted_unconverged"], 20);
+  EXPECT_EQ(accept.column("steps.csv", "status")[0], "limit_reached");
+}
+
+TEST(CouplingLoop, gauss_seidel_with_a_heavy_soil_diverges_even_when_limits_are_accepted) {
+  CoupledRun run("gauss_seidel");
+  run.settings.coupling.acceleration.method = "constant";
+  run.settings.coupling.acceleration.relaxation = 1;
+  run.settings.coupling.on_limit = OnLimit::accept;
+  run.soil.scatter = run.structure.scatter = 0;
+  EXPECT_THROW(run.go(), ConvergenceError);
+  EXPECT_NE(run.summary()["reason"].get<std::string>().find("diverged"), std::string::npos);
+}
+
+TEST(CouplingLoop, without_contact_there_is_one_pass_and_no_structure_solve) {
+  CoupledRun run("skip");
+  run.soil.load = [](double t) { return t > 0.105 && t < 0.155 ? 5.0 : 0.0; };
+  run.go();
+  const auto skipped = run.column("steps.csv", "skipped");
+  const auto status = run.column("steps.csv", "status");
+  ASSERT_EQ(skipped.size(), 20u);
+  EXPECT_EQ(skipped[0], "acceleration");  // nobody knows yet that the structure is at rest
+  for (int n = 1; n < 10; ++n) EXPECT_EQ(skipped[std::size_t(n)], "structure") << n;
+  for (int n = 10; n < 15; ++n) EXPECT_EQ(skipped[std::size_t(n)], "none") << n;
+  for (int n = 15; n < 20; ++n)
+    EXPECT_EQ(skipped[std::size_t(n)], "acceleration") << n;  // it swings
+  EXPECT_EQ(status[3], "inactive");
+  EXPECT_EQ(status[12], "converged");
+  EXPECT_EQ(run.structure.slept, 9);
+  const Json summary = run.summary();
+  EXPECT_EQ(summary["skipped"]["structure"], 9);
+  EXPECT_EQ(summary["skipped"]["acceleration"], 15);
+  EXPECT_EQ(summary["steps_in_contact"], 5);
+  EXPECT_EQ(summary["history_resets"], 1);
+  EXPECT_EQ(run.column("steps.csv", "iterations")[3], "1");
+}
+
+TEST(CouplingLoop, skipping_does_not_change_the_result) {
+  const auto pulse = [](double t) { return t > 0.105 ? 5.0 : 0.0; };
+  CoupledRun skipping("skipping");
+  skipping.soil.load = pulse;
+  skipping.go();
+  CoupledRun solving("solving");
+  solving.soil.load = [&](double t) {
+    return pulse(t) + 1e-300;
+  };  // contact is possible all the time
+  solving.go();
+  const auto a = skipping.column("probes.csv", "structure.u");
+  const auto b = solving.column("probes.csv", "structure.u");
+  for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(std::stod(a[n]), std::stod(b[n]), 1e-11);
+  EXPECT_LT(skipping.structure.solves, solving.structure.solves);
+}
+
+TEST(CouplingLoop, a_soil_that_pushes_but_calls_itself_inactive_is_refused) {
+  CoupledRun run("pretend");
+  run.soil.pretend_inactive = true;
+  EXPECT_THROW(run.go(), Error);
+  EXPECT_NE(run.summary()["reason"].get<std::string>().find("not active"), std::string::npos);
+}
+
+TEST(CouplingLoop, values_that_are_not_finite_are_cut_and_end_the_run) {
+  CoupledRun run("nan");
+  run.soil.load = [](double t) { return t > 0.055 ? std::nan("") : 5.0; };
+  EXPECT_THROW(run.go(), ConvergenceError);
+  const auto status = run.column("iterations.csv", "status");
+  EXPECT_EQ(status.back(), "not_finite");
+}
+
+TEST(CouplingLoop, explicit_scheme_makes_one_pass_a_step) {
+  CoupledRun run("explicit");
+  run.settings.coupling.scheme = Scheme::explicit_;
+  run.settings.time.end = 0.05;
+  run.go();
+  EXPECT_EQ(run.soil.solves, 5);
+  EXPECT_EQ(run.structure.solves, 5);
+  EXPECT_EQ(run.column("steps.csv", "status")[0], "explicit");
+}
+
+TEST(CouplingLoop, is_the_same_to_the_bit_with_participants_behind_the_wire) {
+  CoupledRun local("local");
+  local.structure.on_solve = [](const StepRequest& request) {
+    if (request.step == 4 && request.dt > 0.006) throw ConvergenceError("too large");
+  };
+  local.go();
+
+  CoupledRun remote("remote");
+  remote.structure.on_solve = local.structure.on_solve;
+  Server server({"tcp://127.0.0.1:*", {}});
+  const auto take_part = [&](Solver& solver, const std::string& name, bool sends_force) {
+    ParticipantSettings settings;
+    settings.endpoint = server.endpoint();
+    settings.name = name;
+    settings.program = "test";
+    settings.dimension = 2;
+    settings.receives = sends_force ? displacement() : force();
+    settings.sends = sends_force ? force() : displacement();
+    settings.exit_when_coupler_is_lost = false;
+    Connection connection(settings);
+    serve(solver, connection);
+  };
+  std::thread soil(take_part, std::ref(remote.soil), "soil", true);
+  std::thread structure(take_part, std::ref(remote.structure), "structure", false);
+  {
+    const auto solvers = server.wait_for(expected_participants(remote.settings, "any"));
+    RunRecord files(remote.folder.string(), "coupler");
+    CouplingLoop loop(remote.settings,
+                      {{"soil", *solvers.at("soil")}, {"structure", *solvers.at("structure")}},
+                      files);
+    loop.run();
+    server.finish();
+  }
+  soil.join();
+  structure.join();
+  for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
+    EXPECT_EQ(remote.table(file), local.table(file)) << file;
+  }
+  EXPECT_EQ(remote.summary()["cuts"], 1);
+}
+
+TEST(CouplingLoop, a_participant_that_is_missing_is_named) {
+  CoupledRun run("missing");
+  RunRecord files(run.folder.string(), "coupler");
+  try {
+    CouplingLoop(run.settings, {{"soil", run.soil}}, files);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"structure\""), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace gabion

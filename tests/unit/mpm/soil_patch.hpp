@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "mpm_solver/grid_nodes.hpp"
+#include "mpm_solver/transfer.hpp"
+#include "tests/support/mpi_main.hpp"
+
+namespace gabion::test {
+
+/// Numbers in [-1, 1), the same on every platform.
+class Random {
+ public:
+  double operator()() { return 2.0 * static_cast<double>(engine_()) / 4294967296.0 - 1.0; }
+  template <int dim>
+  Vector<dim> vector() {
+    Vector<dim> v;
+    for (int d = 0; d < dim; ++d) v[d] = (*this)();
+    return v;
+  }
+  std::vector<double> values(std::size_t n, double size) {
+    std::vector<double> result(n);
+    for (double& value : result) value = size * (*this)();
+    return result;
+  }
+
+ private:
+  std::mt19937 engine_{20260};
+};
+
+template <int dim>
+Mesh<dim> unit_box(CellType type, int cells, double size = 1) {
+  return box_mesh<dim>(Vector<dim>::Zero(), Vector<dim>::Constant(size),
+                       Eigen::Matrix<int, dim, 1>::Constant(cells), type);
+}
+
+/// A unit box as background grid, and one body of material points in it.
+template <int dim>
+struct SoilPatch {
+  mpm::BackgroundGrid<dim> grid;
+  std::vector<mpm::Body<dim>> bodies;
+  mpm::MaterialPoints<dim> points;
+  mpm::PointWeights<dim> weights;
+  mpm::GridNodes<dim> nodes;
+  Random random;
+
+  explicit SoilPatch(CellType type, int cells = 3) : grid(unit_box<dim>(type, cells)) {}
+
+  /// Fill the grid with the regular points of each cell.
+  void fill(int points_per_cell, double density = 1) {
+    lay_points<dim>({grid.mesh, points_per_cell, Vector<dim>::Zero()}, density, 0, 0, 1, points);
+  }
+  /// `count` points at random places with random mass, velocity and acceleration.
+  void scatter(int count) {
+    points.body_starts = {0, 0};
+    for (int p = 0; p < count; ++p) add(0.5 * (random.vector<dim>() + Vector<dim>::Ones()));
+  }
+  void add(const Vector<dim>& x) {
+    const double m = 2 + random();
+    points.x.push_back(x);
+    points.u.push_back(Vector<dim>::Zero());
+    points.v.push_back(random.vector<dim>());
+    points.a.push_back(random.vector<dim>());
+    points.m.push_back(m);
+    points.V0.push_back(m);
+    points.J.push_back(1);
+    points.energy.push_back(0);
+    points.tau.push_back(Symmetric<dim>::Zero());
+    points.history.emplace_back();
+    points.cell.push_back(-1);
+    points.id.push_back(points.size() - 1);
+    if (points.body_starts.empty()) points.body_starts = {0, 0};
+    points.body_starts.back() = points.size();
+  }
+  void to_grid() {
+    locate_points(grid, points);
+    evaluate_basis(grid, points, weights);
+    activate_nodes(comm(), grid, weights, nodes);
+    points_to_grid(comm(), grid, points, weights, nodes);
+  }
+  const Vector<dim>& node(std::int32_t active) const {
+    return grid.mesh.nodes[nodes.grid_node[active]];
+  }
+  std::vector<std::int32_t> occupied() const {
+    std::vector<std::int32_t> result(grid.mesh.num_cells(), 0);
+    for (const auto& group : weights.groups) result[group.cell] = 1;
+    return result;
+  }
+  std::size_t num_dofs() const { return static_cast<std::size_t>(nodes.size()) * dim; }
+};
+
+/// x ^ f: in 2D the third component only.
+template <int dim>
+auto cross(const Vector<dim>& x, const Vector<dim>& f) {
+  if constexpr (dim == 2) {
+    return Vector<1>(x[0] * f[1] - x[1] * f[0]);
+  } else {
+    return Vector<3>(x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2],
+                     x[0] * f[1] - x[1] * f[0]);
+  }
+}
+
+/// Resultant force and moment about the origin.
+template <int dim>
+struct ForceAndMoment {
+  Vector<dim> force = Vector<dim>::Zero();
+  Vector<dim == 2 ? 1 : 3> moment = Vector<dim == 2 ? 1 : 3>::Zero();
+  double size = 0;  // sum of |f|
+
+  void add(const Vector<dim>& x, const Vector<dim>& f) {
+    force += f;
+    moment += cross<dim>(x, f);
+    size += f.norm();
+  }
+};
+
+/// Call check<dim>(type) for each cell type.
+template <class Check>
+void for_each_cell_type(const Check& check) {
+  check.template operator()<2>(CellType::tri3);
+  check.template operator()<2>(CellType::quad4);
+  check.template operator()<3>(CellType::tet4);
+  check.template operator()<3>(CellType::hex8);
+}
+
+}  // namespace gabion::test
