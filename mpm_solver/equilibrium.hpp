@@ -68,16 +68,23 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_acceleration() const { return a_; }
 
  private:
-  bool internal_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K,
-                       std::int32_t& worst);
+  /// f_int of this rank's points and, with K, its derivative. What does not depend on the interface
+  /// is kept: a coupling iteration starts from the du of the last one, whose stresses are known.
+  bool internal_forces(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
   bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
-                   std::span<double> r, BlockMatrix<dim>* K, std::int32_t& worst);
+                   std::span<double> f_int, BlockMatrix<dim>* K, std::int32_t& worst);
+  double add_body_forces(std::span<const double> du, std::span<double> r,
+                         BlockMatrix<dim>* K) const;
 
   Parts parts_;
   std::vector<double> v_, a_;     // walls applied
   std::vector<double> inertia_m_; // mass with the floor for nearly weightless nodes
-  std::vector<double> f_int_;
+  std::vector<double> f_int_;     // of this rank's points at du_known_
+  std::vector<double> f_sum_;     // of all ranks
+  std::vector<double> du_known_;  // where the stresses were last evaluated; empty: nowhere
+  std::vector<double> du_K_;      // where K_int_ was evaluated; empty: nowhere
+  std::vector<double> K_int_;     // values of the matrix: derivative of f_int alone
 };
 
 }  // namespace gabion::mpm

@@ -20,14 +20,15 @@ constexpr std::size_t value_bytes = 8;
 /// Number of values of a shape; throws when it is no shape or exceeds the limit.
 std::size_t checked_size(const std::vector<std::int64_t>& shape, const std::string& name,
                          const CodecLimits& limits) {
-  require<ProtocolError>(!shape.empty() && shape.size() <= 4,
-                         fmt::format("array \"{}\": expected 1 to 4 extents, found {}", name,
-                                     shape.size()));
+  require<ProtocolError>(
+      !shape.empty() && shape.size() <= 4,
+      fmt::format("array \"{}\": expected 1 to 4 extents, found {}", name, shape.size()));
   const std::size_t most = limits.max_frame_bytes / value_bytes;
   std::size_t size = 1;
   bool empty = false;
   for (const std::int64_t extent : shape) {
-    require<ProtocolError>(extent >= 0, fmt::format("array \"{}\": negative extent {}", name, extent));
+    require<ProtocolError>(extent >= 0,
+                           fmt::format("array \"{}\": negative extent {}", name, extent));
     if (extent == 0) {
       empty = true;
       continue;
@@ -80,9 +81,9 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
 Array read_description(const Json& entry) {
   const auto text = [&entry](const char* key) {
     const auto found = entry.find(key);
-    require<ProtocolError>(found != entry.end() && found->is_string(),
-                           fmt::format("header frame: an array lacks the text \"{}\": {}", key,
-                                       shortened(entry)));
+    require<ProtocolError>(
+        found != entry.end() && found->is_string(),
+        fmt::format("header frame: an array lacks the text \"{}\": {}", key, shortened(entry)));
     return found->get<std::string>();
   };
   require<ProtocolError>(entry.is_object(),
@@ -92,7 +93,8 @@ Array read_description(const Json& entry) {
   const std::string dtype = text("dtype");
   require<ProtocolError>(
       dtype == "<f8" || dtype == "<i8",
-      fmt::format("array \"{}\": expected dtype \"<f8\" or \"<i8\", found \"{}\"", array.name, dtype));
+      fmt::format("array \"{}\": expected dtype \"<f8\" or \"<i8\", found \"{}\"", array.name,
+                  dtype));
   if (dtype == "<i8") array.values = std::vector<std::int64_t>();
   const auto shape = entry.find("shape");
   require<ProtocolError>(shape != entry.end() && shape->is_array() && shape->size() <= 4,
@@ -156,16 +158,16 @@ EncodedMessage encode(const Message& message, const CodecLimits& limits) {
   header["type"] = message.type;
   header["sequence"] = message.sequence;
   require<ProtocolError>(message.arrays.size() <= limits.max_arrays,
-                         fmt::format("message \"{}\": {} arrays exceed the limit of {}", message.type,
-                                     message.arrays.size(), limits.max_arrays));
+                         fmt::format("message \"{}\": {} arrays exceed the limit of {}",
+                                     message.type, message.arrays.size(), limits.max_arrays));
   std::size_t payload = 0;
   if (!message.arrays.empty()) header["arrays"] = Json::array();
   for (const Array& array : message.arrays) {
     const std::size_t size = checked_size(array.shape, array.name, limits);
-    require<ProtocolError>(array.size() == size,
-                           fmt::format("message \"{}\", array \"{}\": shape {} but {} values",
-                                       message.type, array.name, shape_text(array.shape),
-                                       array.size()));
+    require<ProtocolError>(
+        array.size() == size,
+        fmt::format("message \"{}\", array \"{}\": shape {} but {} values", message.type,
+                    array.name, shape_text(array.shape), array.size()));
     require<ProtocolError>(size * value_bytes <= limits.max_payload_bytes - payload,
                            fmt::format("message \"{}\" exceeds the limit of {} bytes", message.type,
                                        limits.max_payload_bytes));

@@ -32,9 +32,9 @@ Connection::Connection(const ParticipantSettings& settings)
       context_(make_socket_context()),
       socket_(Socket::connect_dealer(context_, settings.endpoint, settings.name + "#" + session_)),
       heartbeat_(std::make_unique<Heartbeat>(
-          context_, HeartbeatSettings{settings.endpoint, settings.name + "#" + session_ + "#alive",
-                                      settings.name, session_,
-                                      settings.exit_when_coupler_is_lost})) {}
+          context_,
+          HeartbeatSettings{settings.endpoint, settings.name + "#" + session_ + "#alive",
+                            settings.name, session_, settings.exit_when_coupler_is_lost})) {}
 
 Connection::~Connection() {
   if (!welcomed() || !socket_) return;
@@ -81,7 +81,8 @@ void Connection::handshake(const Solver& solver) {
                      settings_.name, answer.text("reason")));
   }
   if (answer.type == "abort") fail("the coupler ended the run: " + answer.text("reason"));
-  if (answer.type != "welcome") fail("expected \"welcome\", the coupler sent \"" + answer.type + "\"");
+  if (answer.type != "welcome")
+    fail("expected \"welcome\", the coupler sent \"" + answer.type + "\"");
   const Welcome welcome = read_welcome(answer);
   if (major_version(welcome.protocol) != major_version(protocol_version)) {
     fail(mismatch_text({{"protocol version", welcome.protocol, protocol_version}}));
@@ -101,9 +102,10 @@ Message Connection::await_answer_to_hello() {
     if (const auto frames = socket_->receive(slice_milliseconds)) return decode(std::span(*frames));
     interrupt::check();
   }
-  fail(fmt::format("participant \"{}\": no answer from a coupler at {} within {} s (option "
-                   "--connect-deadline); is it running there?",
-                   settings_.name, settings_.endpoint, settings_.connect_deadline));
+  fail(
+      fmt::format("participant \"{}\": no answer from a coupler at {} within {} s (option "
+                  "--connect-deadline); is it running there?",
+                  settings_.name, settings_.endpoint, settings_.connect_deadline));
 }
 
 Message Connection::next_request() {
@@ -140,10 +142,10 @@ Message Connection::accept_request(const std::vector<std::string>& frames) {
   if (!failure_.empty()) throw ProtocolError(failure_);
   coupler_->sign_of_life();
   if (request.type == "alive") return request;
-  require<ProtocolError>(request.sequence > last_sequence_,
-                         fmt::format("{} sent \"{}\" with sequence number {} after {}",
-                                     coupler_->label(), request.type, request.sequence,
-                                     last_sequence_));
+  require<ProtocolError>(
+      request.sequence > last_sequence_,
+      fmt::format("{} sent \"{}\" with sequence number {} after {}", coupler_->label(),
+                  request.type, request.sequence, last_sequence_));
   last_sequence_ = request.sequence;
   heartbeat_->set_phase(describe(request), true);
   return request;

@@ -14,8 +14,9 @@ Deadlines read_deadlines(ConfigReader& in) {
   read.idle = in.number_or("idle_deadline", defaults.idle, positive());
   read.heartbeat = in.number_or("heartbeat", defaults.heartbeat, positive());
   if (read.silence < 2 * read.heartbeat) {
-    in.fail("silence_deadline", fmt::format("found {} s; allowed: at least twice the heartbeat of {} s",
-                                            read.silence, read.heartbeat));
+    in.fail("silence_deadline",
+            fmt::format("found {} s; allowed: at least twice the heartbeat of {} s", read.silence,
+                        read.heartbeat));
   }
   return read;
 }

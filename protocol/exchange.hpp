@@ -9,8 +9,8 @@
 
 namespace gabion {
 
-/// Requests and replies of the coupled step, from and to messages. Both ends use these, so that each
-/// field is written and read in one place. All readers throw ProtocolError.
+/// Requests and replies of the coupled step, from and to messages. Both ends use these, so that
+/// each field is written and read in one place. All readers throw ProtocolError.
 
 void put(Message& message, const StepRequest& request);
 StepRequest read_step_request(const Message& message);

@@ -55,7 +55,8 @@ std::vector<Message> nested_list(const Message& message, const std::string& key)
     require<ProtocolError>(element.is_object(),
                            fmt::format("message \"{}\", field \"{}\": expected objects, found {}",
                                        message.type, key, shortened(element)));
-    out.push_back({.type = message.type + "." + key, .sequence = 0, .fields = element, .arrays = {}});
+    out.push_back(
+        {.type = message.type + "." + key, .sequence = 0, .fields = element, .arrays = {}});
   }
   return out;
 }
@@ -64,9 +65,9 @@ std::vector<std::string> read_texts(const Message& message, const std::string& k
   const Json& list = message.field(key);
   const bool texts = list.is_array() && std::all_of(list.begin(), list.end(),
                                                     [](const Json& j) { return j.is_string(); });
-  require<ProtocolError>(texts,
-                         fmt::format("message \"{}\", field \"{}\": expected a list of texts, found {}",
-                                     message.type, key, shortened(list)));
+  require<ProtocolError>(
+      texts, fmt::format("message \"{}\", field \"{}\": expected a list of texts, found {}",
+                         message.type, key, shortened(list)));
   return list.get<std::vector<std::string>>();
 }
 
@@ -75,9 +76,10 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   mesh.name = description.text("name");
   mesh.dim = dim;
   const std::int64_t width = description.integer("vertices_per_facet");
-  require<ProtocolError>(width == 0 || (width >= 2 && width <= 4),
-                         fmt::format("interface \"{}\": expected 0, 2, 3 or 4 vertices_per_facet, found {}",
-                                     mesh.name, width));
+  require<ProtocolError>(
+      width == 0 || (width >= 2 && width <= 4),
+      fmt::format("interface \"{}\": expected 0, 2, 3 or 4 vertices_per_facet, found {}", mesh.name,
+                  width));
   mesh.vertices_per_facet = static_cast<int>(width);
   mesh.coordinates = hello.reals("coordinates:" + mesh.name, {-1, dim});
   require_finite(mesh.coordinates, static_cast<std::size_t>(dim), "coordinates:" + mesh.name);
@@ -93,7 +95,8 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
 
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= 64 &&
-         text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") ==
+         text.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") ==
              std::string::npos;
 }
 
@@ -101,20 +104,13 @@ bool is_name(const std::string& text) {
 
 Message to_message(const Hello& hello) {
   Message out{.type = "hello", .sequence = 0, .fields = Json::object(), .arrays = {}};
-  out.fields = {{"protocol", hello.protocol},
-                {"participant", hello.participant},
-                {"program", hello.program},
-                {"program_version", hello.program_version},
-                {"session", hello.session},
-                {"scene_hash", hello.scene_hash},
-                {"dimension", hello.dimension},
-                {"receives", to_json(hello.receives)},
-                {"sends", to_json(hello.sends)},
-                {"convention", hello.convention},
-                {"interfaces", Json::array()},
-                {"probe_names", hello.probe_names},
-                {"heartbeat", hello.sends_heartbeat},
-                {"process", to_json(hello.process)}};
+  out.fields = {{"protocol", hello.protocol},         {"participant", hello.participant},
+                {"program", hello.program},           {"program_version", hello.program_version},
+                {"session", hello.session},           {"scene_hash", hello.scene_hash},
+                {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
+                {"sends", to_json(hello.sends)},      {"convention", hello.convention},
+                {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
+                {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)}};
   for (const InterfaceMesh& mesh : hello.interfaces) {
     out.fields["interfaces"].push_back(
         {{"name", mesh.name}, {"vertices_per_facet", mesh.vertices_per_facet}});
@@ -156,16 +152,19 @@ Hello read_hello(const Message& message) {
   Hello hello;
   hello.protocol = message.text("protocol");
   hello.participant = message.text("participant");
-  require<ProtocolError>(is_name(hello.participant),
-                         "message \"hello\", field \"participant\": expected 1 to 64 letters, digits, "
-                         "\"_\", \"-\" or \".\", found " + shortened(message.field("participant")));
+  require<ProtocolError>(
+      is_name(hello.participant),
+      "message \"hello\", field \"participant\": expected 1 to 64 letters, digits, "
+      "\"_\", \"-\" or \".\", found " +
+          shortened(message.field("participant")));
   hello.program = message.text("program");
   hello.program_version = message.text("program_version");
   hello.session = message.text("session");
   hello.scene_hash = message.text("scene_hash");
   const std::int64_t dimension = message.integer("dimension");
-  require<ProtocolError>(dimension == 2 || dimension == 3,
-                         fmt::format("message \"hello\": expected dimension 2 or 3, found {}", dimension));
+  require<ProtocolError>(
+      dimension == 2 || dimension == 3,
+      fmt::format("message \"hello\": expected dimension 2 or 3, found {}", dimension));
   hello.dimension = static_cast<int>(dimension);
   hello.receives = read_quantity(message, "receives");
   hello.sends = read_quantity(message, "sends");
@@ -177,8 +176,9 @@ Hello read_hello(const Message& message) {
   std::set<std::string> names;
   for (const Message& description : nested_list(message, "interfaces")) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
-    require<ProtocolError>(names.insert(hello.interfaces.back().name).second,
-                           fmt::format("interface \"{}\" is there twice", hello.interfaces.back().name));
+    require<ProtocolError>(
+        names.insert(hello.interfaces.back().name).second,
+        fmt::format("interface \"{}\" is there twice", hello.interfaces.back().name));
   }
   return hello;
 }
@@ -213,8 +213,8 @@ std::vector<Mismatch> compare(const Expected& expected, const Hello& hello) {
   check(expected.scene_hash.empty() || hello.scene_hash.empty() ||
             expected.scene_hash == hello.scene_hash,
         "scene hash", expected.scene_hash, hello.scene_hash);
-  check(expected.dimension == 0 || expected.dimension == hello.dimension, "dimension", std::to_string(expected.dimension),
-        std::to_string(hello.dimension));
+  check(expected.dimension == 0 || expected.dimension == hello.dimension, "dimension",
+        std::to_string(expected.dimension), std::to_string(hello.dimension));
   check(expected.receives == hello.receives, "quantity that the participant receives",
         to_text(expected.receives), to_text(hello.receives));
   check(expected.sends == hello.sends, "quantity that the participant sends",

@@ -24,17 +24,21 @@ struct Quantity {
   std::string unit;
   bool operator==(const Quantity&) const = default;
 };
-inline Quantity displacement() { return {"displacement", "m"}; }
-inline Quantity force() { return {"force", "N"}; }
+inline Quantity displacement() {
+  return {"displacement", "m"};
+}
+inline Quantity force() {
+  return {"force", "N"};
+}
 
 /// What a participant says about itself.
 struct Hello {
   std::string protocol = protocol_version;
-  std::string participant;      ///< its name in coupler.json: letters, digits, "_", "-", "."
-  std::string program;          ///< such as "fem_solver"
+  std::string participant;  ///< its name in coupler.json: letters, digits, "_", "-", "."
+  std::string program;      ///< such as "fem_solver"
   std::string program_version;
-  std::string session;          ///< random text, unique to this start of the participant
-  std::string scene_hash;       ///< empty = a foreign code that does not read the scene
+  std::string session;     ///< random text, unique to this start of the participant
+  std::string scene_hash;  ///< empty = a foreign code that does not read the scene
   int dimension = 0;
   Quantity receives;
   Quantity sends;

@@ -23,7 +23,8 @@ struct HeartbeatSettings {
 };
 
 /// A thread of the participant with a socket of its own: tells the coupler every half second what
-/// the participant does, also while the solver computes, and listens to the coupler's signs of life.
+/// the participant does, also while the solver computes, and listens to the coupler's signs of
+/// life.
 class Heartbeat {
  public:
   Heartbeat(std::shared_ptr<SocketContext> context, const HeartbeatSettings& settings);

@@ -11,7 +11,9 @@ namespace {
 std::atomic<int> came = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes it");
 
-extern "C" void note_signal(int signal) { came.store(signal); }
+extern "C" void note_signal(int signal) {
+  came.store(signal);
+}
 
 }  // namespace
 
@@ -31,13 +33,17 @@ void install() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-int requested() { return came.load(); }
+int requested() {
+  return came.load();
+}
 
 void check() {
   if (const int signal = requested(); signal != 0) throw Interrupted(signal);
 }
 
-void clear() { came.store(0); }
+void clear() {
+  came.store(0);
+}
 
 }  // namespace interrupt
 }  // namespace gabion

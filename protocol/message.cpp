@@ -39,8 +39,7 @@ bool Message::has_array(const std::string& name) const {
 void Message::wrong(const std::string& key, const std::string& expected) const {
   const auto found = fields.find(key);
   throw ProtocolError(fmt::format("message \"{}\", field \"{}\": expected {}, found {}", type, key,
-                                  expected,
-                                  found == fields.end() ? "nothing" : shortened(*found)));
+                                  expected, found == fields.end() ? "nothing" : shortened(*found)));
 }
 
 const Json& Message::field(const std::string& key) const {
@@ -82,8 +81,7 @@ const std::string& Message::text(const std::string& key) const {
   return found->get_ref<const std::string&>();
 }
 
-const Array& Message::array(const std::string& name,
-                            const std::vector<std::int64_t>& shape) const {
+const Array& Message::array(const std::string& name, const std::vector<std::int64_t>& shape) const {
   for (const Array& candidate : arrays) {
     if (candidate.name != name) continue;
     bool equal = candidate.shape.size() == shape.size();
@@ -95,25 +93,26 @@ const Array& Message::array(const std::string& name,
                            shape_text(shape), shape_text(candidate.shape)));
     return candidate;
   }
-  throw ProtocolError(fmt::format("message \"{}\": expected an array \"{}\" of shape {}, found none",
-                                  type, name, shape_text(shape)));
+  throw ProtocolError(
+      fmt::format("message \"{}\": expected an array \"{}\" of shape {}, found none", type, name,
+                  shape_text(shape)));
 }
 
 const std::vector<double>& Message::reals(const std::string& name,
                                           const std::vector<std::int64_t>& shape) const {
   const auto* values = std::get_if<std::vector<double>>(&array(name, shape).values);
-  require<ProtocolError>(values != nullptr,
-                         fmt::format("message \"{}\", array \"{}\": expected \"<f8\", found \"<i8\"",
-                                     type, name));
+  require<ProtocolError>(
+      values != nullptr,
+      fmt::format("message \"{}\", array \"{}\": expected \"<f8\", found \"<i8\"", type, name));
   return *values;
 }
 
 const std::vector<std::int64_t>& Message::integers(const std::string& name,
                                                    const std::vector<std::int64_t>& shape) const {
   const auto* values = std::get_if<std::vector<std::int64_t>>(&array(name, shape).values);
-  require<ProtocolError>(values != nullptr,
-                         fmt::format("message \"{}\", array \"{}\": expected \"<i8\", found \"<f8\"",
-                                     type, name));
+  require<ProtocolError>(
+      values != nullptr,
+      fmt::format("message \"{}\", array \"{}\": expected \"<i8\", found \"<f8\"", type, name));
   return *values;
 }
 

@@ -45,7 +45,8 @@ StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
       sent = read_values(reply, hello_.sends.name, hello_.interfaces);
       return read_step_report(reply);
     } catch (const ProtocolError& problem) {
-      throw ProtocolError(fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
+      throw ProtocolError(
+          fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
     }
   });
 }
@@ -68,7 +69,8 @@ AcceptReport RemoteSolver::finish_accept() {
       probes_ = report.probes;
       return report;
     } catch (const ProtocolError& problem) {
-      throw ProtocolError(fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
+      throw ProtocolError(
+          fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));
     }
   });
 }
@@ -84,7 +86,9 @@ AcceptReport RemoteSolver::accept_and_write(const StepRequest& request, bool sol
   return finish_accept();
 }
 
-void RemoteSolver::reject_step() { call(request_of("reject_step"), "rejected"); }
+void RemoteSolver::reject_step() {
+  call(request_of("reject_step"), "rejected");
+}
 
 void RemoteSolver::write_output(double time) {
   Message message = request_of("write_output");
@@ -97,10 +101,10 @@ Json RemoteSolver::summary() const {
 }
 
 void RemoteSolver::start(Message request) const {
-  require<ProtocolError>(!outstanding_, fmt::format("participant \"{}\": \"{}\" asked before the answer "
-                                                    "to \"{}\" was taken",
-                                                    name(), request.type,
-                                                    outstanding_ ? outstanding_->type : ""));
+  require<ProtocolError>(!outstanding_,
+                         fmt::format("participant \"{}\": \"{}\" asked before the answer "
+                                     "to \"{}\" was taken",
+                                     name(), request.type, outstanding_ ? outstanding_->type : ""));
   const std::string type = request.type;
   const Stopwatch watch;
   outstanding_ = Outstanding{type, switchboard_.send(name(), std::move(request)), watch};
@@ -111,9 +115,10 @@ Message RemoteSolver::finish(const std::vector<std::string>& allowed) const {
                          fmt::format("participant \"{}\": nothing was asked", name()));
   Message reply = switchboard_.wait_reply(name(), outstanding_->sequence);
   switchboard_.guarded([&] {
-    require<ProtocolError>(std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
-                           fmt::format("participant \"{}\" answered \"{}\" with \"{}\", expected {}",
-                                       name(), outstanding_->type, reply.type, allowed));
+    require<ProtocolError>(
+        std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
+        fmt::format("participant \"{}\" answered \"{}\" with \"{}\", expected {}", name(),
+                    outstanding_->type, reply.type, allowed));
     note_times(reply);
   });
   outstanding_.reset();

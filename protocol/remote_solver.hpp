@@ -54,7 +54,7 @@ class RemoteSolver : public Solver {
   void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
   AcceptReport finish_accept();
 
-  const CallTimes& last_call() const { return last_call_; }  ///< count is 1
+  const CallTimes& last_call() const { return last_call_; }                 ///< count is 1
   const std::map<std::string, CallTimes>& times() const { return times_; }  ///< by request type
 
  private:

@@ -63,8 +63,9 @@ class Service {
   Message accept(const Message& request) {
     const StepRequest step = read_step_request(request);
     const bool solved = request.boolean("solved");
-    require<ProtocolError>(!solved || has_solution_,
-                           fmt::format("the coupler accepts step {}, which has no solution", step.step));
+    require<ProtocolError>(
+        !solved || has_solution_,
+        fmt::format("the coupler accepts step {}, which has no solution", step.step));
     const AcceptReport report = solver_.accept_step(step, solved);
     has_solution_ = false;
     if (request.boolean("write_output")) solver_.write_output(request.number("output_time"));

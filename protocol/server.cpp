@@ -60,8 +60,8 @@ std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
       }
       require<ProtocolError>(
           waited.seconds() <= switchboard_.deadlines().connect,
-          fmt::format("participants {} did not connect to {} within {:.1f} s (limit {} s, {})", awaited,
-                      endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+          fmt::format("participants {} did not connect to {} within {:.1f} s (limit {} s, {})",
+                      awaited, endpoint(), waited.seconds(), switchboard_.deadlines().connect,
                       deadline_option("connect_deadline")));
       if (since_log.seconds() > awaited_log_period) {
         since_log = Stopwatch();
@@ -113,8 +113,9 @@ std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
   welcome.deadlines = switchboard_.deadlines();
   welcome.run = run;
   switchboard_.answer(arrival.route, to_message(welcome));
-  log::info("{} is here{}", label,
-            hello.scene_hash.empty() ? ": it gives no scene hash, its settings are not compared" : "");
+  log::info(
+      "{} is here{}", label,
+      hello.scene_hash.empty() ? ": it gives no scene hash, its settings are not compared" : "");
   return std::make_unique<RemoteSolver>(switchboard_, std::move(hello));
 }
 
@@ -128,9 +129,9 @@ void Server::finish() {
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const Message reply = switchboard_.wait_reply(names_[i], sequences[i]);
-      require<ProtocolError>(reply.type == "finished",
-                             fmt::format("participant \"{}\" answered \"finish\" with \"{}\"",
-                                         names_[i], reply.type));
+      require<ProtocolError>(
+          reply.type == "finished",
+          fmt::format("participant \"{}\" answered \"finish\" with \"{}\"", names_[i], reply.type));
     }
   });
 }

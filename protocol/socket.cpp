@@ -27,7 +27,9 @@ struct Socket::Implementation {
   }
 };
 
-std::shared_ptr<SocketContext> make_socket_context() { return std::make_shared<SocketContext>(); }
+std::shared_ptr<SocketContext> make_socket_context() {
+  return std::make_shared<SocketContext>();
+}
 
 Socket::Socket(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
@@ -66,8 +68,7 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
 
 bool Socket::send(const std::vector<std::string_view>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto flags =
-        i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
+    const auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
     for (;;) {
       try {
         if (!implementation_->socket.send(zmq::buffer(frames[i]), flags)) return false;

@@ -14,7 +14,7 @@
 namespace gabion {
 namespace {
 
-constexpr int slice_milliseconds = 100;      // of any wait: a peer's death is noticed after one slice
+constexpr int slice_milliseconds = 100;  // of any wait: a peer's death is noticed after one slice
 constexpr double health_check_period = 0.05;  // [s]
 constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
 
@@ -119,9 +119,10 @@ Message Switchboard::wait_reply(const std::string& participant, std::uint64_t se
       check_health(!came);
       if (!came && waited.seconds() > deadlines_.answer) {
         const PeerWatch& watch = *peer(participant).watch;
-        throw ProtocolError(fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
-                                        watch.label(), waited.seconds(), deadlines_.answer,
-                                        deadline_option("answer_deadline"), watch.last_words()));
+        throw ProtocolError(
+            fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
+                        watch.label(), waited.seconds(), deadlines_.answer,
+                        deadline_option("answer_deadline"), watch.last_words()));
       }
     }
   });
@@ -180,8 +181,9 @@ bool Switchboard::pump(int milliseconds) {
 
 void Switchboard::dispatch(const std::vector<std::string>& frames) {
   const std::string& route = frames[0];
-  const auto from = std::find_if(peers_.begin(), peers_.end(),
-                                 [&route](const auto& entry) { return entry.second.route == route; });
+  const auto from = std::find_if(peers_.begin(), peers_.end(), [&route](const auto& entry) {
+    return entry.second.route == route;
+  });
   const bool known = from != peers_.end();
   Message message;
   try {
@@ -198,8 +200,8 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
   }
   if (known && message.type == "abort") {
     if (from->second.released) return;
-    throw ProtocolError(fmt::format("{} ended the run: {}", from->second.watch->label(),
-                                    message.text("reason")));
+    throw ProtocolError(
+        fmt::format("{} ended the run: {}", from->second.watch->label(), message.text("reason")));
   }
   if (known) {
     from->second.watch->sign_of_life();
@@ -224,7 +226,8 @@ void Switchboard::heartbeat_came(const std::string& route, const Message& messag
 void Switchboard::refuse_late_arrivals() {
   for (const Arrival& late : arrivals_) {
     log::warn("refused a participant that came when the run was under way");
-    answer(late.route, refusal({{"state of the run", "under way, all participants are here", "hello"}}));
+    answer(late.route,
+           refusal({{"state of the run", "under way, all participants are here", "hello"}}));
   }
   arrivals_.clear();
 }

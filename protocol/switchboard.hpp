@@ -47,9 +47,9 @@ class Switchboard {
   std::optional<Arrival> next_arrival();
   /// Answer on a route that is no participant's yet.
   void answer(const std::string& route, const Message& message);
-  void add_participant(const std::string& name, const std::string& route, const std::string& session,
-                       const std::string& label, const ProcessIdentity& process,
-                       bool sends_heartbeat);
+  void add_participant(const std::string& name, const std::string& route,
+                       const std::string& session, const std::string& label,
+                       const ProcessIdentity& process, bool sends_heartbeat);
   bool has_participant(const std::string& name) const { return peers_.contains(name); }
 
   /// Send a request; returns its sequence number.

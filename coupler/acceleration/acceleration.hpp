@@ -14,7 +14,7 @@ struct AccelerationSettings {
   std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn
   double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
   double filter = 1e-2;         ///< QR2 limit in [0, 1): a column this dependent is dropped
-  int history = 20;             ///< accepted steps whose columns are kept, >= 0
+  int history = 5;              ///< accepted steps whose columns are kept, >= 0
   int max_columns = 200;        ///< of all steps together, >= 1
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };

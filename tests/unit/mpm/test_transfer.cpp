@@ -181,7 +181,7 @@ TEST(GridToPoints, nothing_happens_in_flip_and_pic_takes_its_share) {
       const auto before = soil.points;
       grid_to_points(soil.grid, soil.nodes, still, soil.weights, pic_share, soil.points);
       EXPECT_EQ(soil.points.x, before.x);
-      if (pic_share == 0) EXPECT_EQ(soil.points.v, before.v);
+      EXPECT_EQ(soil.points.v == before.v, pic_share == 0);
       for (const auto& group : soil.weights.groups) {
         const auto cell = soil.grid.mesh.cell(group.cell);
         for (std::int32_t e = group.first; e < group.last; ++e) {

@@ -17,7 +17,8 @@ class DummySolver : public Solver {
     mesh_.name = "wall";
     mesh_.dim = dim;
     mesh_.coordinates.resize(static_cast<std::size_t>(num_vertices * dim));
-    for (std::size_t i = 0; i < mesh_.coordinates.size(); ++i) mesh_.coordinates[i] = 0.1 * double(i);
+    for (std::size_t i = 0; i < mesh_.coordinates.size(); ++i)
+      mesh_.coordinates[i] = 0.1 * double(i);
     mesh_.vertices_per_facet = 2;
     for (std::int64_t i = 0; i + 1 < num_vertices; ++i) {
       mesh_.facets.insert(mesh_.facets.end(), {i, i + 1});

@@ -27,8 +27,12 @@ std::atomic<std::size_t> allocated = 0;
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace gabion {
 namespace {
@@ -64,9 +68,14 @@ TEST(Codec, ArraysRoundTripBits) {
   Message message;
   message.type = "solved";
   message.sequence = std::numeric_limits<std::uint64_t>::max();
-  std::vector<double> special = {0.0, -0.0, std::numeric_limits<double>::denorm_min(), -1e-310,
-                                 std::numeric_limits<double>::max(), 1. / 3,
-                                 std::numeric_limits<double>::infinity(), std::nan("7")};
+  std::vector<double> special = {0.0,
+                                 -0.0,
+                                 std::numeric_limits<double>::denorm_min(),
+                                 -1e-310,
+                                 std::numeric_limits<double>::max(),
+                                 1. / 3,
+                                 std::numeric_limits<double>::infinity(),
+                                 std::nan("7")};
   std::vector<double> large(1000000);
   std::mt19937_64 random(1);
   for (double& value : large) value = std::bit_cast<double>(random());
@@ -104,8 +113,8 @@ TEST(Codec, HeaderNumbersRoundTripBits) {
 TEST(Codec, FieldsOfEveryKindRoundTrip) {
   Message message;
   message.type = "welcome";
-  message.fields = {{"a", true}, {"b", "Geröll \"\\ \n"}, {"c", {{"d", Json::array({1, nullptr})}}},
-                    {"e", -3}};
+  message.fields = {
+      {"a", true}, {"b", "Geröll \"\\ \n"}, {"c", {{"d", Json::array({1, nullptr})}}}, {"e", -3}};
   EXPECT_EQ(decode(frames_of(message)).fields, message.fields);
 }
 
@@ -200,7 +209,8 @@ TEST(Codec, BrokenFramesAreRefused) {
   EXPECT_REFUSED((Frames{one_array("[18446744073709551615]"), two_values}), "integer extents");
   EXPECT_REFUSED((Frames{one_array("[0,9223372036854775807]"), two_values}), "exceeds the limit");
   const std::string entry = R"({"name":"x","dtype":"<f8","shape":[2]})";
-  EXPECT_REFUSED((Frames{header(fmt::format("[{0},{0}]", entry)), two_values, two_values}), "twice");
+  EXPECT_REFUSED((Frames{header(fmt::format("[{0},{0}]", entry)), two_values, two_values}),
+                 "twice");
 }
 
 TEST(Codec, LimitsHoldOnBothSides) {
@@ -283,11 +293,21 @@ TEST(Codec, MutatedFramesNeverCrashNorExceedTheMemoryBound) {
       std::string& frame = frames[below(10) < 8 ? 0 : below(frames.size())];
       const std::size_t at = below(frame.size() + 1);
       switch (below(5)) {
-        case 0: if (at < frame.size()) frame[at] = static_cast<char>(random()); break;
-        case 1: if (at < frame.size()) frame[at] = alphabet[below(alphabet.size())]; break;
-        case 2: frame.erase(at, 1 + below(8)); break;
-        case 3: frame.insert(at, frame.substr(below(frame.size() + 1), below(40))); break;
-        case 4: if (below(50) == 0) frames.resize(1 + below(frames.size())); break;
+        case 0:
+          if (at < frame.size()) frame[at] = static_cast<char>(random());
+          break;
+        case 1:
+          if (at < frame.size()) frame[at] = alphabet[below(alphabet.size())];
+          break;
+        case 2:
+          frame.erase(at, 1 + below(8));
+          break;
+        case 3:
+          frame.insert(at, frame.substr(below(frame.size() + 1), below(40)));
+          break;
+        case 4:
+          if (below(50) == 0) frames.resize(1 + below(frames.size()));
+          break;
       }
     }
     std::size_t payload = 0;
@@ -306,8 +326,8 @@ TEST(Codec, MutatedFramesNeverCrashNorExceedTheMemoryBound) {
 }
 
 TEST(Codec, WorstHeadersStayInsideTheMemoryBound) {
-  for (const std::string& unit : {std::string("[],"), std::string("{},"), std::string("0,"),
-                                  std::string("\"\",")}) {
+  for (const std::string& unit :
+       {std::string("[],"), std::string("{},"), std::string("0,"), std::string("\"\",")}) {
     std::string list;
     while (list.size() < 500000) list += unit;
     list.pop_back();

@@ -100,13 +100,15 @@ TEST(Faults, KilledParticipantIsNamedWithinTwoSeconds) {
   });
   const Stopwatch watch;
   InterfaceValues sent;
-  const std::string error = message_of<ProtocolError>(
-      [&] { solvers.at("structure")->solve_step({57, 3, 0, 0.1}, {}, sent); });
+  const std::string error = message_of<ProtocolError>([&] {
+    solvers.at("structure")->solve_step({57, 3, 0, 0.1}, {}, sent);
+  });
   const double noticed = watch.seconds() - 0.3;
   killer.join();
   EXPECT_LT(noticed, 0.5);
   EXPECT_CONTAINS(error, "participant \"structure\" (fem_solver, pid " +
-                             std::to_string(structure.pid()) + ") has died: no process; last sign of life");
+                             std::to_string(structure.pid()) +
+                             ") has died: no process; last sign of life");
   EXPECT_CONTAINS(error, "in phase \"solve_step 57 iteration 3\"");
   // The failure is final, and the survivor is told.
   EXPECT_CONTAINS(message_of<ProtocolError>([&] { solvers.at("soil")->reject_step(); }),
@@ -125,8 +127,9 @@ TEST(Faults, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
   soil.signal(SIGKILL);
   InterfaceValues sent;
   const Stopwatch watch;
-  const std::string error = message_of<ProtocolError>(
-      [&] { solvers.at("structure")->solve_step({1, 0, 0, 0.1}, {}, sent); });
+  const std::string error = message_of<ProtocolError>([&] {
+    solvers.at("structure")->solve_step({1, 0, 0, 0.1}, {}, sent);
+  });
   EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
   EXPECT_LT(watch.seconds(), 0.5);
 }
@@ -143,8 +146,9 @@ TEST(Faults, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
   auto solvers = server.wait_for({expected("soil")});
   InterfaceValues sent;
   const Stopwatch watch;
-  EXPECT_CONTAINS(message_of<ProtocolError>(
-                      [&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); }),
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
+                  }),
                   "has died: no process");
   EXPECT_LT(watch.seconds(), 0.5);
 }
@@ -162,8 +166,9 @@ TEST(Faults, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
     sleep_for(0.2);
     soil.signal(SIGSTOP);
   });
-  const std::string error = message_of<ProtocolError>(
-      [&] { solvers.at("soil")->solve_step({2, 1, 0, 0.1}, {}, sent); });
+  const std::string error = message_of<ProtocolError>([&] {
+    solvers.at("soil")->solve_step({2, 1, 0, 0.1}, {}, sent);
+  });
   stopper.join();
   EXPECT_CONTAINS(error, "is silent for 1.");
   EXPECT_CONTAINS(error, "limit 1 s, option protocol/silence_deadline");
@@ -227,8 +232,9 @@ TEST(Faults, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
   soil.tell(server.endpoint());
   auto solvers = server.wait_for({expected("soil")});
   InterfaceValues sent;
-  const std::string error = message_of<ProtocolError>(
-      [&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); });
+  const std::string error = message_of<ProtocolError>([&] {
+    solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
+  });
   EXPECT_CONTAINS(error, "is alive but has not answered");
   EXPECT_CONTAINS(error, "protocol/answer_deadline");
 }
@@ -277,7 +283,8 @@ TEST(Faults, WaitingParticipantNoticesTheCouplersDeath) {
   const Stopwatch watch;
   const std::string error = message_of<ProtocolError>([&] { serve(solver, connection); });
   killer.join();
-  EXPECT_CONTAINS(error, "the coupler (pid " + std::to_string(coupler.child().pid()) + ") has died");
+  EXPECT_CONTAINS(error,
+                  "the coupler (pid " + std::to_string(coupler.child().pid()) + ") has died");
   EXPECT_LT(watch.seconds(), 1.0);
 }
 
@@ -309,8 +316,9 @@ TEST(Faults, AbsentParticipantMeetsTheConnectDeadline) {
   settings.deadlines.connect = 0.3;
   Server server(settings);
   const Stopwatch watch;
-  const std::string error =
-      message_of<ProtocolError>([&] { server.wait_for({expected("soil"), expected("structure")}); });
+  const std::string error = message_of<ProtocolError>([&] {
+    server.wait_for({expected("soil"), expected("structure")});
+  });
   EXPECT_CONTAINS(error, "soil");
   EXPECT_CONTAINS(error, "structure");
   EXPECT_CONTAINS(error, server.endpoint());
@@ -338,18 +346,25 @@ TEST(Faults, AbsentCouplerMeetsTheConnectDeadline) {
 /// A coupler in this thread, participants in others.
 class Threads : public ::testing::Test {
  protected:
-  Solver& connect(DummySolver& solver, const std::string& name = "soil") {
-    end_ = std::async(std::launch::async, [this, &solver, name] {
+  /// Unless the run was finished, the server's end ends the participant.
+  void TearDown() override {
+    solvers_.clear();
+    server_.reset();
+    if (end_.valid()) end_.wait();
+  }
+  Solver& connect() {
+    end_ = std::async(std::launch::async, [this, endpoint = server_->endpoint()] {
       return message_of<std::exception>([&] {
-        Connection connection(participant(name, server_->endpoint()));
-        serve(solver, connection);
+        Connection connection(participant("soil", endpoint));
+        serve(solver_, connection);
       });
     });
-    solvers_ = server_->wait_for({expected(name)});
-    return *solvers_.at(name);
+    solvers_ = server_->wait_for({expected("soil")});
+    return *solvers_.at("soil");
   }
   std::string participants_error() { return end_.get(); }
 
+  DummySolver solver_{3, 2, 1.0};
   std::unique_ptr<Server> server_ = std::make_unique<Server>(short_deadlines());
   std::map<std::string, std::unique_ptr<Solver>> solvers_;
   std::future<std::string> end_;
@@ -357,12 +372,13 @@ class Threads : public ::testing::Test {
 };
 
 TEST_F(Threads, FailedStepIsAConvergenceErrorAndTheRunGoesOn) {
-  DummySolver solver(3, 2, 1.0);
-  solver.on_solve = [](const StepRequest& request) {
+  solver_.on_solve = [](const StepRequest& request) {
     if (request.dt > 0.06) throw ConvergenceError("Newton: residual 3.1 after 20 iterations");
   };
-  Solver& soil = connect(solver);
-  EXPECT_EQ(message_of<ConvergenceError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); }),
+  Solver& soil = connect();
+  EXPECT_EQ(message_of<ConvergenceError>([&] {
+              soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+            }),
             "participant \"soil\": Newton: residual 3.1 after 20 iterations");
   soil.reject_step();
   soil.solve_step({1, 0, 0, 0.05}, {}, sent_);
@@ -372,51 +388,50 @@ TEST_F(Threads, FailedStepIsAConvergenceErrorAndTheRunGoesOn) {
 }
 
 TEST_F(Threads, AnyOtherErrorOfASolverEndsTheRunWithItsText) {
-  DummySolver solver(3, 2, 1.0);
-  solver.on_solve = [](const StepRequest&) { throw std::runtime_error("disk full"); };
-  Solver& soil = connect(solver);
-  const std::string error =
-      message_of<ProtocolError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); });
+  solver_.on_solve = [](const StepRequest&) { throw std::runtime_error("disk full"); };
+  Solver& soil = connect();
+  const std::string error = message_of<ProtocolError>([&] {
+    soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+  });
   EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
   EXPECT_CONTAINS(error, "ended the run: disk full");
   EXPECT_EQ(participants_error(), "disk full");
 }
 
 TEST_F(Threads, ValuesThatAreNotFiniteAreReported) {
-  DummySolver solver(3, 2, 1.0);
-  solver.spoil = [](InterfaceValues& sent) {
+  solver_.spoil = [](InterfaceValues& sent) {
     sent["wall"][3] = std::numeric_limits<double>::infinity();
   };
-  Solver& soil = connect(solver);
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.solve_step({1, 0, 0, 0.1}, {}, sent_); }),
+  Solver& soil = connect();
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+                  }),
                   "\"force:wall\" is inf at vertex 1, component 1");
 }
 
 TEST_F(Threads, CouplersAbortReachesTheParticipant) {
-  DummySolver solver(3, 2, 1.0);
-  connect(solver);
+  connect();
   server_->abort("dt_min reached");
   EXPECT_EQ(participants_error(), "the coupler ended the run: dt_min reached");
 }
 
 TEST_F(Threads, CouplerThatEndsWithoutFinishIsAFailure) {
-  DummySolver solver(3, 2, 1.0);
-  connect(solver);
+  connect();
   solvers_.clear();
   server_.reset();
   EXPECT_CONTAINS(participants_error(), "the coupler ended without finishing the run");
 }
 
 TEST_F(Threads, AcceptingWithoutSolutionIsRefused) {
-  DummySolver solver(3, 2, 1.0);
-  Solver& soil = connect(solver);
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.accept_step({4, 0, 0, 0.1}, true); }),
+  Solver& soil = connect();
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    soil.accept_step({4, 0, 0, 0.1}, true);
+                  }),
                   "accepts step 4, which has no solution");
 }
 
 TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
-  DummySolver solver(3, 2, 1.0);
-  Solver& soil = connect(solver);
+  Solver& soil = connect();
   EXPECT_CONTAINS(message_of<ProtocolError>([&] {
                     soil.solve_step({1, 0, 0, 0.1}, {{"wall", std::vector<double>(5)}}, sent_);
                   }),
@@ -441,7 +456,9 @@ TEST_F(Threads, TwoSolversWorkAtOnce) {
   const Stopwatch watch;
   soil.start_solve({1, 0, 0, 0.1}, {});
   structure.start_solve({1, 0, 0, 0.1}, {});
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] { soil.start_solve({1, 0, 0, 0.1}, {}); }),
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    soil.start_solve({1, 0, 0, 0.1}, {});
+                  }),
                   "asked before the answer");
   soil.finish_solve(sent_);
   structure.finish_solve(sent_);
@@ -469,8 +486,11 @@ Message solved(const Message& request, std::int64_t num_vertices, double value) 
   Message reply;
   reply.type = "solved";
   reply.sequence = request.sequence;
-  reply.fields = {{"newton_iterations", 1}, {"linear_iterations", 1}, {"interface_active", true},
-                  {"details", Json::object()}, {"busy_seconds", 0.0}};
+  reply.fields = {{"newton_iterations", 1},
+                  {"linear_iterations", 1},
+                  {"interface_active", true},
+                  {"details", Json::object()},
+                  {"busy_seconds", 0.0}};
   reply.add("force:wall", {num_vertices, 2},
             std::vector<double>(static_cast<std::size_t>(2 * num_vertices), value));
   return reply;
@@ -478,9 +498,10 @@ Message solved(const Message& request, std::int64_t num_vertices, double value) 
 
 TEST(Lies, WrongAnswersAreReported) {
   EXPECT_EQ(error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 3, 1)); }), "");
-  EXPECT_CONTAINS(error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 4, 1)); }),
-                  "participant \"soil\" answered wrongly: message \"solved\", array \"force:wall\": "
-                  "expected shape [3, 2], found [4, 2]");
+  EXPECT_CONTAINS(
+      error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 4, 1)); }),
+      "participant \"soil\" answered wrongly: message \"solved\", array \"force:wall\": "
+      "expected shape [3, 2], found [4, 2]");
   EXPECT_CONTAINS(
       error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 3, NAN)); }),
       "participant \"soil\" answered wrongly: \"force:wall\" is nan at vertex 0, component 0");
@@ -511,15 +532,15 @@ class Signals : public Threads {
   void SetUp() override { interrupt::install(); }
   void TearDown() override {
     interrupt::clear();
+    Threads::TearDown();
     std::signal(SIGTERM, SIG_DFL);
     std::signal(SIGINT, SIG_DFL);
   }
 };
 
 TEST_F(Signals, SignalEndsAWait) {
-  DummySolver solver(3, 2, 1.0);
-  solver.on_solve = [](const StepRequest&) { sleep_for(0.5); };
-  Solver& soil = connect(solver);
+  solver_.on_solve = [](const StepRequest&) { sleep_for(0.5); };
+  Solver& soil = connect();
   std::thread sender([self = pthread_self()] {
     sleep_for(0.1);
     pthread_kill(self, SIGTERM);
@@ -550,7 +571,9 @@ TEST(SignalsOfALauncher, DeathOfAPeerIsTheMessage) {
       pthread_kill(self, SIGTERM);
     });
     InterfaceValues sent;
-    EXPECT_CONTAINS(message_of<Error>([&] { solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent); }),
+    EXPECT_CONTAINS(message_of<Error>([&] {
+                      solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
+                    }),
                     "participant \"soil\" (mpm_solver, pid");
     launcher.join();
   }

@@ -33,7 +33,8 @@ void expect_refused(const Message& hello, const std::vector<std::string>& parts)
   const Outcome outcome = outcome_of(hello, {expected("soil")});
   for (const std::string& part : parts) {
     EXPECT_NE(outcome.coupler.find(part), std::string::npos) << part << "\n" << outcome.coupler;
-    EXPECT_NE(outcome.participant.find(part), std::string::npos) << part << "\n" << outcome.participant;
+    EXPECT_NE(outcome.participant.find(part), std::string::npos) << part << "\n"
+                                                                 << outcome.participant;
   }
 }
 
@@ -130,8 +131,9 @@ TEST(Handshake, NameTwiceIsRefused) {
   RawParticipant second(server.endpoint(), "b");
   first.send(to_message(good_hello("soil")));
   second.send(to_message(good_hello("soil")));
-  const std::string error = message_of<ProtocolError>(
-      [&] { server.wait_for({expected("soil"), expected("structure")}); });
+  const std::string error = message_of<ProtocolError>([&] {
+    server.wait_for({expected("soil"), expected("structure")});
+  });
   EXPECT_NE(error.find("\"soil\" is connected already"), std::string::npos) << error;
   const std::string one = first.receive().type;
   const std::string other = second.receive().type;
