@@ -26,6 +26,10 @@ constexpr double min_J_ratio = 0.1;
 // this share of a cell: Newton's error then falls by about that factor an iteration.
 constexpr double same_tangent = 1e-4;
 
+// Where soil flies freely no force is left to compare the residual with. The force that would stop
+// a node within the step counts by this share.
+constexpr double share_of_stopping = 1e-3;
+
 double norm(std::span<const double> x) {
   double sum = 0;
   for (const double value : x) sum += value * value;
@@ -204,7 +208,7 @@ double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<d
   const double dt = parts_.dt;
   const NewmarkBossak& scheme = parts_.scheme;
   const double slope = scheme.inertia_slope(dt);
-  double external = 0, inertial = 0;
+  double external = 0, inertial = 0, stopping = 0;
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
     const double mass = inertia_m_[i];
     for (int d = 0; d < dim; ++d) {
@@ -215,10 +219,12 @@ double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<d
       r[k] += f_ext - f_inertia - f_sum_[k];
       external += f_ext * f_ext;
       inertial += f_inertia * f_inertia;
+      const double f_stop = share_of_stopping * mass * v_[k] / dt;
+      stopping += f_stop * f_stop;
     }
     if (K) K->add_diagonal(i, mass * slope);
   }
-  return std::sqrt(std::max(external, inertial));
+  return std::sqrt(std::max({external, inertial, stopping}));
 }
 
 template class Equilibrium<2>;

@@ -59,6 +59,9 @@ class Equilibrium final : public NewtonProblem<dim> {
                       BlockMatrix<dim>* K) override;
   double length_scale() const override { return parts_.cell_size; }
 
+  /// Forget what earlier solutions of this step left: what follows depends on the accepted state only.
+  void forget_tangent() { du_K_.clear(); }
+
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
   /// the cells of boundary points.
   void pattern(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/mechanics/elements/shape_functions.hpp"
 #include "mpm_solver/basis.hpp"
 
 namespace gabion::mpm {
@@ -15,6 +16,26 @@ namespace {
 template <int dim>
 Vector<dim> to_vector(const std::vector<double>& values) {
   return Eigen::Map<const Vector<dim>>(values.data());
+}
+
+// Refuse a count of points that no rule offers, at the key that asks for it.
+template <int dim>
+void check_point_rule(const ConfigReader& in, const std::string& key, CellType type, int count) {
+  try {
+    point_rule<dim>(type, count);
+  } catch (const ConfigError& error) {
+    in.fail(key, error.what());
+  }
+}
+
+// Refuse the last of the items when an earlier one has its name.
+template <class Items>
+void require_own_name(const ConfigReader& in, const Items& items) {
+  for (std::size_t k = 0; k + 1 < items.size(); ++k) {
+    if (items[k].name != items.back().name) continue;
+    in.fail("name", fmt::format("found \"{}\" a second time, allowed: a name of its own",
+                                items.back().name));
+  }
 }
 
 std::vector<WallSettings> read_walls(ConfigReader& in) {
@@ -38,19 +59,15 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     Body<dim> body;
     PointLayout<dim> layout;
     body.name = item.text("name");
-    for (const auto& other : settings.bodies) {
-      if (other.name == body.name) {
-        item.fail("name", fmt::format("found \"{}\" a second time, allowed: a name of its own",
-                                      body.name));
-      }
-    }
     layout.mesh = read_mesh<dim>(scene, item.object("mesh"));
     layout.points_per_cell = item.integer("points_per_cell", at_least(1));
+    check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
     layout.velocity =
         to_vector<dim>(item.numbers_or("velocity", std::vector<double>(dim, 0.0), dim));
     body.material = read_material<dim>(item.object("material"));
     item.finish();
     settings.bodies.push_back(std::move(body));
+    require_own_name(item, settings.bodies);
     settings.layouts.push_back(std::move(layout));
   }
 }
@@ -136,7 +153,11 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
     }
     boundary.friction = in.number("friction", non_negative());
   }
-  boundary.points_per_facet = in.integer_or("points_per_facet", 2, at_least(1));
+  const CellType facet = boundary.surface.facet_type;
+  boundary.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
+  if constexpr (dim == 3) {
+    check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
+  }
   in.finish();
   return boundary;
 }
@@ -173,10 +194,12 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   const double cell_size = mean_cell_size(settings.grid);
   for (auto& item : in.objects_or_none("interfaces")) {
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
+    require_own_name(item, settings.interfaces);
   }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
     item.finish();
+    require_own_name(item, settings.probes);
   }
   if (alone) *alone = read_alone_settings(in);
   in.finish();

@@ -26,6 +26,8 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
                              rank_of(comm), num_ranks(comm), points);
   }
   settings.layouts.clear();
+  // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
+  std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
@@ -166,7 +168,10 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
                                       InterfaceValues& sent) {
   if (dt_ != request.dt) begin_step(request.dt);
   receive(received);
-  if (request.iteration == 0) choose_guess();
+  if (request.iteration == 0) {
+    equilibrium_->forget_tangent();
+    choose_guess();
+  }
   const NewtonReport newton = solve_newton(*equilibrium_, K_, new_pattern_, linear_,
                                            settings_.newton, std::span<double>(du_), times_);
   new_pattern_ = false;

@@ -68,20 +68,23 @@ int run_program(int argc, char** argv, const std::string& program,
 
   MpiSession session(argc, argv, program);
   log::start(role.prefix, log::Level::info, session.is_root());
-  const auto fail = [&](const std::string& message, int exit_code) {
+  const auto fail = [&](const std::string& message, int exit_code, bool cause_is_elsewhere) -> int {
     log::error("{}", message);
-    if (!session.is_only_process()) MpiSession::abort(exit_code);
-    return exit_code;
+    if (session.is_only_process()) return exit_code;
+    cause_is_elsewhere ? MpiSession::leave(exit_code) : MpiSession::abort(exit_code);
   };
   try {
     log::start(role.prefix, log::level_from_name(log_level), session.is_root());
     if (options.output.empty()) options.output = default_output(options, program, session);
     body(options, session);
     return 0;
+  } catch (const ProtocolError& error) {  // mostly the echo of another program's failure
+    return fail(error.what(), error.exit_code(), true);
   } catch (const Error& error) {
-    return fail(error.what(), error.exit_code());
+    const bool by_signal = error.exit_code() > 128;
+    return fail(error.what(), error.exit_code(), by_signal);
   } catch (const std::exception& error) {
-    return fail(error.what(), 1);
+    return fail(error.what(), 1, false);
   }
 }
 

@@ -174,7 +174,7 @@ void RankedSolver::follow() {
     const Json& arguments = message.at(1);
     if (call == Call::stop) {
       const auto error = arguments.get<std::string>();
-      if (!error.empty()) throw Error("rank 0 failed: " + error);
+      if (!error.empty()) throw ProtocolError("rank 0 failed: " + error);
       return;
     }
     try {

@@ -105,7 +105,7 @@ TEST(Faults, KilledParticipantIsNamedWithinTwoSeconds) {
   });
   const double noticed = watch.seconds() - 0.3;
   killer.join();
-  EXPECT_LT(noticed, 0.5);
+  EXPECT_LT(noticed, 1.0);
   EXPECT_CONTAINS(error, "participant \"structure\" (fem_solver, pid " +
                              std::to_string(structure.pid()) +
                              ") has died: no process; last sign of life");
@@ -131,7 +131,7 @@ TEST(Faults, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
     solvers.at("structure")->solve_step({1, 0, 0, 0.1}, {}, sent);
   });
   EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
-  EXPECT_LT(watch.seconds(), 0.5);
+  EXPECT_LT(watch.seconds(), 1.0);
 }
 
 TEST(Faults, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
@@ -150,7 +150,7 @@ TEST(Faults, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
                     solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
                   }),
                   "has died: no process");
-  EXPECT_LT(watch.seconds(), 0.5);
+  EXPECT_LT(watch.seconds(), 1.0);
 }
 
 TEST(Faults, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
@@ -188,8 +188,9 @@ TEST(Faults, BusyParticipantOutlivesTheSilenceDeadline) {
   auto& remote = static_cast<RemoteSolver&>(*solvers.at("soil"));
   InterfaceValues sent;
   remote.solve_step({1, 0, 0, 0.1}, {}, sent);
-  EXPECT_NEAR(remote.last_call().busy_seconds, 1.5, 0.1);
-  EXPECT_NEAR(remote.last_call().seconds, 1.5, 0.2);
+  EXPECT_GE(remote.last_call().busy_seconds, 1.5);
+  EXPECT_GT(remote.last_call().seconds, remote.last_call().busy_seconds);
+  EXPECT_LT(remote.last_call().seconds, 2.5);
   server.finish();
   EXPECT_EQ(soil.exit_status(), 0);
 }
@@ -441,7 +442,7 @@ TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
 TEST_F(Threads, TwoSolversWorkAtOnce) {
   DummySolver a(3, 2, 1.0);
   DummySolver b(3, 2, 1.0);
-  a.on_solve = b.on_solve = [](const StepRequest&) { sleep_for(0.3); };
+  a.on_solve = b.on_solve = [](const StepRequest&) { sleep_for(0.5); };
   const auto run = [this](DummySolver& solver, const char* name) {
     return std::async(std::launch::async, [this, &solver, name] {
       Connection connection(participant(name, server_->endpoint()));
@@ -462,7 +463,7 @@ TEST_F(Threads, TwoSolversWorkAtOnce) {
                   "asked before the answer");
   soil.finish_solve(sent_);
   structure.finish_solve(sent_);
-  EXPECT_LT(watch.seconds(), 0.5);
+  EXPECT_LT(watch.seconds(), 0.9);
   server_->finish();
   end_a.get();
   end_b.get();
@@ -539,7 +540,7 @@ class Signals : public Threads {
 };
 
 TEST_F(Signals, SignalEndsAWait) {
-  solver_.on_solve = [](const StepRequest&) { sleep_for(0.5); };
+  solver_.on_solve = [](const StepRequest&) { sleep_for(1); };
   Solver& soil = connect();
   std::thread sender([self = pthread_self()] {
     sleep_for(0.1);
@@ -553,7 +554,7 @@ TEST_F(Signals, SignalEndsAWait) {
     code = problem.exit_code();
   }
   EXPECT_EQ(code, 128 + SIGTERM);
-  EXPECT_LT(watch.seconds(), 0.3);
+  EXPECT_LT(watch.seconds(), 0.8);
   sender.join();
 }
 

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+Json valid() {
+  return {{"dimension", 2},
+          {"grid", box({0, 0}, {2, 1}, {8, 4}, "tri3")},
+          {"walls", {wall("bottom", "fixed"), wall("left", "slip")}},
+          {"bodies", {body("soil", box({0, 0}, {1, 0.5}, {4, 2}, "tri3"), 3,
+                           elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}},
+          {"interfaces", {{{"name", "plate"},
+                           {"surface", {{"polyline", {{1.5, 0.5}, {1.5, 0}}}, {"spacing", 0.25}}}}}}};
+}
+
+Json valid_3d() {
+  return {{"dimension", 3},
+          {"grid", box({0, 0, 0}, {2, 1, 1}, {4, 2, 2}, "hex8")},
+          {"bodies", {body("soil", box({0, 0, 0}, {1, 1, 1}, {2, 2, 2}, "hex8"), 8,
+                           elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}}};
+}
+
+template <class Kind = ConfigError>
+std::string error_of(const Json& json) {
+  try {
+    make_mpm(json);
+  } catch (const Kind& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_parts(const std::string& text, const std::vector<std::string>& parts) {
+  for (const auto& part : parts) {
+    EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in: " << text;
+  }
+}
+
+void expect_error(const Json& json, const std::vector<std::string>& parts) {
+  expect_parts(error_of(json), parts);
+}
+
+TEST(MpmConfig, valid_scenes_in_both_dimensions) {
+  EXPECT_EQ(make_mpm(valid())->interfaces().size(), 1u);
+  EXPECT_EQ(make_mpm(valid_3d())->interfaces().size(), 0u);
+}
+
+TEST(MpmConfig, penalty_defaults_to_twenty_moduli_per_cell) {
+  const MpmFolder folder(valid());
+  const Scene scene(folder.path(), {});
+  ConfigReader in = scene.reader("mpm.json");
+  in.integer("dimension");
+  const auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
+  const double M = 1e5 * 0.7 / (1.3 * 0.4);
+  EXPECT_NEAR(settings.interfaces.at(0).penalty, 20 * M / 0.25, 1e-6 * M);
+  EXPECT_EQ(settings.interfaces[0].mode, mpm::ContactMode::contact);
+  EXPECT_EQ(settings.interfaces[0].memory, mpm::GapMemory::accumulated);
+  EXPECT_LT(settings.interfaces[0].friction, 0);
+  EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
+  EXPECT_EQ(settings.pic_share, 0);
+  EXPECT_EQ(settings.scheme.alpha_bossak, -0.1);
+  EXPECT_EQ(settings.gravity, Vector<2>::Zero());
+}
+
+TEST(MpmConfig, unknown_key_with_a_suggestion) {
+  Json json = valid();
+  json["gravitation"] = {0, -9.81};
+  expect_error(json, {"mpm.json", "/gravitation", "unknown", "gravity"});
+  json = valid();
+  json["bodies"][0]["material"]["friction"] = 30;
+  expect_error(json, {"/bodies/0/material/friction", "unknown"});
+  json = valid();
+  json["walls"][1]["mode"] = "slip";
+  expect_error(json, {"/walls/1/mode", "unknown", "group"});
+}
+
+TEST(MpmConfig, wrong_types_and_ranges) {
+  Json json = valid();
+  json["bodies"][0]["material"]["density"] = -5;
+  expect_error(json, {"/bodies/0/material/density", "-5", "> 0"});
+  json = valid();
+  json["gravity"] = "down";
+  expect_error(json, {"/gravity", "\"down\"", "2 numbers"});
+  json = valid();
+  json["gravity"] = {0, 0, -9.81};
+  expect_error(json, {"/gravity", "2 numbers"});
+  json = valid();
+  json["dimension"] = 4;
+  expect_error(json, {"/dimension", "4", "2 to 3"});
+  json = valid();
+  json["transfer"] = {{"pic_share", 1.5}};
+  expect_error(json, {"/transfer/pic_share", "1.5", "0 to 1"});
+  json = valid();
+  json["bodies"] = Json::array();
+  expect_error(json, {"/bodies", "at least one body"});
+  json = valid();
+  json["bodies"].push_back(json["bodies"][0]);
+  expect_error(json, {"/bodies/1/name", "soil", "second time"});
+  json = valid();
+  json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.5}};
+  expect_error(json, {"/time_integration/alpha", "-0.5", "-1/3"});
+}
+
+TEST(MpmConfig, missing_mesh_file) {
+  Json json = valid();
+  json["grid"] = {{"file", "nowhere.msh"}};
+  expect_error(json, {"mpm.json", "/grid/file", "nowhere.msh"});
+}
+
+TEST(MpmConfig, missing_wall_group_names_those_that_exist) {
+  for (const char* condition : {"fixed", "slip"}) {
+    Json json = valid();
+    json["walls"][1] = wall("floor", condition);
+    expect_error(json, {"mpm.json", "/walls/1/group", "floor", "bottom", "left", "right", "top"});
+  }
+  Json json = valid();
+  json["walls"][0]["condition"] = "rough";
+  expect_error(json, {"/walls/0/condition", "rough", "fixed, slip"});
+}
+
+TEST(MpmConfig, interfaces) {
+  Json json = valid();
+  json["interfaces"][0]["mode"] = "slip";
+  json["interfaces"][0]["friction"] = 0.3;
+  expect_error(json, {"/interfaces/0/friction", "contact"});
+  json = valid();
+  json["interfaces"][0]["friction"] = -0.3;
+  expect_error(json, {"/interfaces/0/friction", "-0.3", ">= 0"});
+  json = valid();
+  json["interfaces"][0]["mode"] = "glue";
+  expect_error(json, {"/interfaces/0/mode", "glue", "fixed, contact, slip"});
+  json = valid();
+  json["interfaces"][0]["penalty"] = 1e6;
+  json["interfaces"][0]["penalty_factor"] = 20;
+  expect_error(json, {"/interfaces/0/penalty_factor"});
+  json = valid();
+  json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}};
+  expect_error(json, {"/interfaces/0/surface/polyline", "two points"});
+  json = valid();
+  json["interfaces"][0]["surface"] = {{"mesh", box({1, 0}, {2, 1}, {1, 1}, "quad4")},
+                                      {"groups", {"roof"}}};
+  expect_error(json, {"/interfaces/0/surface/groups", "roof", "bottom", "left", "right", "top"});
+  json = valid_3d();
+  json["interfaces"] = valid()["interfaces"];
+  expect_error(json, {"/interfaces/0/surface/polyline", "2D only"});
+}
+
+/// In 3D the default count of boundary points fits the facets.
+TEST(MpmConfig, three_dimensional_surfaces) {
+  for (const char* type : {"tet4", "hex8"}) {
+    Json json = valid_3d();
+    json["interfaces"] = {{{"name", "block"},
+                           {"surface", {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, type)},
+                                        {"groups", {"left"}}}}}};
+    EXPECT_EQ(error_of(json), "no error") << type;
+    json["interfaces"][0]["points_per_facet"] = 5;
+    expect_error(json, {"/interfaces/0/points_per_facet", "5"});
+  }
+}
+
+TEST(MpmConfig, counts_of_points_that_are_not_offered) {
+  Json json = valid();
+  json["bodies"][0]["points_per_cell"] = 5;
+  expect_error(json, {"mpm.json", "/bodies/0/points_per_cell", "5", "tri3", "1, 3, 4, 6"});
+}
+
+TEST(MpmConfig, body_outside_the_grid) {
+  Json json = valid();
+  json["bodies"][0]["mesh"] = box({1.5, 0}, {2.5, 0.5}, {4, 2}, "quad4");
+  json["bodies"][0]["points_per_cell"] = 1;
+  expect_parts(error_of<Error>(json), {"material point 2", "(2.125, 0.125)", "outside"});
+}
+
+/// Points that leave the grid end the run with the same words.
+TEST(MpmConfig, points_that_fly_out) {
+  Json json = valid();
+  json.erase("walls");
+  json.erase("interfaces");
+  json["bodies"][0]["velocity"] = {-10, 0};
+  const auto solver = make_mpm(json);
+  InterfaceValues sent;
+  const StepRequest request{1, 0, 0, 0.1};
+  solver->solve_step(request, {}, sent);
+  try {
+    solver->accept_step(request, true);
+    FAIL();
+  } catch (const Error& error) {
+    expect_parts(error.what(), {"material point 0", "outside"});
+  }
+}
+
+TEST(MpmConfig, time_is_read_only_without_a_coupler) {
+  Json json = valid();
+  json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
+  expect_error(json, {"/time", "unknown"});
+  json["output"] = {{"interval", 0.5}};
+  const MpmFolder folder(json);
+  const Scene scene(folder.path(), {});
+  ConfigReader in = scene.reader("mpm.json");
+  AloneSettings alone;
+  make_mpm_solver(scene, in, comm(), "", &alone);
+  EXPECT_EQ(alone.time.dt, 0.1);
+  EXPECT_EQ(alone.output_interval, 0.5);
+}
+
+TEST(MpmConfig, probe_columns) {
+  Json json = valid();
+  json["probes"] = {{{"name", "A"}, {"point", {1.0, 0.5}}}};
+  const auto solver = make_mpm(json);
+  EXPECT_EQ(solver->probe_names(),
+            (std::vector<std::string>{"mass", "kinetic_energy", "elastic_energy", "momentum_x",
+                                      "momentum_y", "front", "A.ux", "A.uy"}));
+  EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);
+  EXPECT_GT(probe(*solver, "front"), 0.9);
+}
+
+}  // namespace
+}  // namespace gabion::test
