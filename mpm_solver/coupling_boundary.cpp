@@ -47,6 +47,7 @@ std::vector<FacetPoint> facet_points(CellType type, int n) {
 template <int dim>
 CouplingBoundary<dim>::CouplingBoundary(CouplingBoundarySettings<dim> settings)
     : settings_(std::move(settings)), vertices_per_facet_(num_nodes(settings_.surface.facet_type)) {
+  if (settings_.mode == ContactMode::slip) settings_.friction = 0;
   const auto& surface = settings_.surface;
   const auto rule = facet_points(surface.facet_type, settings_.points_per_facet);
   const auto geometry = facet_geometry<dim>(surface.vertices, surface.facet_type, surface.facets);
@@ -167,30 +168,24 @@ void CouplingBoundary<dim>::evaluate_point(std::span<const double> du, Point& b,
   if (slope) slope->setZero();
   if (!b.closed) return;
 
-  const double eps = settings_.penalty;
-  b.traction = -eps * b.gap_trial;
-  if (slope) *slope = eps * Matrix<dim>::Identity();
-  if (settings_.mode == ContactMode::fixed) return;
-  const double limit = settings_.mode == ContactMode::slip
-                           ? 0.0
-                           : (settings_.friction < 0 ? std::numeric_limits<double>::infinity()
-                                                     : settings_.friction * b.traction[0]);
-  Vector<dim> tangential = b.traction;
-  tangential[0] = 0;
-  const double size = tangential.norm();
-  if (size <= limit) return;
+  Vector<dim> eps = Vector<dim>::Constant(settings_.tangential_share * settings_.penalty);
+  eps[0] = settings_.penalty;
+  b.traction = -eps.cwiseProduct(b.gap_trial);
+  if (slope) *slope = eps.asDiagonal();
+  if (settings_.mode == ContactMode::fixed || settings_.friction < 0) return;
 
+  const double limit = settings_.friction * b.traction[0];
+  const double size = b.traction.template tail<dim - 1>().norm();
+  if (size <= limit) return;
   b.sliding = true;
-  const Vector<dim> direction = tangential / size;
-  const double normal = b.traction[0];
-  b.traction = limit * direction;
-  b.traction[0] = normal;
+  Vector<dim> direction = b.traction / size;
+  direction[0] = 0;
+  b.traction.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();
   if (!slope) return;
-  Matrix<dim> tangent_plane = Matrix<dim>::Identity();
-  tangent_plane(0, 0) = 0;
-  *slope = eps * (limit / size) * (tangent_plane - direction * direction.transpose());
-  (*slope)(0, 0) = eps;
-  if (limit > 0) slope->col(0) += settings_.friction * eps * direction;
+  *slope *= limit / size;
+  *slope -= eps[dim - 1] * (limit / size) * direction * direction.transpose();
+  slope->col(0) = settings_.friction * eps[0] * direction;
+  (*slope)(0, 0) = eps[0];
 }
 
 template <int dim>
@@ -258,7 +253,7 @@ void CouplingBoundary<dim>::accept() {
     if (b.closed) {
       b.gap = b.gap_trial;
       if (b.sliding) {  // the part beyond the friction limit has slid for good
-        b.gap.tail(dim - 1) = -b.traction.tail(dim - 1) / settings_.penalty;
+        b.gap.template tail<dim - 1>() = -b.traction.template tail<dim - 1>() / (settings_.tangential_share * settings_.penalty);
       }
     }
   }

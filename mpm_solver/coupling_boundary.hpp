@@ -40,6 +40,7 @@ struct CouplingBoundarySettings {
   GapMemory memory = GapMemory::accumulated;
   double penalty = 0;               ///< [Pa/m] > 0
   double friction = -1;             ///< coefficient in mode contact; < 0: unlimited (stick)
+  double tangential_share = 1;      ///< of the penalty in tangential directions, in (0, 1]
   int points_per_facet = 2;
 };
 

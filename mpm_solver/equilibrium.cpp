@@ -22,8 +22,8 @@ constexpr double mass_floor = 1e-8;
 // A step that squeezes a point below this share of its volume is inadmissible.
 constexpr double min_J_ratio = 0.1;
 
-// The tangent of the stresses counts as unchanged while no component of du has moved by more than
-// this share of a cell: Newton's error then falls by about that factor an iteration.
+// A first evaluation takes the tangent of the stresses from a state where no component of du differs
+// by more than this share of a cell.
 constexpr double same_tangent = 1e-4;
 
 // Where soil flies freely no force is left to compare the residual with. The force that would stop
@@ -148,7 +148,9 @@ template <int dim>
 bool Equilibrium<dim>::internal_forces(std::span<const double> du, BlockMatrix<dim>* K,
                                        std::int32_t& worst) {
   const bool stress_known = std::equal(du.begin(), du.end(), du_known_.begin(), du_known_.end());
-  if (stress_known && (!K || is_near(du, du_K_, same_tangent * parts_.cell_size))) {
+  const double near = first_evaluation_ ? same_tangent * parts_.cell_size : 0;
+  first_evaluation_ = false;
+  if (stress_known && (!K || is_near(du, du_K_, near))) {
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
     return true;
   }

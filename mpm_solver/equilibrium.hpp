@@ -57,9 +57,12 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
+  /// A new solution with other interface values begins: its first evaluation may take the tangent
+  /// of the stresses from the neighbouring state where the last solution left it.
+  void begin_solution() { first_evaluation_ = true; }
   double length_scale() const override { return parts_.cell_size; }
 
-  /// Forget what earlier solutions of this step left: what follows depends on the accepted state only.
+  /// Forget the tangent of earlier solutions, so that repeated requests give the same bits.
   void forget_tangent() { du_K_.clear(); }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
@@ -88,6 +91,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> du_known_;  // where the stresses were last evaluated; empty: nowhere
   std::vector<double> du_K_;      // where K_int_ was evaluated; empty: nowhere
   std::vector<double> K_int_;     // values of the matrix: derivative of f_int alone
+  bool first_evaluation_ = true;
 };
 
 }  // namespace gabion::mpm

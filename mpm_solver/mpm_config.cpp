@@ -153,6 +153,7 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
     }
     boundary.friction = in.number("friction", non_negative());
   }
+  boundary.tangential_share = in.number_or("tangential_share", boundary.friction < 0 ? 1 : 0.1, between(1e-6, 1));
   const CellType facet = boundary.surface.facet_type;
   boundary.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
   if constexpr (dim == 3) {

@@ -166,12 +166,14 @@ void MpmSolver<dim>::receive(const InterfaceValues& received) {
 template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
-  if (dt_ != request.dt) begin_step(request.dt);
+  const bool begins = dt_ != request.dt;
+  if (begins) begin_step(request.dt);
   receive(received);
-  if (request.iteration == 0) {
+  if (begins || request.iteration == 0) {
     equilibrium_->forget_tangent();
     choose_guess();
   }
+  equilibrium_->begin_solution();
   const NewtonReport newton = solve_newton(*equilibrium_, K_, new_pattern_, linear_,
                                            settings_.newton, std::span<double>(du_), times_);
   new_pattern_ = false;

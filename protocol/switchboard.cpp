@@ -101,7 +101,9 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
       sent = post(to.route, request);
     }
     if (!sent) {
-      check_health(false);
+      // A dying process closes its connection a moment before it is gone.
+      collect_last_words();
+      check_deaths();
       throw ProtocolError(fmt::format("{} cannot be reached: its connection is closed; {}",
                                       to.watch->label(), to.watch->last_words()));
     }
@@ -237,20 +239,26 @@ void Switchboard::check_health(bool queue_is_empty) {
   const int signal = interrupt::requested();
   if (elapsed < health_check_period && signal == 0) return;
   since_health_check_ = Stopwatch();
-  for (auto& [name, checked] : peers_) {
-    if (elapsed > own_sleep) checked.watch->forgive();
-    if (checked.released) continue;
-    if (const auto death = checked.watch->death()) {
-      collect_last_words();
-      throw ProtocolError(*death);
-    }
+  if (elapsed > own_sleep) {
+    for (auto& [name, checked] : peers_) checked.watch->forgive();
   }
+  check_deaths();
   interrupt::check();
   if (!queue_is_empty) return;
   for (auto& [name, checked] : peers_) {
     if (checked.released || !checked.sends_heartbeat) continue;
     if (const auto silence = checked.watch->silence(deadlines_.silence)) {
       throw ProtocolError(*silence);
+    }
+  }
+}
+
+void Switchboard::check_deaths() {
+  for (auto& [name, checked] : peers_) {
+    if (checked.released) continue;
+    if (const auto death = checked.watch->death()) {
+      collect_last_words();
+      throw ProtocolError(*death);
     }
   }
 }

@@ -86,6 +86,7 @@ class Switchboard {
   void release(const std::string& participant);
   void heartbeat_came(const std::string& route, const Message& message);
   void check_health(bool queue_is_empty);
+  void check_deaths();
   void collect_last_words();
   void refuse_late_arrivals();
   std::optional<Message> take_reply(const std::string& participant, std::uint64_t sequence);

@@ -59,6 +59,12 @@ int run_program(int argc, char** argv, const std::string& program,
   app.add_option("--name", options.name, "Name of this participant")
       ->type_name("PARTICIPANT")
       ->capture_default_str();
+  if (program != "coupler") {
+    app.add_option("--connect-deadline", options.connect_deadline,
+                   "Wait so long [s] for the coupler's answer")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+  }
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {
     app.parse(argc, argv);
@@ -68,23 +74,28 @@ int run_program(int argc, char** argv, const std::string& program,
 
   MpiSession session(argc, argv, program);
   log::start(role.prefix, log::Level::info, session.is_root());
-  const auto fail = [&](const std::string& message, int exit_code, bool cause_is_elsewhere) -> int {
+  const auto fail = [&](const std::string& message, int exit_code) {
     log::error("{}", message);
-    if (session.is_only_process()) return exit_code;
-    cause_is_elsewhere ? MpiSession::leave(exit_code) : MpiSession::abort(exit_code);
+    if (!session.is_only_process()) MpiSession::abort(exit_code);
+    return exit_code;
+  };
+  const auto follow = [&](const Error& error, double head_start) {
+    log::error("{}", error.what());
+    if (!session.is_only_process()) MpiSession::leave(error.exit_code(), head_start);
+    return error.exit_code();
   };
   try {
     log::start(role.prefix, log::level_from_name(log_level), session.is_root());
     if (options.output.empty()) options.output = default_output(options, program, session);
     body(options, session);
     return 0;
-  } catch (const ProtocolError& error) {  // mostly the echo of another program's failure
-    return fail(error.what(), error.exit_code(), true);
+  } catch (const ProtocolError& error) {
+    return follow(error, 0.5);  // mostly the echo of another program's failure
   } catch (const Error& error) {
     const bool by_signal = error.exit_code() > 128;
-    return fail(error.what(), error.exit_code(), by_signal);
+    return by_signal ? follow(error, 0) : fail(error.what(), error.exit_code());
   } catch (const std::exception& error) {
-    return fail(error.what(), 1, false);
+    return fail(error.what(), 1);
   }
 }
 

@@ -17,6 +17,7 @@ struct ProgramOptions {
   bool check = false;                  ///< read and cross-check the scene, then end
   std::string coupler;  ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
   std::string name;     ///< of this participant, such as "soil"
+  double connect_deadline = 30;  ///< [s] > 0, solvers: until the coupler has answered
 };
 
 /// Frame of a program: options, log, MPI, and errors as exit codes.

@@ -86,19 +86,21 @@ void RunRecord::row(const std::string& file, const std::vector<CsvValue>& values
   if (writes_) tables_.at(file).row(values);
 }
 
-void RunRecord::write_json(const std::string& file, const Json& value) const {
-  if (!writes_) return;
-  const std::string target = path(file);
-  const std::string draft = target + ".part";
+void write_json_file(const std::string& path, const Json& value) {
+  const std::string draft = path + ".part";
   {
     std::ofstream out(draft);
     out << value.dump(2) << '\n';
     out.flush();
-    require(out.good(), fmt::format("{}: could not be written (disk full?)", target));
+    require(out.good(), fmt::format("{}: could not be written (disk full?)", path));
   }
   std::error_code error;
-  fs::rename(draft, target, error);
-  require(!error, fmt::format("{}: could not be written: {}", target, error.message()));
+  fs::rename(draft, path, error);
+  require(!error, fmt::format("{}: could not be written: {}", path, error.message()));
+}
+
+void RunRecord::write_json(const std::string& file, const Json& value) const {
+  if (writes_) write_json_file(path(file), value);
 }
 
 bool OutputClock::due(double time) {

@@ -11,6 +11,10 @@
 
 namespace gabion {
 
+/// Write a JSON file in one piece: a reader sees the old file or the new one.
+/// @throws Error  the file could not be written
+void write_json_file(const std::string& path, const Json& value);
+
 /// The folder of one run's results and the tables in it.
 ///
 /// A marker file makes the folder ours. Results of an earlier run of the same kind are moved to
@@ -36,7 +40,7 @@ class RunRecord {
   /// Append to a table that was opened.
   void row(const std::string& file, const std::vector<CsvValue>& values);
 
-  /// Write a JSON file in one piece: a reader sees the old file or the new one.
+  /// write_json_file() below the folder; nothing where this record does not write.
   void write_json(const std::string& file, const Json& value) const;
 
  private:

@@ -25,6 +25,19 @@ Json read_json(const std::string& path) {
   }
 }
 
+/// An index behind the end of a list would fill the list up with nulls.
+void require_entries(const Json& file, Json::json_pointer pointer, const std::string& text) {
+  for (; !pointer.empty(); pointer.pop_back()) {
+    const auto parent = pointer.parent_pointer();
+    if (!file.contains(parent) || !file.at(parent).is_array()) continue;
+    const std::size_t size = file.at(parent).size();
+    require<ConfigError>(file.contains(pointer),
+                         fmt::format("--set {}: found entry \"{}\" of {}, allowed: 0 to {}", text,
+                                     pointer.back(), parent.to_string(),
+                                     static_cast<std::int64_t>(size) - 1));
+  }
+}
+
 }  // namespace
 
 Scene::Scene(const std::string& folder, const std::vector<std::string>& overrides)
@@ -53,7 +66,9 @@ Scene::Scene(const std::string& folder, const std::vector<std::string>& override
     Json value = Json::parse(value_text, nullptr, /*allow_exceptions=*/false);
     if (value.is_discarded()) value = value_text;
     try {
-      files_[file][Json::json_pointer(text.substr(colon + 1, equal - colon - 1))] = value;
+      const Json::json_pointer pointer(text.substr(colon + 1, equal - colon - 1));
+      require_entries(files_[file], pointer, text);
+      files_[file][pointer] = value;
     } catch (const Json::exception& error) {
       throw ConfigError(fmt::format("--set {}: {}", text, error.what()));
     }

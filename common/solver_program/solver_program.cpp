@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "common/base/log.hpp"
 #include "common/base/run_alone.hpp"
 #include "common/base/run_record.hpp"
@@ -37,8 +39,12 @@ std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& se
 void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
                     const MpiSession& session, const Scene& scene, ConfigReader& reader,
                     const std::string& endpoint) {
-  const auto solver =
-      program.make(scene, reader, session.comm(), options.output + "/" + program.folder, nullptr);
+  const std::string folder = options.output + "/" + program.folder;
+  const auto solver = program.make(scene, reader, session.comm(), folder, nullptr);
+  if (session.is_root()) {
+    std::filesystem::create_directories(folder);
+    write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
+  }
   ParticipantSettings settings;
   settings.endpoint = endpoint;
   settings.name = options.name;
@@ -47,6 +53,7 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   settings.dimension = static_cast<int>(reader.resolved().at("dimension"));
   settings.receives = program.receives;
   settings.sends = program.sends;
+  settings.connect_deadline = options.connect_deadline;
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
     interrupt::install();
     Connection connection(settings);
@@ -61,7 +68,7 @@ void drive_alone(const SolverProgram& program, const ProgramOptions& options,
   AloneSettings alone;
   const auto solver =
       program.make(scene, reader, session.comm(), record.path(program.folder), &alone);
-  if (record.writes()) record.write_json("resolved_config.json", {{program.file, reader.resolved()}});
+  record.write_json("resolved_config.json", {{program.file, reader.resolved()}});
   if (!solver->interfaces().empty()) {
     log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
   }

@@ -184,24 +184,27 @@ class IntegrationCase(unittest.TestCase):
             (self.scene / f"{name}.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
 
     def start(self, *options: str, programs: tuple[str, ...] = PROGRAMS, ranks: dict[str, int] | None = None,
-              own: dict[str, list[str]] | None = None, before: str = "", output: Path | None = None) -> Launch:
-        """Start programs on the scene in one mpirun line.
-
-        `own`: options of one program; `before`: shell command that goes before, such as a limit.
-        """
+              own: dict[str, list[str]] | None = None, ignored_signal: str = "") -> Launch:
+        """Start programs on the scene in one mpirun line. `own`: options of one program."""
         command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none"]
         if os.geteuid() == 0:
             command.append("--allow-run-as-root")
         for i, program in enumerate(programs):
-            command += [":"] * (i > 0) + ["-n", str((ranks or {}).get(program, 1)), str(binaries / program)]
-            if not program.startswith("fake"):
-                command += [str(self.scene), "--output", str(output or self.out), *options]
+            command += [":"] * (i > 0) + ["-n", str((ranks or {}).get(program, 1))]
+            if ignored_signal:
+                command += ["/bin/sh", "-c", f"trap '' {ignored_signal}; exec \"$@\"", "sh"]
+            command += [str(binaries / program), str(self.scene), "--output", str(self.out), *options]
             command += (own or {}).get(program, [])
-        if before:
-            command = ["/bin/sh", "-c", f'{before}; exec "$@"', "sh", *command]
         launch = Launch(command, self.folder)
         self.addCleanup(launch.end)
         return launch
+
+    def start_and_step(self, num_steps: int = 50, **how) -> Launch:
+        """Start a coupled run and wait until it has accepted so many steps."""
+        run = self.start(**how)
+        rows = self.out / "steps.csv"
+        run.wait_until(lambda: rows.exists() and rows.read_text().count("\n") > num_steps, f"{num_steps} steps")
+        return run
 
     def run_launch(self, *options: str, code: int, within: float | None = None, **how) -> Ended:
         """Run to the end; the exit code must be this one, and no process may be left."""

@@ -103,7 +103,7 @@ class Set(IntegrationCase):
         self.refused("coupler.json:/time/end=soon", "at /time/end", '"soon"', "number")
         self.refused("coupler.json:time/end=1", "allowed: FILE:/json/pointer=VALUE")
         self.refused("coupler.json:/time/end", "allowed: FILE:/json/pointer=VALUE")
-        self.refused("coupler.json:/interfaces/7/name=x", "interfaces/7")
+        self.refused("coupler.json:/interfaces/7/name=x", 'found entry "7" of /interfaces, allowed: 0 to 0')
 
 
 class CommandLine(IntegrationCase):

@@ -47,6 +47,10 @@ WorstNode worst_node(std::span<const double> values) {
   return worst;
 }
 
+// A full Newton step below this share of the length scale cannot improve the solution: what is left
+// of r is round-off (forces that cancel, as in a free body that moves without strain).
+constexpr double round_off = 1e-14;
+
 /// State of one solve.
 template <int dim>
 class Newton {
@@ -83,6 +87,7 @@ class Newton {
   void solve_linear();
   bool next_is_last() const;
   double predicted_relative() const;
+  bool cycles() const;
   bool line_search();
   bool sufficient(const Iterate& next, double energy) const;
   [[noreturn]] void fail(const std::string& reason) const;
@@ -184,11 +189,20 @@ bool Newton<dim>::sufficient(const Iterate& next, double energy) const {
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);
 }
 
+// Across a kink (contact that opens, a point that leaves the yield surface) full steps may jump to
+// and fro between two states for ever; half a step lands between them.
+template <int dim>
+bool Newton<dim>::cycles() const {
+  const auto& residuals = report_.residuals;
+  const std::size_t n = residuals.size();
+  return n > 4 && residuals[n - 1] > 0.5 * residuals[n - 3] && residuals[n - 2] > 0.5 * residuals[n - 4];
+}
+
 template <int dim>
 bool Newton<dim>::line_search() {
   const double energy = dot(step_, r_);
   const bool speculate = !settings_.reuse_matrix && !next_is_last();
-  cut_ = 1;
+  cut_ = cycles() ? 0.5 : 1;
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
@@ -214,6 +228,7 @@ NewtonReport Newton<dim>::run() {
   accept(first);
   bool converged = current_.small_residual;
   bool matrix_is_usable = reuse;
+  bool renewed = false;  // K was evaluated again because the line search failed with it
   while (!converged) {
     if (report_.iterations == settings_.max_iterations) fail("iteration limit reached");
     matrix_is_old_ = matrix_is_usable;
@@ -221,12 +236,15 @@ NewtonReport Newton<dim>::run() {
     solve_linear();
     const double norm_before = current_.norm;
     if (line_search()) {
-      converged = current_.small_residual &&
-                  cut_ * step_size_ <= settings_.increment_tolerance * problem_.length_scale();
+      renewed = false;
+      const double moved = cut_ * step_size_ / problem_.length_scale();
+      converged = (current_.small_residual && moved <= settings_.increment_tolerance) ||
+                  (!matrix_is_old_ && step_size_ <= round_off * problem_.length_scale());
       matrix_is_usable =
           settings_.reuse_matrix && (converged || current_.norm <= reuse_reduction * norm_before);
-    } else if (matrix_is_old_) {
+    } else if (matrix_is_old_ || !renewed) {
       matrix_is_usable = false;
+      renewed = true;
     } else {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_));
     }

@@ -63,10 +63,8 @@ inline Json elastic_soil(const std::string& law, double E, double nu, double den
 
 inline Json body(const std::string& name, const Json& mesh, int points_per_cell,
                  const Json& material, const std::vector<double>& velocity = {}) {
-  Json result = {{"name", name},
-                 {"mesh", mesh},
-                 {"points_per_cell", points_per_cell},
-                 {"material", material}};
+  Json result = {
+      {"name", name}, {"mesh", mesh}, {"points_per_cell", points_per_cell}, {"material", material}};
   if (!velocity.empty()) result["velocity"] = velocity;
   return result;
 }

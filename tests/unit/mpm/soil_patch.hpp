@@ -107,7 +107,7 @@ auto cross(const Vector<dim>& x, const Vector<dim>& f) {
 template <int dim>
 struct ForceAndMoment {
   Vector<dim> force = Vector<dim>::Zero();
-  Vector<dim == 2 ? 1 : 3> moment = Vector<dim == 2 ? 1 : 3>::Zero();
+  Vector<dim == 2 ? 1 : 3> moment = Vector < dim == 2 ? 1 : 3 > ::Zero();
   double size = 0;  // sum of |f|
 
   void add(const Vector<dim>& x, const Vector<dim>& f) {

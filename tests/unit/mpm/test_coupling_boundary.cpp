@@ -27,7 +27,8 @@ CouplingBoundarySettings<dim> plate(ContactMode mode = ContactMode::contact) {
     settings.surface.facets = {0, 1};
   } else {
     settings.surface.facet_type = CellType::quad4;
-    settings.surface.vertices = {{0.2, 0.2, 0.5}, {0.8, 0.2, 0.5}, {0.8, 0.8, 0.5}, {0.2, 0.8, 0.5}};
+    settings.surface.vertices = {
+        {0.2, 0.2, 0.5}, {0.8, 0.2, 0.5}, {0.8, 0.8, 0.5}, {0.2, 0.8, 0.5}};
     settings.surface.facets = {0, 1, 2, 3};
   }
   return settings;
@@ -41,9 +42,9 @@ template <int dim>
 struct Contact {
   SoilPatch<dim> soil;
   CouplingBoundary<dim> boundary;
-  std::vector<Vector<dim>> vertices;   // reference
+  std::vector<Vector<dim>> vertices;  // reference
   std::vector<double> r;
-  std::vector<double> displacement;    // accepted, of the surface
+  std::vector<double> displacement;  // accepted, of the surface
 
   explicit Contact(const CouplingBoundarySettings<dim>& settings,
                    CellType type = dim == 2 ? CellType::quad4 : CellType::hex8)
@@ -66,7 +67,8 @@ struct Contact {
   }
   /// Force on the structure when grid and surface move as wholes.
   Vector<dim> force(const Vector<dim>& grid, const Vector<dim>& surface) {
-    const auto nodal = forces(repeat(grid, soil.num_dofs() / dim), repeat(surface, vertices.size()));
+    const auto nodal =
+        forces(repeat(grid, soil.num_dofs() / dim), repeat(surface, vertices.size()));
     Vector<dim> sum = Vector<dim>::Zero();
     for (std::size_t v = 0; v < vertices.size(); ++v) {
       sum += Eigen::Map<const Vector<dim>>(nodal.data() + v * dim);
@@ -129,14 +131,15 @@ void check_action_and_reaction(CellType grid, CellType facet, ContactMode mode, 
   settings.friction = friction;
   Contact<dim> contact(settings, grid);
   for (int step = 0; step < 3; ++step) {
-    std::vector<double> surface_du = contact.soil.random.values(contact.vertices.size() * dim, 0.004);
+    std::vector<double> surface_du =
+        contact.soil.random.values(contact.vertices.size() * dim, 0.004);
     for (std::size_t v = 0; v < contact.vertices.size(); ++v) surface_du[v * dim + dim - 1] += 0.01;
     const auto du = contact.soil.random.values(contact.soil.num_dofs(), 0.01);
     const auto nodal = contact.forces(du, surface_du);
     ForceAndMoment<dim> on_structure, on_soil;
     for (std::size_t v = 0; v < contact.vertices.size(); ++v) {
-      const Vector<dim> x =
-          contact.vertices[v] + Eigen::Map<const Vector<dim>>(contact.displacement.data() + v * dim);
+      const Vector<dim> x = contact.vertices[v] +
+                            Eigen::Map<const Vector<dim>>(contact.displacement.data() + v * dim);
       on_structure.add(x, Eigen::Map<const Vector<dim>>(nodal.data() + v * dim));
     }
     for (std::int32_t i = 0; i < contact.soil.nodes.size(); ++i) {
@@ -175,8 +178,9 @@ void check_modes() {
   }
   {
     Contact<dim> contact(plate<dim>(ContactMode::slip));
-    EXPECT_LT((contact.force(up<dim>(0.01) + along<dim>(0.02)) + up<dim>(penalty * 0.01 * A)).norm(),
-              1e-10);
+    EXPECT_LT(
+        (contact.force(up<dim>(0.01) + along<dim>(0.02)) + up<dim>(penalty * 0.01 * A)).norm(),
+        1e-10);
     EXPECT_EQ(contact.force(up<dim>(-0.01)), (Vector<dim>::Zero()));
   }
   {
@@ -203,7 +207,8 @@ TEST(CouplingBoundary, friction_holds_up_to_its_limit_and_keeps_direction) {
     EXPECT_EQ(contact.boundary.num_sliding(), 1);
     EXPECT_LT((f - normal * Vector<3>(-0.24, -0.32, -1)).norm(), 1e-9);
   }
-  // What slid is gone: after a long slide, a move back by less than the elastic slip lowers the force.
+  // What slid is gone: after a long slide, a move back by less than the elastic slip lowers the
+  // force.
   contact.force({0.03, 0, 0.01});
   contact.accept();
   const Vector<3> back = contact.force({-0.002, 0, 0});

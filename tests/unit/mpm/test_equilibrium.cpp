@@ -37,9 +37,19 @@ struct Balance {
     walls.emplace(soil.grid.mesh, wall_settings);
     walls->select(soil.nodes);
     for (auto& boundary : boundaries) boundary.begin_step(soil.grid, soil.nodes, soil.occupied());
-    const typename mpm::Equilibrium<dim>::Parts parts{
-        comm(), soil.grid, soil.bodies, soil.points, soil.weights, soil.nodes, *walls, boundaries,
-        trial,  scheme,    Vector<dim>::Constant(-3.0), 1.0 / 3, 0.1};
+    const typename mpm::Equilibrium<dim>::Parts parts{comm(),
+                                                      soil.grid,
+                                                      soil.bodies,
+                                                      soil.points,
+                                                      soil.weights,
+                                                      soil.nodes,
+                                                      *walls,
+                                                      boundaries,
+                                                      trial,
+                                                      scheme,
+                                                      Vector<dim>::Constant(-3.0),
+                                                      1.0 / 3,
+                                                      0.1};
     equilibrium.emplace(parts);
     std::vector<std::int32_t> offsets, nodes;
     equilibrium->pattern(offsets, nodes);
@@ -56,7 +66,8 @@ struct Balance {
   }
   Eigen::VectorXd random_du(double size) {
     const auto values = soil.random.values(soil.num_dofs(), size);
-    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    return Eigen::Map<const Eigen::VectorXd>(values.data(),
+                                             static_cast<Eigen::Index>(values.size()));
   }
   /// Error of K against differences of the residual, over the directions that the walls leave free.
   double error(const Eigen::VectorXd& du, double h) {
@@ -227,8 +238,8 @@ TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
     const auto& nodes = balance.soil.nodes;
     for (std::int32_t i = 0; i < nodes.size(); ++i) {
       for (int d = 0; d < dim; ++d) {
-        const double a = balance.scheme.acceleration(du[i * dim + d], nodes.v[i][d],
-                                                     nodes.a[i][d], 0.1);
+        const double a =
+            balance.scheme.acceleration(du[i * dim + d], nodes.v[i][d], nodes.a[i][d], 0.1);
         const double expected = nodes.m[i] * (-3.0 - balance.scheme.inertia(a, nodes.a[i][d]));
         EXPECT_NEAR(r[i * dim + d], expected, 1e-10);
       }
@@ -250,8 +261,8 @@ TEST(Equilibrium, internal_forces_balance_each_other) {
     for (std::int32_t i = 0; i < nodes.size(); ++i) {
       Vector<dim> f = r.segment<dim>(i * dim);
       for (int d = 0; d < dim; ++d) {
-        const double a = balance.scheme.acceleration(du[i * dim + d], nodes.v[i][d],
-                                                     nodes.a[i][d], 0.1);
+        const double a =
+            balance.scheme.acceleration(du[i * dim + d], nodes.v[i][d], nodes.a[i][d], 0.1);
         f[d] += nodes.m[i] * (3.0 + balance.scheme.inertia(a, nodes.a[i][d]));
       }
       sum.add(balance.soil.node(i) + du.segment<dim>(i * dim), f);

@@ -10,17 +10,20 @@ Json valid() {
   return {{"dimension", 2},
           {"grid", box({0, 0}, {2, 1}, {8, 4}, "tri3")},
           {"walls", {wall("bottom", "fixed"), wall("left", "slip")}},
-          {"bodies", {body("soil", box({0, 0}, {1, 0.5}, {4, 2}, "tri3"), 3,
-                           elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}},
-          {"interfaces", {{{"name", "plate"},
-                           {"surface", {{"polyline", {{1.5, 0.5}, {1.5, 0}}}, {"spacing", 0.25}}}}}}};
+          {"bodies",
+           {body("soil", box({0, 0}, {1, 0.5}, {4, 2}, "tri3"), 3,
+                 elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}},
+          {"interfaces",
+           {{{"name", "plate"},
+             {"surface", {{"polyline", {{1.5, 0.5}, {1.5, 0}}}, {"spacing", 0.25}}}}}}};
 }
 
 Json valid_3d() {
   return {{"dimension", 3},
           {"grid", box({0, 0, 0}, {2, 1, 1}, {4, 2, 2}, "hex8")},
-          {"bodies", {body("soil", box({0, 0, 0}, {1, 1, 1}, {2, 2, 2}, "hex8"), 8,
-                           elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}}};
+          {"bodies",
+           {body("soil", box({0, 0, 0}, {1, 1, 1}, {2, 2, 2}, "hex8"), 8,
+                 elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}}};
 }
 
 template <class Kind = ConfigError>
@@ -143,6 +146,9 @@ TEST(MpmConfig, interfaces) {
   json["interfaces"][0]["surface"] = {{"mesh", box({1, 0}, {2, 1}, {1, 1}, "quad4")},
                                       {"groups", {"roof"}}};
   expect_error(json, {"/interfaces/0/surface/groups", "roof", "bottom", "left", "right", "top"});
+  json = valid();
+  json["interfaces"].push_back(json["interfaces"][0]);
+  expect_error(json, {"/interfaces/1/name", "plate", "second time"});
   json = valid_3d();
   json["interfaces"] = valid()["interfaces"];
   expect_error(json, {"/interfaces/0/surface/polyline", "2D only"});
@@ -152,9 +158,10 @@ TEST(MpmConfig, interfaces) {
 TEST(MpmConfig, three_dimensional_surfaces) {
   for (const char* type : {"tet4", "hex8"}) {
     Json json = valid_3d();
-    json["interfaces"] = {{{"name", "block"},
-                           {"surface", {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, type)},
-                                        {"groups", {"left"}}}}}};
+    json["interfaces"] = {
+        {{"name", "block"},
+         {"surface",
+          {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, type)}, {"groups", {"left"}}}}}};
     EXPECT_EQ(error_of(json), "no error") << type;
     json["interfaces"][0]["points_per_facet"] = 5;
     expect_error(json, {"/interfaces/0/points_per_facet", "5"});

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/unit/mpm/mpm_scene.hpp"
+#include "tests/unit/mpm/pushed_soil.hpp"
 
 namespace gabion::test {
 namespace {
@@ -19,9 +19,9 @@ Json flight(int dim, const std::string& grid_type, const std::string& scheme) {
   Json json = {{"dimension", dim},
                {"grid", box(low, high, std::vector<int>(dim, n), grid_type)},
                {"gravity", gravity},
-               {"bodies", {body("block", box(from, to, std::vector<int>(dim, 3), body_type),
-                                dim == 2 ? 4 : 1, elastic_soil("neo_hookean", 1e4, 0.3, 3),
-                                velocity)}},
+               {"bodies",
+                {body("block", box(from, to, std::vector<int>(dim, 3), body_type), dim == 2 ? 4 : 1,
+                      elastic_soil("neo_hookean", 1e4, 0.3, 3), velocity)}},
                {"newton", exact_newton},
                {"time_integration", {{"scheme", scheme}}}};
   return json;
@@ -66,8 +66,9 @@ Json collision(const std::string& grid_type = "quad4") {
   const Json heavy = elastic_soil("hencky_elastic", 3e3, 0.1, 2);
   return {{"dimension", 2},
           {"grid", box({0, 0}, {4, 2}, {16, 8}, grid_type)},
-          {"bodies", {body("left", box({0.5, 0.5}, {1.5, 1.5}, {8, 8}, "quad4"), 4, soft, {2, 0.1}),
-                      body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, heavy, {-1, 0})}},
+          {"bodies",
+           {body("left", box({0.5, 0.5}, {1.5, 1.5}, {8, 8}, "quad4"), 4, soft, {2, 0.1}),
+            body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, heavy, {-1, 0})}},
           {"newton", exact_newton},
           {"time_integration", trapezoid}};
 }
@@ -80,13 +81,14 @@ TEST(MpmStep, collision_conserves_momentum) {
     for (int n = 1; n <= 40; ++n) {
       run_steps(*solver, 0.01, 1, n);
       elastic = std::max(elastic, probe(*solver, "elastic_energy"));
-      EXPECT_LT(probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy"), 1.001 * kinetic);
+      EXPECT_LT(probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy"),
+                1.001 * kinetic);
     }
     EXPECT_GT(elastic, 0.1 * kinetic);  // they did meet
-    std::printf("momentum error %.2e %.2e\n", probe(*solver, "momentum_x"), probe(*solver, "momentum_y") - 0.1);
     EXPECT_NEAR(probe(*solver, "momentum_x"), 2 - 2, 1e-12 * 4);
     EXPECT_NEAR(probe(*solver, "momentum_y"), 0.1, 1e-12 * 4);
-    const double left = kinetic - probe(*solver, "kinetic_energy") - probe(*solver, "elastic_energy");
+    const double left =
+        kinetic - probe(*solver, "kinetic_energy") - probe(*solver, "elastic_energy");
     EXPECT_GT(left, 0);
     EXPECT_LT(left, 0.3 * kinetic);  // the nodes that both bodies share meet inelastically
   }
@@ -97,24 +99,6 @@ TEST(MpmStep, two_runs_give_the_same_bits) {
   run_steps(*first, 0.01, 30);
   run_steps(*second, 0.01, 30);
   EXPECT_TRUE(same_bits(first->points(), second->points()));
-}
-
-/// Soil on a base that a plate pushes from the left.
-Json pushed() {
-  Json material = elastic_soil("mohr_coulomb", 1e5, 0.3, 1000);
-  material["friction_angle"] = 30;
-  return {{"dimension", 2},
-          {"grid", box({0, 0}, {2, 1}, {8, 4}, "tri3")},
-          {"walls", {wall("bottom", "fixed")}},
-          {"gravity", {0, -9.81}},
-          {"bodies", {body("soil", box({0.5, 0}, {1.5, 0.5}, {8, 4}, "tri3"), 3, material)}},
-          {"interfaces", {{{"name", "plate"},
-                           {"surface", {{"polyline", {{0.51, 0}, {0.51, 0.5}}}, {"spacing", 0.25}}}}}}};
-}
-
-/// The plate turned into the soil: its upper end moves by `push`, its lower end by half of it.
-InterfaceValues plate_at(double push) {
-  return {{"plate", {0.5 * push, 0, 0.75 * push, 0, push, 0}}};
 }
 
 TEST(MpmStep, repeated_requests_give_the_same_bits) {
@@ -190,6 +174,17 @@ TEST(MpmStep, a_surface_far_from_the_soil_is_inactive) {
   EXPECT_EQ(sent.at("plate"), std::vector<double>(6, 0.0));
 }
 
+/// Soil that starts to slide down along a plate that stands still: the gap is on the verge of
+/// closing.
+TEST(MpmStep, grazing_contact_with_friction_converges) {
+  for (const double friction : {0.0, 0.3, 1.0}) {
+    Json json = pushed();
+    json["interfaces"][0]["friction"] = friction;
+    const auto solver = mpm_solver<2>(json);
+    EXPECT_NO_THROW(run_steps(*solver, 1e-3, 20)) << friction;
+  }
+}
+
 /// A free square of 1 m that spins, cut into bodies that start with the velocity of their centre.
 Json spinning(double spin, int grid_cells) {
   Json bodies = Json::array();
@@ -238,38 +233,15 @@ TEST(MpmStep, spinning_block_stays_whole) {
     lost.push_back(1 - angular_momentum(solver->points()) / before);
     double J_error = 0;
     for (const double J : solver->points().J) J_error = std::max(J_error, std::abs(J - 1));
-    std::printf("spin: elastic %.2e total %.4f lost %.4f J %.2e\n", elastic / kinetic, total / kinetic, lost.back(), J_error);
     EXPECT_LT(total, 1.001 * kinetic);
     EXPECT_LT(elastic, 0.01 * kinetic);
     EXPECT_LT(J_error, 1e-3);
     EXPECT_NEAR(probe(*solver, "momentum_x"), 0, 1e-12);
     EXPECT_NEAR(probe(*solver, "momentum_y"), 0, 1e-12);
   }
-  EXPECT_LT(lost[0], 0.3);
-  EXPECT_LT(lost[1], 0.5 * lost[0]);
+  EXPECT_LT(lost[0], 0.5);
+  EXPECT_LT(lost[1], 0.3 * lost[0]);
 }
 
-// TEMP
-TEST(Temp, spin) {
-  for (int grid : {12, 24}) for (int steps : {50, 100, 200, 400}) {
-    const auto solver = mpm_solver<2>(spinning(2, grid));
-    const double before = angular_momentum(solver->points());
-    run_steps(*solver, M_PI / steps, steps);
-    std::printf("grid %d steps %d lost %.4f\n", grid, steps, 1 - angular_momentum(solver->points()) / before);
-  }
-}
-TEST(Temp, graze) {
-  for (const double friction : {-1.0, 0.0, 0.3, 1.0}) for (const double dt : {1e-3, 1e-4}) {
-    Json json = pushed();
-    if (friction >= 0) json["interfaces"][0]["friction"] = friction;
-    const auto solver = mpm_solver<2>(json);
-    InterfaceValues sent;
-    try {
-      for (int n = 1; n <= 20; ++n) { solver->solve_step({n, 0, (n-1)*dt, dt}, {}, sent); solver->accept_step({n,0,(n-1)*dt, dt}, true); }
-      std::printf("friction %g dt %g fine\n", friction, dt);
-    } catch (const std::exception& e) { std::printf("friction %g dt %g: %s\n", friction, dt, e.what()); }
-  }
-}
-// TEMPEND
 }  // namespace
 }  // namespace gabion::test

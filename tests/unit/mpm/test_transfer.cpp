@@ -44,8 +44,7 @@ TEST(Basis, reproduces_linear_fields_at_every_point) {
       for (std::int32_t e = group.first; e < group.last; ++e) {
         const std::int32_t p = soil.weights.point[e];
         ++seen[p];
-        const auto* grad =
-            soil.weights.grad_of(soil.weights.constant_gradient ? group.first : e);
+        const auto* grad = soil.weights.grad_of(soil.weights.constant_gradient ? group.first : e);
         double sum = 0;
         Vector<dim> x = Vector<dim>::Zero();
         Matrix<dim> slope = Matrix<dim>::Zero();
@@ -124,7 +123,8 @@ TEST(PointsToGrid, points_on_nodes_edges_and_walls) {
         double mass = 0;
         for (std::int32_t i = 0; i < soil.nodes.size(); ++i) {
           mass += soil.nodes.m[i];
-          EXPECT_LT((soil.nodes.v[i] - soil.points.v[0]).norm(), 1e-12) << name(type) << x.transpose();
+          EXPECT_LT((soil.nodes.v[i] - soil.points.v[0]).norm(), 1e-12)
+              << name(type) << x.transpose();
           EXPECT_LT((soil.nodes.a[i] - soil.points.a[0]).norm(), 1e-12);
         }
         EXPECT_NEAR(mass, soil.points.m[0], 1e-14);
@@ -204,7 +204,9 @@ TEST(GridToPoints, nothing_happens_in_flip_and_pic_takes_its_share) {
 /// Gauss points of the cells themselves integrate volume and, on bricks, all of the basis.
 TEST(LayPoints, volume_mass_and_shares_of_ranks) {
   for_each_cell_type([]<int dim>(CellType type) {
-    for (const int count : {1, type == CellType::tri3 ? 3 : dim == 2 || type == CellType::tet4 ? 4 : 8}) {
+    for (const int count : {1, type == CellType::tri3               ? 3
+                               : dim == 2 || type == CellType::tet4 ? 4
+                                                                    : 8}) {
       SoilPatch<dim> whole(type), parts(type);
       whole.fill(count, 7);
       double volume = 0, mass = 0;
@@ -218,8 +220,8 @@ TEST(LayPoints, volume_mass_and_shares_of_ranks) {
       std::vector<Vector<dim>> x;
       for (int part = 0; part < 3; ++part) {
         mpm::MaterialPoints<dim> share;
-        const auto total = mpm::lay_points<dim>(
-            {parts.grid.mesh, count, Vector<dim>::Zero()}, 7, 100, part, 3, share);
+        const auto total = mpm::lay_points<dim>({parts.grid.mesh, count, Vector<dim>::Zero()}, 7,
+                                                100, part, 3, share);
         EXPECT_EQ(total, whole.points.size());
         EXPECT_EQ(share.id.front(), 100 + static_cast<std::int64_t>(x.size()));
         x.insert(x.end(), share.x.begin(), share.x.end());

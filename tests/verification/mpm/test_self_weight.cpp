@@ -9,7 +9,8 @@
 namespace gabion::test {
 namespace {
 
-/// Column under its own weight between smooth walls, Hencky elasticity with nu = 0, q = rho g L / M:
+/// Column under its own weight between smooth walls, Hencky elasticity with nu = 0, q = rho g L /
+/// M:
 ///
 ///     ln(lambda) / lambda = -rho g (L - Z) / M ,   sigma_v = -rho g (L - Z) ,
 ///     z(Z) = (M / rho g) [G(w(0)) - G(w(Z))] ,  G(w) = w + w^2 / 2 ,  w e^w = rho g (L - Z) / M
@@ -30,9 +31,9 @@ struct Column {
 };
 
 struct ColumnErrors {
-  double settlement;  ///< of the uppermost points, relative to the closed form
-  double base_stress; ///< mean of the lowest cell, relative to its value at the middle of the cell
-  double stress;      ///< largest error of any point, relative to rho g L
+  double settlement;   ///< of the uppermost points, relative to the closed form
+  double base_stress;  ///< mean of the lowest cell, relative to its value at the middle of the cell
+  double stress;       ///< largest error of any point, relative to rho g L
 };
 
 /// Static limit: steps so long that inertia vanishes, with the damping of alpha_B = -0.3.
@@ -52,15 +53,15 @@ ColumnErrors settle(const std::string& type, int cells, const Column& column) {
     walls.push_back(wall("front", "slip"));
     walls.push_back(wall("back", "slip"));
   }
-  const Json json = {
-      {"dimension", dim},
-      {"grid", box(low, grid_high, grid_count, type)},
-      {"walls", walls},
-      {"gravity", gravity},
-      {"bodies", {body("soil", box(low, high, count, type), points_per_cell,
-                       elastic_soil("hencky_elastic", column.M, 0, column.density))}},
-      {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
-      {"newton", {{"residual_tolerance", 1e-10}}}};
+  const Json json = {{"dimension", dim},
+                     {"grid", box(low, grid_high, grid_count, type)},
+                     {"walls", walls},
+                     {"gravity", gravity},
+                     {"bodies",
+                      {body("soil", box(low, high, count, type), points_per_cell,
+                            elastic_soil("hencky_elastic", column.M, 0, column.density))}},
+                     {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
+                     {"newton", {{"residual_tolerance", 1e-10}}}};
   const auto solver = mpm_solver<dim>(json);
   const auto start = solver->points();
   run_steps(*solver, 1e4, 40);
@@ -85,13 +86,11 @@ ColumnErrors settle(const std::string& type, int cells, const Column& column) {
   }
   errors.base_stress = std::abs(base_stress / base_volume / column.stress(h / 2) - 1);
   errors.stress /= column.density * column.g * column.L;
-  std::printf("%s %d cells: settlement %.3e base stress %.3e stress %.3e\n", type.c_str(), cells,
-              errors.settlement, errors.base_stress, errors.stress);
   return errors;
 }
 
-/// Without points that cross cells, V0 tau grad N sees the volume of the undeformed cell: the stress
-/// error is the strain q, the settlement error q and a part that falls with h^2.
+/// Without points that cross cells, V0 tau grad N sees the volume of the undeformed cell: the
+/// stress error is the strain q, the settlement error q and a part that falls with h^2.
 template <int dim>
 void check_columns(const std::vector<std::string>& types) {
   const Column settled{.g = 10}, hardly_strained{.g = 0.1};  // q = 1e-2 and 1e-4
@@ -112,9 +111,13 @@ void check_columns(const std::vector<std::string>& types) {
   }
 }
 
-TEST(SelfWeight, column_in_plane_strain) { check_columns<2>({"quad4", "tri3"}); }
+TEST(SelfWeight, column_in_plane_strain) {
+  check_columns<2>({"quad4", "tri3"});
+}
 
-TEST(SelfWeight, column_in_3d) { check_columns<3>({"hex8", "tet4"}); }
+TEST(SelfWeight, column_in_3d) {
+  check_columns<3>({"hex8", "tet4"});
+}
 
 }  // namespace
 }  // namespace gabion::test

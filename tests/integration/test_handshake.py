@@ -1,0 +1,65 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Participants that do not fit the coupler are refused, with both values named."""
+
+import socket
+import subprocess
+import time
+
+import launch
+from launch import IntegrationCase, meeting
+
+
+class Handshake(IntegrationCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.write_scene(meeting())
+
+    def with_fake(self, version: str) -> tuple[str, str]:
+        """What a coupler without solvers says, and what a foreign participant of this version gets."""
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        coupler = self.start("--coupler", endpoint, programs=("coupler",))
+        fake = subprocess.run([launch.binaries / "fake_participant", endpoint, version], text=True, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=launch.TIMEOUT)
+        if fake.returncode != 0:
+            coupler.end()
+            return coupler.text(), fake.stdout
+        ended = coupler.wait()
+        self.assertEqual(ended.code, 4, ended.text)
+        return ended.text, fake.stdout
+
+    def test_another_major_version_is_refused(self) -> None:
+        said, answer = self.with_fake("2.0")
+        words = ("structure", "was refused", "protocol version: coupler 1.0, participant 2.0")
+        self.assert_says(said, "[cpl] error: ", *words)
+        self.assert_says((self.out / "coupler.log").read_text(), *words)
+        self.assert_says(answer, "refused", "protocol version: coupler 1.0, participant 2.0")
+
+    def test_another_minor_version_is_welcome(self) -> None:
+        """Which shows that it was the version that the test above was refused for."""
+        _, answer = self.with_fake("1.7")
+        self.assert_says(answer, "welcome")
+
+    def test_another_scene_is_refused(self) -> None:
+        setting = {"fem_solver": ["--set", "fem.json:/material/young_modulus=2e6"]}
+        begin = time.monotonic()
+        ended = self.run_launch(code=4, own=setting)
+        self.assertLess(time.monotonic() - begin, 5)
+        words = ('participant "structure"', "was refused", "scene hash", "coupler ", "participant ")
+        self.assert_says(ended.text, "[cpl] error: ", *words)
+        self.assert_says((self.out / "coupler.log").read_text(), *words)
+        self.assert_says(ended.text, "[fem] error: ", "refused", "scene hash")
+
+    def test_the_same_name_twice_is_refused(self) -> None:
+        ended = self.run_launch(code=4, own={"fem_solver": ["--name", "soil"]})
+        self.assert_says(ended.text, "[cpl] error: ", "was refused", '"soil"')
+
+    def test_unknown_name_is_refused(self) -> None:
+        ended = self.run_launch(code=4, own={"fem_solver": ["--name", "fence"]})
+        self.assert_says(ended.text, "[cpl] error: ", "was refused", "participant name", "fence", "structure")
+
+
+if __name__ == "__main__":
+    launch.main()

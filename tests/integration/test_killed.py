@@ -1,0 +1,147 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Programs that are killed or stopped in mid-run take the run down at once, named; what was written stays."""
+
+import os
+import re
+import signal
+import time
+
+import launch
+from launch import PROGRAMS, Ended, IntegrationCase, Launch, endless, read_table
+
+GONE = 2.0  # [s] within which every program must have ended
+LAUNCHER = 3.0  # [s] more, at most, until mpirun itself has ended
+PARTICIPANT = {"mpm_solver": "soil", "fem_solver": "structure"}
+
+
+class Killed(IntegrationCase):
+    def start_endless(self, in_contact: bool) -> Launch:
+        self.write_scene(endless(in_contact))
+        return self.start_and_step()
+
+    def strike(self, run: Launch, program: str, number: signal.Signals) -> Ended:
+        """Send the signal; every program must be gone in time."""
+        pid = run.pid_of(program)
+        os.kill(pid, number)
+        seconds = run.wait_programs_gone()
+        begin = time.monotonic()
+        ended = run.wait()
+        print(f"{program}: all programs gone after {seconds:.2f} s, mpirun {time.monotonic() - begin:.2f} s later")
+        self.assertLess(seconds, GONE)
+        self.assertLess(time.monotonic() - begin, LAUNCHER)
+        self.assertNotEqual(ended.code, 0)
+        self.assertEqual(run.alive(), {})
+        return ended
+
+    def check_results(self, in_contact: bool) -> None:
+        steps = read_table(self.out / "steps.csv")
+        self.assertGreaterEqual(len(steps), 49)
+        self.assertEqual(steps[40]["status"], "converged" if in_contact else "inactive")
+        probes, iterations = read_table(self.out / "probes.csv"), read_table(self.out / "iterations.csv")
+        self.assertIn(len(probes) - 1 - len(steps), (0, -1))
+        self.assertGreaterEqual(len(iterations), len(steps))
+        soil = self.assert_frames_open(self.out / "mpm", "soil")
+        structure = self.assert_frames_open(self.out / "fem", "structure")
+        self.assertEqual(soil[0], 0)
+        self.assertGreaterEqual(len(soil), 2)
+        self.assertLessEqual(abs(len(soil) - len(structure)), 1)
+
+    def kill_solver(self, program: str, in_contact: bool) -> None:
+        run = self.start_endless(in_contact)
+        pid = run.pid_of(program)
+        ended = self.strike(run, program, signal.SIGKILL)
+        self.assertEqual(ended.code, 128 + signal.SIGKILL, ended.text)
+        words = ("error: ", f'participant "{PARTICIPANT[program]}"', f"({program}, pid {pid}) has died",
+                 "last sign of life", "in phase")
+        self.assert_says(ended.text, "[cpl]", *words)
+        self.assert_says((self.out / "coupler.log").read_text(), *words)
+        self.assertRegex((self.out / "summary.json").read_text(), '"completed": false')
+        self.check_results(in_contact)
+
+    def kill_coupler(self, in_contact: bool) -> None:
+        run = self.start_endless(in_contact)
+        pid = run.pid_of("coupler")
+        ended = self.strike(run, "coupler", signal.SIGKILL)
+        self.assertEqual(ended.code, 128 + signal.SIGKILL, ended.text)
+        for prefix in ("mpm", "fem"):
+            self.assert_says(ended.text, f"[{prefix}] error: the coupler (pid {pid}) has died")
+        self.check_results(in_contact)
+
+    def test_soil_killed_in_contact(self) -> None:
+        self.kill_solver("mpm_solver", in_contact=True)
+
+    def test_soil_killed_out_of_contact(self) -> None:
+        self.kill_solver("mpm_solver", in_contact=False)
+
+    def test_structure_killed_in_contact(self) -> None:
+        self.kill_solver("fem_solver", in_contact=True)
+
+    def test_structure_killed_out_of_contact(self) -> None:
+        """Nobody solves with it then: it is told of accepted steps only."""
+        self.kill_solver("fem_solver", in_contact=False)
+
+    def test_coupler_killed_in_contact(self) -> None:
+        self.kill_coupler(in_contact=True)
+
+    def test_coupler_killed_out_of_contact(self) -> None:
+        self.kill_coupler(in_contact=False)
+
+    def test_second_rank_killed(self) -> None:
+        self.write_scene(endless(in_contact=True))
+        run = self.start_and_step(ranks={"mpm_solver": 2})
+        os.kill(max(pid for pid, name in run.alive().items() if name == "mpm_solver"), signal.SIGKILL)
+        self.assertLess(run.wait_programs_gone(), GONE)
+        self.assertEqual(run.wait().code, 128 + signal.SIGKILL)
+        self.check_results(in_contact=True)
+
+    def test_stopped_solver_is_named_after_the_silence_deadline(self) -> None:
+        files = endless(in_contact=True)
+        files["coupler"]["protocol"] = {"silence_deadline": 1, "heartbeat": 0.2}
+        self.write_scene(files)
+        run = self.start_and_step()
+        os.kill(run.pid_of("mpm_solver"), signal.SIGSTOP)
+        seconds = run.wait_programs_gone()
+        ended = run.wait()
+        print(f"stopped: all programs gone after {seconds:.2f} s, silence deadline 1 s")
+        self.assertGreater(seconds, 0.8)
+        self.assertLess(seconds, 1 + GONE + 1)  # mpirun waits 1 s before it kills what does not react
+        self.assertEqual(ended.code, 4, ended.text)
+        words = ("error: ", 'participant "soil"', "is silent for", "limit 1 s, option protocol/silence_deadline",
+                 "its process is stopped", "last sign of life", "in phase")
+        self.assert_says(ended.text, "[cpl]", *words)
+        self.assert_says((self.out / "coupler.log").read_text(), *words)
+        self.check_results(in_contact=True)
+
+
+class Interrupted(IntegrationCase):
+    def interrupt(self, number: signal.Signals, to_group: bool) -> None:
+        self.write_scene(endless(in_contact=True))
+        run = self.start_and_step()
+        (os.killpg if to_group else os.kill)(run.process.pid, number)
+        seconds = run.wait_programs_gone()
+        ended = run.wait()
+        print(f"{number.name}: all programs gone after {seconds:.2f} s")
+        self.assertLess(seconds, GONE)
+        self.assertNotEqual(ended.code, 0)
+        self.assertEqual(run.alive(), {})
+        log = (self.out / "coupler.log").read_text()
+        self.assertTrue(log.endswith("\n"))
+        self.assertRegex(log, r"error: .*interrupted by signal \d+")
+        self.assertRegex((self.out / "summary.json").read_text(), '"reason": ".*interrupted by signal')
+        self.assertGreaterEqual(len(read_table(self.out / "steps.csv")), 49)
+        self.assert_frames_open(self.out / "mpm", "soil")
+
+    def test_sigterm_of_the_launcher(self) -> None:
+        self.interrupt(signal.SIGTERM, to_group=False)
+
+    def test_sigint_of_the_launcher(self) -> None:
+        self.interrupt(signal.SIGINT, to_group=False)
+
+    def test_sigint_of_the_whole_group(self) -> None:
+        """What a terminal sends for Ctrl-C."""
+        self.interrupt(signal.SIGINT, to_group=True)
+
+
+if __name__ == "__main__":
+    launch.main()

@@ -1,0 +1,81 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The folder of results: foreign files are never touched, failed writes are errors."""
+
+import resource
+
+import launch
+from launch import Ended, IntegrationCase, endless, meeting, read_table
+
+
+class OutputFolder(IntegrationCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.write_scene(meeting())
+
+    def test_foreign_files_are_refused(self) -> None:
+        self.out.mkdir()
+        (self.out / "thesis.txt").write_text("mine")
+        ended = self.run_launch(code=2, within=5)
+        self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}", "not Gabion results",
+                         "allowed: a new or empty folder")
+        self.assertEqual([path.name for path in self.out.iterdir()], ["thesis.txt"])
+        self.assertEqual((self.out / "thesis.txt").read_text(), "mine")
+
+    def test_earlier_results_are_kept_once(self) -> None:
+        short = ("--set", "coupler.json:/time/end=0.001")
+        self.run_launch(*short, code=0)
+        first = (self.out / "steps.csv").read_text()
+        ended = self.run_launch(*short, code=0)
+        self.assert_says(ended.text, "earlier results moved to", "out.previous")
+        self.assertEqual((self.folder / "out.previous" / "steps.csv").read_text(), first)
+        self.assertEqual(len(read_table(self.out / "steps.csv")), 2)
+
+    def test_a_file_in_place_of_the_folder(self) -> None:
+        self.out.write_text("mine")
+        ended = self.run_launch(code=2, within=5)
+        self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}", "is not a folder")
+        self.assertEqual(self.out.read_text(), "mine")
+
+
+class NoSpace(IntegrationCase):
+    """A limit on the size of files stands in for a full disk: writes of a run under way fail with EFBIG instead
+    of ENOSPC. SIGXFSZ is ignored, so that the program sees the failed write."""
+
+    def start_and_limit(self, program: str, size: int) -> Ended:
+        """From some step on, `program` cannot write a file beyond `size` bytes."""
+        self.write_scene(endless(in_contact=True))
+        run = self.start_and_step(ignored_signal="XFSZ")
+        resource.prlimit(run.pid_of(program), resource.RLIMIT_FSIZE, (size, size))
+        ended = run.wait()
+        self.assertEqual(ended.code, 1, ended.text)
+        self.assertEqual(run.alive(), {})
+        self.assertGreater(len(read_table(self.out / "steps.csv")), 48)
+        return ended
+
+    def test_row_that_does_not_fit(self) -> None:
+        ended = self.start_and_limit("coupler", 1_000_000)
+        words = ("error: ", f"{self.out}/iterations.csv: row could not be written (disk full?)")
+        self.assert_says(ended.text, "[cpl]", *words)
+        self.assert_says((self.out / "coupler.log").read_text(), *words)
+        for prefix in ("mpm", "fem"):
+            self.assert_says(ended.text, f"[{prefix}] error: the coupler ended the run:", "iterations.csv")
+        self.assertIn('"completed": false', (self.out / "summary.json").read_text())
+
+    def check_frame(self, program: str, participant: str, prefix: str, name: str) -> None:
+        ended = self.start_and_limit(program, 1000)
+        frame = f"{self.out}/{prefix}/{name}_0"
+        self.assert_says(ended.text, f"[{prefix}] error: ", frame, ".h5")
+        self.assert_says((self.out / "coupler.log").read_text(), "[cpl] error: ", f'participant "{participant}"', frame)
+        times = self.assert_frames_open(self.out / prefix, name)  # without the one that failed
+        self.assertGreaterEqual(len(times), 2)
+
+    def test_frame_of_the_soil_that_does_not_fit(self) -> None:
+        self.check_frame("mpm_solver", "soil", "mpm", "soil")
+
+    def test_frame_of_the_structure_that_does_not_fit(self) -> None:
+        self.check_frame("fem_solver", "structure", "fem", "structure")
+
+
+if __name__ == "__main__":
+    launch.main()

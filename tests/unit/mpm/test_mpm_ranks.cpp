@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/unit/mpm/pushed_soil.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// The same steps on all ranks together and on each rank alone.
+TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+  Json json = pushed();
+  json["newton"] = exact_newton;
+  json["linear_solver"] = {{"method", "mumps"}};
+  json["interfaces"][0]["friction"] = 0.4;
+  json["probes"] = {{{"name", "A"}, {"point", {1.5, 0.5}}}};
+  const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
+  EXPECT_EQ(shared->probe_names(), alone->probe_names());
+  InterfaceValues together, single;
+  for (int n = 1; n <= 10; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.002, 0.002};
+    shared->solve_step(request, plate_at(0.002 * n), together);
+    alone->solve_step(request, plate_at(0.002 * n), single);
+    if (rank() == 0) {
+      for (std::size_t k = 0; k < 6; ++k) {
+        EXPECT_NEAR(together.at("plate")[k], single.at("plate")[k], 1e-6) << "step " << n;
+      }
+      EXPECT_GT(std::abs(single.at("plate")[0]), 10);
+    }
+    shared->accept_step(request, true);
+    alone->accept_step(request, true);
+  }
+  const auto a = shared->probes(), b = alone->probes();
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_NEAR(a[k], b[k], 1e-7 * (1e-3 + std::abs(b[k]))) << shared->probe_names()[k];
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
