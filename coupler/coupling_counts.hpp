@@ -11,8 +11,8 @@ namespace gabion {
 /// Counts of a coupled run for summary.json.
 struct CouplingCounts {
   std::int64_t steps = 0;     ///< accepted
-  std::int64_t accepted = 0;  ///< iterations of accepted solutions
-  std::int64_t rejected = 0;  ///< iterations of rejected ones
+  std::int64_t total = 0;     ///< iterations that were completed, those of rejected steps too
+  std::int64_t accepted = 0;  ///< iterations of accepted steps
   std::int64_t steps_in_contact = 0;
   std::int64_t accepted_in_contact = 0;
   int max = 0;                            ///< iterations of one accepted solution
@@ -35,8 +35,8 @@ struct CouplingCounts {
       return count > 0 ? Json(static_cast<double>(sum) / static_cast<double>(count)) : Json();
     };
     return {{"coupling_iterations",
-             {{"total", accepted + rejected},
-              {"rejected", rejected},
+             {{"total", total},
+              {"rejected", total - accepted},
               {"mean", mean(accepted, steps)},
               {"mean_in_contact", mean(accepted_in_contact, steps_in_contact)},
               {"max", max}}},

@@ -227,7 +227,7 @@ void CouplingLoop::log_iteration(Attempt& now, const Stopwatch& watch) {
   log::debug("step {} iteration {}: displacement residual {:.3e} m, force residual {:.3e} N, {}",
              now.row.request.step, now.row.request.iteration, now.row.state.displacement_residual,
              now.row.state.force_residual.value_or(0), name(now.row.state.verdict));
-  if (!now.failure.empty()) counts_.rejected += now.row.request.iteration + 1;
+  ++counts_.total;
 }
 
 std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& proposed_dt) {

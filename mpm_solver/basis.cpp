@@ -34,9 +34,10 @@ void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points)
     if (points.cell[p] >= 0) continue;
     std::string position;
     for (int d = 0; d < dim; ++d) position += fmt::format("{}{}", d ? ", " : "", points.x[p][d]);
-    throw Error(fmt::format("material point {} at ({}) lies outside the background grid; make the "
-                            "grid larger or close its sides with walls",
-                            points.id[p], position));
+    throw Error(
+        fmt::format("material point {} at ({}) lies outside the background grid; make the "
+                    "grid larger or close its sides with walls",
+                    points.id[p], position));
   }
 }
 
@@ -75,8 +76,7 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
   const Mesh<dim>& mesh = grid.mesh;
   const int n = mesh.nodes_per_cell();
   weights.nodes_per_cell = n;
-  weights.constant_gradient =
-      mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
+  weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
   sort_by_cell(mesh.num_cells(), points, weights);
   weights.N.resize(static_cast<std::size_t>(points.size()) * n);
   weights.grad_N.resize(weights.N.size());
@@ -87,8 +87,7 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
     const auto nodes = mesh.cell(group.cell);
     for (int i = 0; i < n; ++i) corners[i] = mesh.nodes[nodes[i]];
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const Vector<dim> xi =
-          grid.locator.local_coordinates(group.cell, points.x[weights.point[e]]);
+      const Vector<dim> xi = grid.locator.local_coordinates(group.cell, points.x[weights.point[e]]);
       shape_functions<dim>(mesh.cell_type, xi, shape);
       const std::size_t row = static_cast<std::size_t>(e) * n;
       std::copy_n(shape.N, n, weights.N.begin() + row);

@@ -42,11 +42,12 @@ struct CellGroup {
 template <int dim>
 struct PointWeights {
   int nodes_per_cell = 0;
-  bool constant_gradient = false;         ///< triangles and tetrahedra: gradients of the group's first entry hold
-  std::vector<std::int32_t> point;        ///< of each entry
-  std::vector<double> N;                  ///< num_entries x nodes_per_cell
-  std::vector<Vector<dim>> grad_N;        ///< [1/m], as N; filled for the first entry of a group only
-                                          ///< when constant_gradient
+  bool constant_gradient =
+      false;  ///< triangles and tetrahedra: gradients of the group's first entry hold
+  std::vector<std::int32_t> point;  ///< of each entry
+  std::vector<double> N;            ///< num_entries x nodes_per_cell
+  std::vector<Vector<dim>> grad_N;  ///< [1/m], as N; filled for the first entry of a group only
+                                    ///< when constant_gradient
   std::vector<CellGroup> groups;
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
 

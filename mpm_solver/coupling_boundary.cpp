@@ -253,7 +253,8 @@ void CouplingBoundary<dim>::accept() {
     if (b.closed) {
       b.gap = b.gap_trial;
       if (b.sliding) {  // the part beyond the friction limit has slid for good
-        b.gap.template tail<dim - 1>() = -b.traction.template tail<dim - 1>() / (settings_.tangential_share * settings_.penalty);
+        b.gap.template tail<dim - 1>() =
+            -b.traction.template tail<dim - 1>() / (settings_.tangential_share * settings_.penalty);
       }
     }
   }

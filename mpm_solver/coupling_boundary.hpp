@@ -17,7 +17,7 @@ template <int dim>
 struct CouplingSurface {
   std::vector<Vector<dim>> vertices;  ///< [m], reference configuration
   CellType facet_type = CellType::line2;
-  std::vector<std::int32_t> facets;   ///< normals point out of the structure, into the soil
+  std::vector<std::int32_t> facets;  ///< normals point out of the structure, into the soil
 };
 
 enum class ContactMode {
@@ -34,13 +34,13 @@ enum class GapMemory {
 
 template <int dim>
 struct CouplingBoundarySettings {
-  std::string name;                 ///< of the interface
+  std::string name;  ///< of the interface
   CouplingSurface<dim> surface;
   ContactMode mode = ContactMode::contact;
   GapMemory memory = GapMemory::accumulated;
-  double penalty = 0;               ///< [Pa/m] > 0
-  double friction = -1;             ///< coefficient in mode contact; < 0: unlimited (stick)
-  double tangential_share = 1;      ///< of the penalty in tangential directions, in (0, 1]
+  double penalty = 0;           ///< [Pa/m] > 0
+  double friction = -1;         ///< coefficient in mode contact; < 0: unlimited (stick)
+  double tangential_share = 1;  ///< of the penalty in tangential directions, in (0, 1]
   int points_per_facet = 2;
 };
 
@@ -63,7 +63,8 @@ class CouplingBoundary {
   /// @param occupied  1 for cells of the grid that hold a material point (on any rank)
   void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
                   std::span<const std::int32_t> occupied);
-  /// Whether any boundary point lies in a cell with soil: otherwise no force can arise in this step.
+  /// Whether any boundary point lies in a cell with soil: otherwise no force can arise in this
+  /// step.
   bool can_touch() const { return !touching_.empty(); }
   /// Whether sliding with friction makes the stiffness unsymmetric.
   bool has_friction() const { return settings_.friction > 0; }
@@ -76,7 +77,8 @@ class CouplingBoundary {
   /// Add the contact force to r and its stiffness -df/du to K (may be null).
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K);
 
-  /// Nodal forces of the soil on the structure in the state of the last add_forces, num_vertices x dim.
+  /// Nodal forces of the soil on the structure in the state of the last add_forces, num_vertices x
+  /// dim.
   std::vector<double> forces_on_structure() const;
   int num_closed() const;
   int num_sliding() const;
@@ -87,10 +89,10 @@ class CouplingBoundary {
  private:
   struct Point {
     std::int32_t facet = 0;
-    double phi[4] = {};       // weights of the facet's vertices
-    double area = 0;          // share of the reference surface [m^2] (2D: m)
-    Vector<dim> x = Vector<dim>::Zero();  // accepted position
-    std::int32_t cell = -1;   // of the grid, hint for the next search
+    double phi[4] = {};                     // weights of the facet's vertices
+    double area = 0;                        // share of the reference surface [m^2] (2D: m)
+    Vector<dim> x = Vector<dim>::Zero();    // accepted position
+    std::int32_t cell = -1;                 // of the grid, hint for the next search
     Vector<dim> gap = Vector<dim>::Zero();  // accepted, in the facet's frame (normal first)
     // of the step under way
     std::int32_t nodes[max_cell_nodes] = {};
@@ -110,7 +112,7 @@ class CouplingBoundary {
   CouplingBoundarySettings<dim> settings_;
   int vertices_per_facet_ = 2;
   std::vector<Point> points_;
-  std::vector<std::int32_t> touching_;  // points in cells with soil
+  std::vector<std::int32_t> touching_;     // points in cells with soil
   std::vector<Vector<dim>> vertices_now_;  // at the end of the step under way
   int nodes_per_cell_ = 0;
 };

@@ -18,8 +18,8 @@ struct GridNodes {
   std::vector<std::int32_t> grid_node;  ///< of each active node
   std::vector<std::int32_t> active;     ///< of each grid node; -1 = not active
   std::vector<double> m;                ///< mass [kg]
-  std::vector<Vector<dim>> v;           ///< velocity mapped from the points [m/s], before the walls act
-  std::vector<Vector<dim>> a;           ///< acceleration mapped from the points [m/s^2]
+  std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s], before the walls act
+  std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]
 
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
 };

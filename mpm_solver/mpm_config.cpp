@@ -81,8 +81,8 @@ CouplingSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<st
   std::map<std::int32_t, std::int32_t> vertex_of_node;
   for (const auto& group : groups) {
     for (const std::int32_t node : mesh.facets(group, where)) {
-      const auto [entry, is_new] = vertex_of_node.try_emplace(
-          node, static_cast<std::int32_t>(surface.vertices.size()));
+      const auto [entry, is_new] =
+          vertex_of_node.try_emplace(node, static_cast<std::int32_t>(surface.vertices.size()));
       if (is_new) surface.vertices.push_back(mesh.nodes[node]);
       surface.facets.push_back(entry->second);
     }
@@ -99,7 +99,8 @@ CouplingSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& c
   for (std::size_t k = 1; k < corners.size(); ++k) {
     const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
     const Vector<2> to(corners[k][0], corners[k][1]);
-    const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing - 1e-9)));
+    const int pieces =
+        std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing - 1e-9)));
     for (int i = 1; i <= pieces; ++i) {
       const auto last = static_cast<std::int32_t>(surface.vertices.size()) - 1;
       surface.vertices.push_back(from + (to - from) * (static_cast<double>(i) / pieces));
@@ -153,7 +154,8 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
     }
     boundary.friction = in.number("friction", non_negative());
   }
-  boundary.tangential_share = in.number_or("tangential_share", boundary.friction < 0 ? 1 : 0.1, between(1e-6, 1));
+  boundary.tangential_share =
+      in.number_or("tangential_share", boundary.friction < 0 ? 1 : 0.1, between(1e-6, 1));
   const CellType facet = boundary.surface.facet_type;
   boundary.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
   if constexpr (dim == 3) {

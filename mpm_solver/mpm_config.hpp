@@ -39,7 +39,8 @@ struct MpmSettings {
   std::vector<PointProbe<dim>> probes;
 };
 
-/// Read mpm.json. A scene without coupler.json has the keys "time" and "output" too, read into `alone`.
+/// Read mpm.json. A scene without coupler.json has the keys "time" and "output" too, read into
+/// `alone`.
 /// @throws ConfigError
 template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone);

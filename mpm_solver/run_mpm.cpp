@@ -11,8 +11,8 @@ namespace {
 template <int dim>
 std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
                                     const std::string& output_folder, AloneSettings* alone) {
-  return std::make_unique<mpm::MpmSolver<dim>>(
-      comm, mpm::read_mpm_settings<dim>(scene, in, alone), output_folder);
+  return std::make_unique<mpm::MpmSolver<dim>>(comm, mpm::read_mpm_settings<dim>(scene, in, alone),
+                                               output_folder);
 }
 
 }  // namespace

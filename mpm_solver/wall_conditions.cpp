@@ -35,8 +35,7 @@ WallConditions<dim>::WallConditions(const Mesh<dim>& grid, const std::vector<Wal
     }
     const auto& facets = grid.facets(wall.group, wall.where);
     const int per_facet = num_nodes(facet_type(grid.cell_type));
-    const auto geometry =
-        facet_geometry<dim>(grid.nodes, facet_type(grid.cell_type), facets);
+    const auto geometry = facet_geometry<dim>(grid.nodes, facet_type(grid.cell_type), facets);
     for (std::size_t k = 0; k < facets.size(); ++k) {
       auto [entry, unused] = projectors.try_emplace(facets[k], Matrix<dim>::Identity());
       forbid<dim>(geometry[k / per_facet].normal, entry->second);

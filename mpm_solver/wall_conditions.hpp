@@ -11,9 +11,9 @@ namespace gabion::mpm {
 
 /// Still walls along facets of the background grid.
 struct WallSettings {
-  std::string group;               ///< facet group of the grid
-  bool fixed = true;               ///< all components; otherwise slip: the normal component only
-  std::string where;               ///< file and pointer, for messages
+  std::string group;  ///< facet group of the grid
+  bool fixed = true;  ///< all components; otherwise slip: the normal component only
+  std::string where;  ///< file and pointer, for messages
 };
 
 /// The directions in which a wall lets a grid node move: the range of the projector Q.

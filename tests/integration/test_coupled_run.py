@@ -72,7 +72,10 @@ class CoupledRun(IntegrationCase):
             if step["status"] == "converged":
                 self.assertLessEqual(float(last["displacement_residual"]), float(last["displacement_limit"]))
                 self.assertLessEqual(float(last["force_residual"]), float(last["force_limit"]))
-        self.assertEqual(summary["coupling_iterations"]["max"], max(int(row["iterations"]) for row in steps))
+        counts = summary["coupling_iterations"]
+        self.assertEqual(counts["total"], len(iterations))
+        self.assertEqual(counts["rejected"], len(iterations) - sum(int(row["iterations"]) for row in steps))
+        self.assertEqual(counts["max"], max(int(row["iterations"]) for row in steps))
 
     def check_balance(self, iterations: list[dict]) -> None:
         """Both sides have the same resultant force and moment at every exchange."""
@@ -93,6 +96,7 @@ class CoupledRun(IntegrationCase):
         momentum = [float(row["soil.momentum_x"]) for row in probes]
         self.assertAlmostEqual(momentum[0], 0.5 * 2650 * 0.08 * 0.06, delta=1e-12)
         self.assertLess(momentum[-1], 0.9999 * momentum[0])
+        # The forces are those at the ends of the steps: 6 % from the integral while contact builds up.
         impulse = sum(float(row["fx"]) * float(row["dt"]) for row in steps)
         self.assertAlmostEqual(momentum[0] - momentum[-1], impulse, delta=0.15 * impulse)
         self.assertGreater(max(float(row["structure.A.ux"]) for row in probes), 1e-5)

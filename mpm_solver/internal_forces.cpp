@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/internal_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "common/base/error.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// A first evaluation takes the tangent of the stresses from a state where no component of du
+// differs by more than this share of a cell.
+constexpr double same_tangent = 1e-4;
+
+bool is_near(std::span<const double> x, const std::vector<double>& y, double distance) {
+  if (x.size() != y.size()) return false;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (std::abs(x[k] - y[k]) > distance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+template <int dim>
+InternalForces<dim>::InternalForces(const Parts& parts, double cell_size, double same_strain)
+    : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain) {
+  f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
+  parts_.trial.resize(parts_.points.size());
+  forget();
+}
+
+template <int dim>
+void InternalForces<dim>::forget() {
+  du_known_.clear();
+  du_K_.clear();
+  known_.assign(parts_.weights.groups.size(), {});
+  same_strain_ = given_same_strain_;
+}
+
+template <int dim>
+Matrix<dim> InternalForces<dim>::displacement_gradient(std::span<const double> du,
+                                                       const std::int32_t* local,
+                                                       const Vector<dim>* grad) const {
+  Matrix<dim> H = Matrix<dim>::Zero();
+  for (int i = 0; i < parts_.weights.nodes_per_cell; ++i) {
+    H += Eigen::Map<const Vector<dim>>(du.data() + static_cast<std::ptrdiff_t>(local[i]) * dim) *
+         grad[i].transpose();
+  }
+  return H;
+}
+
+// Stress of one point at the end of the step, into `stress` and the trial state.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::point_stress(const Law& law, std::int32_t entry, const Matrix<dim>& H,
+                                       StressUpdate<dim>& stress, Tangent<dim>* A,
+                                       std::int32_t& worst) {
+  const std::int32_t p = parts_.weights.point[entry];
+  if (!law.update(H, parts_.points.history[p], stress, A) || stress.J < min_J_ratio) {
+    worst = p;
+    return false;
+  }
+  parts_.trial.history[entry] = stress.state;
+  parts_.trial.tau[entry] = stress.tau;
+  parts_.trial.J_ratio[entry] = stress.J;
+  parts_.trial.energy[entry] = stress.energy;
+  return true;
+}
+
+// V0 P and V0 dP/dH summed over the points of a cell that share one gradient.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H,
+                                       bool with_A, GroupStress& known, std::int32_t& worst) {
+  StressUpdate<dim> stress;
+  Tangent<dim> A;
+  known.is_known = false;
+  known.H = H;
+  known.P.setZero();
+  known.A.setZero();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    if (!point_stress(law, e, H, stress, with_A ? &A : nullptr, worst)) return false;
+    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    known.P += V0 * stress.P;
+    if (with_A) known.A += V0 * A;
+  }
+  known.is_known = true;
+  known.has_A = with_A;
+  return true;
+}
+
+// Forces and stiffness of a triangle or tetrahedron.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::simplex_forces(const Law& law, std::int32_t g, const std::int32_t* local,
+                                         std::span<const double> du, bool with_K,
+                                         CellForces<dim>& sum, std::int32_t& worst) {
+  const CellGroup& group = parts_.weights.groups[g];
+  const int n = parts_.weights.nodes_per_cell;
+  const Vector<dim>* grad = parts_.weights.grad_of(group.first);
+  const Matrix<dim> H = displacement_gradient(du, local, grad);
+  GroupStress& known = known_[g];
+  const Matrix<dim> change = H - known.H;
+  const double size = change.cwiseAbs().maxCoeff();
+  const bool near = known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !with_K);
+  if (!near && !group_stress(law, group, H, with_K, known, worst)) return false;
+  sum.add_stress(n, known.P, grad);
+  if (near && size > 0) {
+    Matrix<dim> P_change;
+    for (int aJ = 0; aJ < dim * dim; ++aJ) {
+      double value = 0;
+      for (int bL = 0; bL < dim * dim; ++bL) value += known.A(aJ, bL) * change(bL / dim, bL % dim);
+      P_change(aJ / dim, aJ % dim) = value;
+    }
+    sum.add_stress(n, P_change, grad);
+  }
+  if (with_K) sum.add_tangent(n, known.A, grad);
+  return true;
+}
+
+// Forces and stiffness of a cell whose points have gradients of their own.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::general_forces(const Law& law, std::int32_t g, const std::int32_t* local,
+                                         std::span<const double> du, bool with_K,
+                                         CellForces<dim>& sum, std::int32_t& worst) {
+  const CellGroup& group = parts_.weights.groups[g];
+  const int n = parts_.weights.nodes_per_cell;
+  StressUpdate<dim> stress;
+  Tangent<dim> A;
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const Vector<dim>* grad = parts_.weights.grad_of(e);
+    const Matrix<dim> H = displacement_gradient(du, local, grad);
+    if (!point_stress(law, e, H, stress, with_K ? &A : nullptr, worst)) return false;
+    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    sum.add_stress(n, V0 * stress.P, grad);
+    if (with_K) sum.add_tangent(n, V0 * A, grad);
+  }
+  return true;
+}
+
+// f_int and its derivative of the cells that hold points of one body.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::span<const double> du,
+                                      BlockMatrix<dim>* K, std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  const int n = weights.nodes_per_cell;
+  const bool with_K = K != nullptr;
+  CellForces<dim> sum;
+  std::int32_t local[max_cell_nodes];
+  for (std::int32_t g = weights.body_groups[body]; g < weights.body_groups[body + 1]; ++g) {
+    const auto cell = parts_.grid.mesh.cell(weights.groups[g].cell);
+    for (int i = 0; i < n; ++i) local[i] = parts_.nodes.active[cell[i]];
+    sum.set_zero(n, with_K);
+    const bool admissible = weights.constant_gradient
+                                ? simplex_forces(law, g, local, du, with_K, sum, worst)
+                                : general_forces(law, g, local, du, with_K, sum, worst);
+    if (!admissible) return false;
+    for (int i = 0; i < n; ++i) {
+      double* f = f_int_.data() + static_cast<std::ptrdiff_t>(local[i]) * dim;
+      for (int a = 0; a < dim; ++a) f[a] += sum.f[i * dim + a];
+    }
+    if (K) K->add_cell(g, sum.K);
+  }
+  return true;
+}
+
+template <int dim>
+bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
+                                   std::int32_t& worst) {
+  const bool stress_known = std::equal(du.begin(), du.end(), du_known_.begin(), du_known_.end());
+  const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
+  first_evaluation_ = false;
+  if (stress_known && (!K || is_near(du, du_K_, near))) {
+    if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
+    return true;
+  }
+  du_known_.clear();
+  std::fill(f_int_.begin(), f_int_.end(), 0.0);
+  if (K) K->set_zero();
+  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
+    const bool admissible =
+        std::visit([&](const auto& law) { return body_forces(law, b, du, K, worst); },
+                   parts_.bodies[b].material.law);
+    if (!admissible) return false;
+  }
+  du_known_.assign(du.begin(), du.end());
+  if (K) {
+    du_K_ = du_known_;
+    K_int_.assign(K->values().begin(), K->values().end());
+  }
+  return true;
+}
+
+template <int dim>
+void InternalForces<dim>::finish(std::span<const double> du) {
+  same_strain_ = 0;
+  du_known_.clear();
+  std::int32_t worst = -1;
+  require(evaluate(du, nullptr, worst), "mpm_solver: an inadmissible state was accepted");
+}
+
+template class InternalForces<2>;
+template class InternalForces<3>;
+
+}  // namespace gabion::mpm
