@@ -247,16 +247,18 @@ double CouplingBoundary<dim>::max_penetration() const {
 
 template <int dim>
 void CouplingBoundary<dim>::accept() {
-  for (Point& b : points_) {
-    b.x = position(b);
-    b.gap.setZero();
-    if (b.closed) {
-      b.gap = b.gap_trial;
-      if (b.sliding) {  // the part beyond the friction limit has slid for good
-        b.gap.template tail<dim - 1>() =
-            -b.traction.template tail<dim - 1>() / (settings_.tangential_share * settings_.penalty);
-      }
+  for (Point& b : points_) b.x = position(b);
+  if (settings_.memory == GapMemory::step) return;
+  for (const std::int32_t k : touching_) {
+    Point& b = points_[k];
+    const double normal = b.gap_trial[0];
+    b.gap = b.gap_trial;
+    if (b.sliding) {  // the part beyond the friction limit has slid for good
+      b.gap = -b.traction / (settings_.tangential_share * settings_.penalty);
+    } else if (!b.closed) {
+      b.gap.setZero();  // tangential: sticking begins anew when the gap closes
     }
+    b.gap[0] = normal;
   }
 }
 

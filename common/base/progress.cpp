@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "common/base/log.hpp"
@@ -17,6 +18,11 @@ constexpr double live_period = 0.1;  // [s] wall between two pictures on a termi
 constexpr double plain_period = 10;  // [s] wall between two log lines
 constexpr double plain_fraction = 0.1;
 
+// Under mpirun stderr is a pipe even when a person watches it; scripts/run then sets the variable.
+bool shown_on_terminal() {
+  return isatty(STDERR_FILENO) == 1 || std::getenv("GABION_TERMINAL") != nullptr;
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 100) return fmt::format("{:.0f} s", seconds);
   if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
@@ -26,7 +32,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 Progress::Progress(double end, bool speaks)
-    : end_(end), speaks_(speaks), terminal_(isatty(STDERR_FILENO) == 1) {}
+    : end_(end), speaks_(speaks), terminal_(shown_on_terminal()) {}
 
 Progress::~Progress() {
   if (line_open_) std::fputc('\n', stderr);
