@@ -28,7 +28,7 @@ enum class ContactMode {
 
 /// What the penalty acts on.
 enum class GapMemory {
-  accumulated,  ///< gap accumulated since it closed: force independent of the step size
+  accumulated,  ///< gap since soil came into the point's cell: force independent of the step size
   step,         ///< displacement of this step only, as in the method's first implementations
 };
 
