@@ -2,6 +2,7 @@
 #include "mpm_solver/equilibrium.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -120,6 +121,13 @@ double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<d
     if (K) K->add_diagonal(i, mass * slope);
   }
   return std::sqrt(std::max({external, inertial, stopping}));
+}
+
+template <int dim>
+std::string Equilibrium<dim>::describe_node(std::size_t i) const {
+  const std::int32_t node = parts_.nodes.grid_node[i];
+  const Vector<dim>& x = parts_.grid.mesh.nodes[node];
+  return fmt::format("grid node {} at ({:.4g})", node, fmt::join(x.data(), x.data() + dim, ", "));
 }
 
 template class Equilibrium<2>;

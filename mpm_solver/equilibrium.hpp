@@ -46,6 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
   double length_scale() const override { return parts_.cell_size; }
+  std::string describe_node(std::size_t i) const override;
 
   InternalForces<dim>& internal_forces() { return internal_; }
 

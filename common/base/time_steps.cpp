@@ -61,8 +61,10 @@ std::int64_t TimeSteps::ticks_under_way() const {
 }
 
 double TimeSteps::dt() const {
-  const bool last = ticks_ + ticks_under_way() == end_ticks_;
-  return last ? settings_.end - time() : level_dt(level_);
+  const double rest = settings_.end - time();
+  const bool shortened = ticks_ + ticks_under_way() == end_ticks_ &&
+                         std::abs(rest - level_dt(level_)) > raster_tolerance * level_dt(level_);
+  return shortened ? rest : level_dt(level_);
 }
 
 void TimeSteps::accept(double proposed_dt) {

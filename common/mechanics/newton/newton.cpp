@@ -123,7 +123,8 @@ typename Newton<dim>::Iterate Newton<dim>::evaluate(std::span<const double> du, 
   if (!evaluation.admissible) {
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
   } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
-    rejection_ = fmt::format("residual not finite, worst node {}", worst_node<dim>(r).node);
+    rejection_ = fmt::format("residual not finite, worst {}",
+                             problem_.describe_node(worst_node<dim>(r).node));
   }
   const double scale = evaluation.force_scale;
   next.small_residual = next.norm <= settings_.residual_tolerance * scale;
@@ -260,7 +261,7 @@ void Newton<dim>::fail(const std::string& reason) const {
   if (report_.residuals.empty()) {
     worst = "no residual yet";
   } else {
-    worst = fmt::format("worst node {} with |r| = {:.3e}", node.node, node.size);
+    worst = fmt::format("worst {} with |r| = {:.3e}", problem_.describe_node(node.node), node.size);
   }
   throw ConvergenceError(fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {:.2e}",
                                      report_.iterations, reason, worst,

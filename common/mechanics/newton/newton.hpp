@@ -40,6 +40,8 @@ class NewtonProblem {
   virtual Evaluation evaluate(std::span<const double> du, std::span<double> r,
                               BlockMatrix<dim>* K) = 0;
   virtual double length_scale() const = 0;  ///< [m], cell size
+  /// Words for node i of the vectors, for messages: where a person finds it.
+  virtual std::string describe_node(std::size_t i) const { return "node " + std::to_string(i); }
 };
 
 /// What a caller with `reuse_matrix` keeps between its solves.
