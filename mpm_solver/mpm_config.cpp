@@ -146,7 +146,7 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   if (in.has("penalty")) {
     boundary.penalty = in.number("penalty", positive());
   } else {
-    boundary.penalty = penalty_unit * in.number_or("penalty_factor", 20, positive());
+    boundary.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
   }
   if (in.has("friction")) {
     if (boundary.mode != ContactMode::contact) {
