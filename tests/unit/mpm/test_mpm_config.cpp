@@ -51,14 +51,14 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
   EXPECT_EQ(make_mpm(valid_3d())->interfaces().size(), 0u);
 }
 
-TEST(MpmConfig, penalty_defaults_to_twenty_moduli_per_cell) {
+TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   const MpmFolder folder(valid());
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension");
   const auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
   const double M = 1e5 * 0.7 / (1.3 * 0.4);
-  EXPECT_NEAR(settings.interfaces.at(0).penalty, 20 * M / 0.25, 1e-6 * M);
+  EXPECT_NEAR(settings.interfaces.at(0).penalty, 0.5 * M / 0.25, 1e-6 * M);
   EXPECT_EQ(settings.interfaces[0].mode, mpm::ContactMode::contact);
   EXPECT_EQ(settings.interfaces[0].memory, mpm::GapMemory::accumulated);
   EXPECT_LT(settings.interfaces[0].friction, 0);
