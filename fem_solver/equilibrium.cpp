@@ -8,6 +8,7 @@
 #include <cmath>
 #include <variant>
 
+#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::fem {
@@ -18,12 +19,6 @@ bool NodalMotion::is_still() const {
 }
 
 namespace {
-
-double norm(std::span<const double> x) {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum);
-}
 
 template <int dim>
 CellRange own_cells(const Mesh<dim>& mesh, MPI_Comm comm) {
@@ -114,7 +109,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
       return result;
     }
   }
-  result.force_scale = std::max({norm(internal), norm(inertia), norm(f_ext_)});
+  result.force_scale = std::max({norm_of(internal), norm_of(inertia), norm_of(f_ext_)});
   if (K) {
     last_tangent_ = {u_trial_, dt_, with_inertia_};
     finish_tangent(dt_, with_inertia_, *K);

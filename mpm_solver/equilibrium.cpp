@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -21,12 +22,6 @@ constexpr double mass_floor = 1e-8;
 // Where soil flies freely no force is left to compare the residual with. The force that would stop
 // a node within the step counts by this share.
 constexpr double share_of_stopping = 1e-3;
-
-double norm(std::span<const double> x) {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum);
-}
 
 }  // namespace
 
@@ -91,8 +86,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   const double external = add_body_forces(du, r, root ? K : nullptr);
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
-  result.force_scale = std::max(norm(f_sum_), external);
-  result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm(r));
+  result.force_scale = std::max(norm_of(f_sum_), external);
+  result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -35,12 +36,6 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
-}
-
-double squared_norm(std::span<const double> x) {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return sum;
 }
 
 }  // namespace
@@ -153,9 +148,9 @@ void MpmSolver<dim>::choose_guess() {
   const ScopedTimer timer(times_, "guess");
   std::vector<double> r(du_.size()), still(du_.size(), 0.0);
   const Evaluation flight = equilibrium_->evaluate(du_, r, nullptr);
-  const double r_flight = squared_norm(r);
+  const double r_flight = norm_of(r);
   equilibrium_->evaluate(still, r, nullptr);
-  if (!flight.admissible || squared_norm(r) < r_flight) du_ = std::move(still);
+  if (!flight.admissible || norm_of(r) < r_flight) du_ = std::move(still);
 }
 
 template <int dim>

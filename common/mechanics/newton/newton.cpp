@@ -8,6 +8,8 @@
 
 #include "common/base/error.hpp"
 
+#include "common/mechanics/norm.hpp"
+
 namespace gabion {
 
 namespace {
@@ -17,12 +19,6 @@ constexpr double energy_reduction = 0.8;
 constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old matrix
 constexpr double loosest_linear_tolerance = 1e-3;
 constexpr double linear_margin = 1e-2;
-
-double norm_of(std::span<const double> r) {
-  double sum = 0;
-  for (const double value : r) sum += value * value;
-  return std::sqrt(sum);
-}
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0;

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/mechanics/petsc/petsc_matrix.hpp"
+#include "common/mechanics/norm.hpp"
 #include "common/mechanics/petsc/petsc_solver.hpp"
 
 namespace gabion {
@@ -16,12 +17,6 @@ namespace gabion {
 namespace {
 
 constexpr double direct_tolerance = 1e-8;
-
-double norm_of(std::span<const double> b) {
-  double sum = 0;
-  for (const double value : b) sum += value * value;
-  return std::sqrt(sum);
-}
 
 }  // namespace
 
