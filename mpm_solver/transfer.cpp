@@ -84,6 +84,28 @@ void points_to_grid(MPI_Comm comm, const BackgroundGrid<dim>& grid,
 }
 
 template <int dim>
+std::vector<double> point_forces(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                                 const MaterialPoints<dim>& points,
+                                 const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                 std::span<const Vector<dim>> b) {
+  const int n = weights.nodes_per_cell;
+  std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
+  for (const CellGroup& group : weights.groups) {
+    const auto cell = grid.mesh.cell(group.cell);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const double* N = weights.N_of(e);
+      for (int i = 0; i < n; ++i) {
+        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{nodes.active[cell[i]]} * dim);
+        f_i += N[i] * points.m[p] * b[p];
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(f));
+  return f;
+}
+
+template <int dim>
 void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
                     const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
                     double pic_share, MaterialPoints<dim>& points) {
@@ -117,6 +139,12 @@ template void points_to_grid<2>(MPI_Comm, const BackgroundGrid<2>&, const Materi
                                 const PointWeights<2>&, GridNodes<2>&);
 template void points_to_grid<3>(MPI_Comm, const BackgroundGrid<3>&, const MaterialPoints<3>&,
                                 const PointWeights<3>&, GridNodes<3>&);
+template std::vector<double> point_forces<2>(MPI_Comm, const BackgroundGrid<2>&,
+                                             const MaterialPoints<2>&, const PointWeights<2>&,
+                                             const GridNodes<2>&, std::span<const Vector<2>>);
+template std::vector<double> point_forces<3>(MPI_Comm, const BackgroundGrid<3>&,
+                                             const MaterialPoints<3>&, const PointWeights<3>&,
+                                             const GridNodes<3>&, std::span<const Vector<3>>);
 template void grid_to_points<2>(const BackgroundGrid<2>&, const GridNodes<2>&,
                                 const NodalMotion<2>&, const PointWeights<2>&, double,
                                 MaterialPoints<2>&);
