@@ -109,7 +109,7 @@ void MpmSolver<dim>::begin_step(double dt) {
   }
   {
     const ScopedTimer timer(times_, "points to grid");
-    points_to_grid(comm_, grid_, points_, weights_, nodes_);
+    points_to_grid(comm_, points_, weights_, nodes_);
     walls_.select(nodes_);
   }
   const ScopedTimer timer(times_, "pattern");
@@ -225,7 +225,7 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
-  grid_to_points(grid_, nodes_, motion, weights_, settings_.pic_share, points_);
+  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
