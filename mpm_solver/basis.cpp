@@ -59,7 +59,7 @@ void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
     std::partial_sum(starts.begin(), starts.end(), starts.begin());
     for (std::int32_t c = 0; c < num_cells; ++c) {
       if (starts[c] == starts[c + 1]) continue;
-      weights.groups.push_back({c, b, begin + starts[c], begin + starts[c + 1]});
+      weights.groups.push_back({c, b, begin + starts[c], begin + starts[c + 1], 0, 0});
     }
     for (std::int32_t p = begin; p < end; ++p) {
       weights.point[begin + starts[points.cell[p]]++] = p;
@@ -75,21 +75,30 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
                     PointWeights<dim>& weights) {
   const Mesh<dim>& mesh = grid.mesh;
   const int n = mesh.nodes_per_cell();
-  weights.nodes_per_cell = n;
   weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
   sort_by_cell(mesh.num_cells(), points, weights);
   weights.N.resize(static_cast<std::size_t>(points.size()) * n);
   weights.grad_N.resize(weights.N.size());
+  weights.local.resize(weights.N.size());
+  weights.starts.resize(static_cast<std::size_t>(points.size()) + 1);
+  weights.group_nodes.clear();
 
   Vector<dim> corners[max_cell_nodes];
   ShapeValues<dim> shape;
-  for (const CellGroup& group : weights.groups) {
+  for (std::size_t e = 0; e < weights.starts.size(); ++e) {
+    weights.starts[e] = static_cast<std::int32_t>(e) * n;
+  }
+  for (CellGroup& group : weights.groups) {
     const auto nodes = mesh.cell(group.cell);
+    group.first_node = static_cast<std::int32_t>(weights.group_nodes.size());
+    group.num_nodes = n;
+    weights.group_nodes.insert(weights.group_nodes.end(), nodes.begin(), nodes.end());
     for (int i = 0; i < n; ++i) corners[i] = mesh.nodes[nodes[i]];
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const Vector<dim> xi = grid.locator.local_coordinates(group.cell, points.x[weights.point[e]]);
       shape_functions<dim>(mesh.cell_type, xi, shape);
-      const std::size_t row = static_cast<std::size_t>(e) * n;
+      const std::int32_t row = weights.starts[e];
+      std::iota(weights.local.begin() + row, weights.local.begin() + row + n, std::uint8_t{0});
       std::copy_n(shape.N, n, weights.N.begin() + row);
       if (e == group.first || !weights.constant_gradient) {
         map_gradients<dim>(mesh.cell_type, corners, shape);

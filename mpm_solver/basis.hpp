@@ -29,33 +29,44 @@ struct BackgroundGrid {
 template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh);
 
-/// The points of one body that lie in one cell: entries first .. last of PointWeights.
+/// Largest number of nodes that act on the points of one cell: splines of a cell's two halves.
+template <int dim>
+inline constexpr int max_group_nodes = dim == 2 ? 16 : 64;
+
+/// The points of one body that lie in one cell: entries first .. last of PointWeights. `first_node`
+/// and `num_nodes` name the nodes that act on any of them in PointWeights::group_nodes.
 struct CellGroup {
   std::int32_t cell = 0;
   std::int32_t body = 0;
   std::int32_t first = 0;
   std::int32_t last = 0;
+  std::int32_t first_node = 0;
+  std::int32_t num_nodes = 0;
 };
 
 /// Shape functions of the grid at the material points, taken at the accepted positions and kept
-/// through the step. Entries are sorted by body, cell and point.
+/// through the step. Entries are sorted by body, cell and point; entry e has the values
+/// starts[e] .. starts[e + 1], one for each node that acts on its point.
 template <int dim>
 struct PointWeights {
-  int nodes_per_cell = 0;
-  bool constant_gradient =
-      false;  ///< triangles and tetrahedra: gradients of the group's first entry hold
-  std::vector<std::int32_t> point;  ///< of each entry
-  std::vector<double> N;            ///< num_entries x nodes_per_cell
-  std::vector<Vector<dim>> grad_N;  ///< [1/m], as N; filled for the first entry of a group only
-                                    ///< when constant_gradient
+  /// Triangles and tetrahedra with the linear basis: all entries of a group have the group's nodes
+  /// in their order, and the gradients of its first entry hold for all.
+  bool constant_gradient = false;
+  std::vector<std::int32_t> point;   ///< of each entry
+  std::vector<std::int32_t> starts;  ///< first value of each entry, and the number of values
+  std::vector<std::uint8_t> local;   ///< of each value: its node's number within the group
+  std::vector<double> N;             ///< of each value
+  std::vector<Vector<dim>> grad_N;   ///< of each value [1/m]
   std::vector<CellGroup> groups;
+  std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
 
-  const double* N_of(std::int32_t entry) const {
-    return N.data() + static_cast<std::size_t>(entry) * nodes_per_cell;
-  }
-  const Vector<dim>* grad_of(std::int32_t entry) const {
-    return grad_N.data() + static_cast<std::size_t>(entry) * nodes_per_cell;
+  int num_nodes(std::int32_t entry) const { return starts[entry + 1] - starts[entry]; }
+  const std::uint8_t* local_of(std::int32_t entry) const { return local.data() + starts[entry]; }
+  const double* N_of(std::int32_t entry) const { return N.data() + starts[entry]; }
+  const Vector<dim>* grad_of(std::int32_t entry) const { return grad_N.data() + starts[entry]; }
+  std::span<const std::int32_t> nodes_of(const CellGroup& group) const {
+    return {group_nodes.data() + group.first_node, static_cast<std::size_t>(group.num_nodes)};
   }
 };
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/elements/cell_type.hpp"
+#include <cstdint>
+
 #include "common/mechanics/tensor.hpp"
+#include "mpm_solver/basis.hpp"
 
 namespace gabion::mpm {
 
 /// Force and stiffness of one cell, added up over its material points.
 template <int dim>
 struct CellForces {
-  static constexpr int max_dofs = max_cell_nodes * dim;
+  static constexpr int max_dofs = max_group_nodes<dim> * dim;
   double f[max_dofs];
   double K[max_dofs * max_dofs];  // row-major, (n dim) x (n dim)
 
@@ -20,16 +22,20 @@ struct CellForces {
   }
 
   /// f_ia += P_aJ grad_iJ
-  void add_stress(int n, const Matrix<dim>& P, const Vector<dim>* grad) {
+  /// @param n, local, grad  values of a point: their number, each one's node and gradient
+  void add_stress(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad) {
     for (int i = 0; i < n; ++i) {
+      double* f_i = f + local[i] * dim;
       for (int a = 0; a < dim; ++a) {
-        for (int J = 0; J < dim; ++J) f[i * dim + a] += P(a, J) * grad[i][J];
+        for (int J = 0; J < dim; ++J) f_i[a] += P(a, J) * grad[i][J];
       }
     }
   }
 
   /// K_(ia)(kb) += grad_iJ A_(aJ)(bL) grad_kL
-  void add_tangent(int n, const Tangent<dim>& A, const Vector<dim>* grad) {
+  /// @param width  number of nodes of the cell
+  void add_tangent(int n, const std::uint8_t* local, int width, const Tangent<dim>& A,
+                   const Vector<dim>* grad) {
     for (int i = 0; i < n; ++i) {
       double left[dim][dim * dim];  // grad_iJ A_(aJ)(bL)
       for (int a = 0; a < dim; ++a) {
@@ -40,12 +46,12 @@ struct CellForces {
         }
       }
       for (int a = 0; a < dim; ++a) {
-        double* row = K + static_cast<std::ptrdiff_t>(i * dim + a) * n * dim;
+        double* row = K + static_cast<std::ptrdiff_t>(local[i] * dim + a) * width * dim;
         for (int k = 0; k < n; ++k) {
           for (int b = 0; b < dim; ++b) {
             double sum = 0;
             for (int L = 0; L < dim; ++L) sum += left[a][b * dim + L] * grad[k][L];
-            row[k * dim + b] += sum;
+            row[local[k] * dim + b] += sum;
           }
         }
       }

@@ -50,7 +50,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
   offsets.assign(1, 0);
   cell_nodes.clear();
   for (const CellGroup& group : parts_.weights.groups) {
-    for (const std::int32_t node : parts_.grid.mesh.cell(group.cell)) {
+    for (const std::int32_t node : parts_.weights.nodes_of(group)) {
       cell_nodes.push_back(parts_.nodes.active[node]);
     }
     offsets.push_back(static_cast<std::int32_t>(cell_nodes.size()));

@@ -10,7 +10,7 @@ bool activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                     const PointWeights<dim>& weights, GridNodes<dim>& nodes) {
   std::vector<std::int32_t> mark(grid.mesh.nodes.size(), 0);
   for (const CellGroup& group : weights.groups) {
-    for (const std::int32_t node : grid.mesh.cell(group.cell)) mark[node] = 1;
+    for (const std::int32_t node : weights.nodes_of(group)) mark[node] = 1;
   }
   sum_over_ranks(comm, std::span<std::int32_t>(mark));
 

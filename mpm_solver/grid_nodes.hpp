@@ -11,8 +11,8 @@
 
 namespace gabion::mpm {
 
-/// The nodes that carry the step: those of cells that hold a material point on any rank, numbered
-/// in the order of the grid. Nodal fields are replicated on all ranks.
+/// The nodes that carry the step: those that act on a material point of any rank, numbered in the
+/// order of the grid. Nodal fields are replicated on all ranks.
 template <int dim>
 struct GridNodes {
   std::vector<std::int32_t> grid_node;  ///< of each active node
@@ -21,6 +21,10 @@ struct GridNodes {
   std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s], before the walls act
   std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]
 
+  /// Active numbers of the given grid nodes. @pre all are active
+  void list_active(std::span<const std::int32_t> grid_nodes, std::int32_t* numbers) const {
+    for (std::size_t i = 0; i < grid_nodes.size(); ++i) numbers[i] = active[grid_nodes[i]];
+  }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
 };
 

@@ -42,13 +42,15 @@ void InternalForces<dim>::forget() {
 }
 
 template <int dim>
-Matrix<dim> InternalForces<dim>::displacement_gradient(std::span<const double> du,
-                                                       const std::int32_t* local,
-                                                       const Vector<dim>* grad) const {
+Matrix<dim> InternalForces<dim>::displacement_gradient(const GroupRequest& request,
+                                                       std::int32_t entry) const {
+  const int n = parts_.weights.num_nodes(entry);
+  const std::uint8_t* local = parts_.weights.local_of(entry);
+  const Vector<dim>* grad = parts_.weights.grad_of(entry);
   Matrix<dim> H = Matrix<dim>::Zero();
-  for (int i = 0; i < parts_.weights.nodes_per_cell; ++i) {
-    H += Eigen::Map<const Vector<dim>>(du.data() + static_cast<std::ptrdiff_t>(local[i]) * dim) *
-         grad[i].transpose();
+  for (int i = 0; i < n; ++i) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(request.active[local[i]]) * dim;
+    H += Eigen::Map<const Vector<dim>>(request.du.data() + row) * grad[i].transpose();
   }
   return H;
 }
@@ -96,19 +98,19 @@ bool InternalForces<dim>::group_stress(const Law& law, const CellGroup& group, c
 // Forces and stiffness of a triangle or tetrahedron.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::simplex_forces(const Law& law, std::int32_t g, const std::int32_t* local,
-                                         std::span<const double> du, bool with_K,
-                                         CellForces<dim>& sum, std::int32_t& worst) {
-  const CellGroup& group = parts_.weights.groups[g];
-  const int n = parts_.weights.nodes_per_cell;
+bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& request) {
+  const CellGroup& group = parts_.weights.groups[request.number];
+  const std::uint8_t* local = parts_.weights.local_of(group.first);
   const Vector<dim>* grad = parts_.weights.grad_of(group.first);
-  const Matrix<dim> H = displacement_gradient(du, local, grad);
-  GroupStress& known = known_[g];
+  const int n = group.num_nodes;
+  const Matrix<dim> H = displacement_gradient(request, group.first);
+  GroupStress& known = known_[request.number];
   const Matrix<dim> change = H - known.H;
   const double size = change.cwiseAbs().maxCoeff();
-  const bool near = known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !with_K);
-  if (!near && !group_stress(law, group, H, with_K, known, worst)) return false;
-  sum.add_stress(n, known.P, grad);
+  const bool near =
+      known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !request.with_K);
+  if (!near && !group_stress(law, group, H, request.with_K, known, request.worst)) return false;
+  request.sum.add_stress(n, local, known.P, grad);
   if (near && size > 0) {
     Matrix<dim> P_change;
     for (int aJ = 0; aJ < dim * dim; ++aJ) {
@@ -116,29 +118,29 @@ bool InternalForces<dim>::simplex_forces(const Law& law, std::int32_t g, const s
       for (int bL = 0; bL < dim * dim; ++bL) value += known.A(aJ, bL) * change(bL / dim, bL % dim);
       P_change(aJ / dim, aJ % dim) = value;
     }
-    sum.add_stress(n, P_change, grad);
+    request.sum.add_stress(n, local, P_change, grad);
   }
-  if (with_K) sum.add_tangent(n, known.A, grad);
+  if (request.with_K) request.sum.add_tangent(n, local, n, known.A, grad);
   return true;
 }
 
 // Forces and stiffness of a cell whose points have gradients of their own.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::general_forces(const Law& law, std::int32_t g, const std::int32_t* local,
-                                         std::span<const double> du, bool with_K,
-                                         CellForces<dim>& sum, std::int32_t& worst) {
-  const CellGroup& group = parts_.weights.groups[g];
-  const int n = parts_.weights.nodes_per_cell;
+bool InternalForces<dim>::general_forces(const Law& law, const GroupRequest& request) {
+  const CellGroup& group = parts_.weights.groups[request.number];
   StressUpdate<dim> stress;
   Tangent<dim> A;
   for (std::int32_t e = group.first; e < group.last; ++e) {
+    const int n = parts_.weights.num_nodes(e);
+    const std::uint8_t* local = parts_.weights.local_of(e);
     const Vector<dim>* grad = parts_.weights.grad_of(e);
-    const Matrix<dim> H = displacement_gradient(du, local, grad);
-    if (!point_stress(law, e, H, stress, with_K ? &A : nullptr, worst)) return false;
+    const Matrix<dim> H = displacement_gradient(request, e);
+    if (!point_stress(law, e, H, stress, request.with_K ? &A : nullptr, request.worst))
+      return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
-    sum.add_stress(n, V0 * stress.P, grad);
-    if (with_K) sum.add_tangent(n, V0 * A, grad);
+    request.sum.add_stress(n, local, V0 * stress.P, grad);
+    if (request.with_K) request.sum.add_tangent(n, local, group.num_nodes, V0 * A, grad);
   }
   return true;
 }
@@ -149,20 +151,18 @@ template <class Law>
 bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                                       BlockMatrix<dim>* K, std::int32_t& worst) {
   const auto& weights = parts_.weights;
-  const int n = weights.nodes_per_cell;
-  const bool with_K = K != nullptr;
   CellForces<dim> sum;
-  std::int32_t local[max_cell_nodes];
+  std::int32_t active[max_group_nodes<dim>];
   for (std::int32_t g = weights.body_groups[body]; g < weights.body_groups[body + 1]; ++g) {
-    const auto cell = parts_.grid.mesh.cell(weights.groups[g].cell);
-    for (int i = 0; i < n; ++i) local[i] = parts_.nodes.active[cell[i]];
-    sum.set_zero(n, with_K);
-    const bool admissible = weights.constant_gradient
-                                ? simplex_forces(law, g, local, du, with_K, sum, worst)
-                                : general_forces(law, g, local, du, with_K, sum, worst);
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    sum.set_zero(group.num_nodes, K != nullptr);
+    const GroupRequest request{g, active, du, K != nullptr, sum, worst};
+    const bool admissible =
+        weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
     if (!admissible) return false;
-    for (int i = 0; i < n; ++i) {
-      double* f = f_int_.data() + static_cast<std::ptrdiff_t>(local[i]) * dim;
+    for (int i = 0; i < group.num_nodes; ++i) {
+      double* f = f_int_.data() + static_cast<std::ptrdiff_t>(active[i]) * dim;
       for (int a = 0; a < dim; ++a) f[a] += sum.f[i * dim + a];
     }
     if (K) K->add_cell(g, sum.K);

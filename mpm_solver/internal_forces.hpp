@@ -75,25 +75,31 @@ class InternalForces {
     Tangent<dim> A = Tangent<dim>::Zero();  // sum of V0 dP/dH
   };
 
+  /// A group of points under evaluation.
+  struct GroupRequest {
+    std::int32_t number;         // of the group
+    const std::int32_t* active;  // active numbers of its nodes
+    std::span<const double> du;
+    bool with_K;
+    CellForces<dim>& sum;
+    std::int32_t& worst;
+  };
+
   template <class Law>
   bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                    BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
-  bool simplex_forces(const Law& law, std::int32_t g, const std::int32_t* local,
-                      std::span<const double> du, bool with_K, CellForces<dim>& sum,
-                      std::int32_t& worst);
+  bool simplex_forces(const Law& law, const GroupRequest& request);
   template <class Law>
-  bool general_forces(const Law& law, std::int32_t g, const std::int32_t* local,
-                      std::span<const double> du, bool with_K, CellForces<dim>& sum,
-                      std::int32_t& worst);
+  bool general_forces(const Law& law, const GroupRequest& request);
   template <class Law>
   bool group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H, bool with_A,
                     GroupStress& known, std::int32_t& worst);
   template <class Law>
   bool point_stress(const Law& law, std::int32_t entry, const Matrix<dim>& H,
                     StressUpdate<dim>& stress, Tangent<dim>* A, std::int32_t& worst);
-  Matrix<dim> displacement_gradient(std::span<const double> du, const std::int32_t* local,
-                                    const Vector<dim>* grad) const;
+  /// H of one entry of the group.
+  Matrix<dim> displacement_gradient(const GroupRequest& request, std::int32_t entry) const;
 
   Parts parts_;
   double cell_size_;

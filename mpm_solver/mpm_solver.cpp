@@ -116,7 +116,7 @@ void MpmSolver<dim>::add_body_acceleration(double time) {
   for (std::int32_t p = 0; p < points_.size(); ++p) {
     b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
   }
-  f_body_ = point_forces<dim>(comm_, grid_, points_, weights_, nodes_, b);
+  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
 }
 
 template <int dim>
@@ -129,7 +129,7 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   }
   {
     const ScopedTimer timer(times_, "points to grid");
-    points_to_grid(comm_, grid_, points_, weights_, nodes_);
+    points_to_grid(comm_, points_, weights_, nodes_);
     add_body_acceleration(time + dt);
     walls_.select(nodes_);
   }
@@ -246,7 +246,7 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
-  grid_to_points(grid_, nodes_, motion, weights_, settings_.pic_share, points_);
+  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];

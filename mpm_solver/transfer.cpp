@@ -12,14 +12,13 @@ constexpr double weightless = 1e-14;
 
 // Mean velocity and acceleration of the points of the adjacent cells, for nodes without weight.
 template <int dim>
-void fill_weightless_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                           const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                           double limit, GridNodes<dim>& nodes) {
+void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
+                           const PointWeights<dim>& weights, double limit, GridNodes<dim>& nodes) {
   std::vector<double> count(nodes.m.size(), 0);
   std::vector<Vector<dim>> v(nodes.m.size(), Vector<dim>::Zero());
   std::vector<Vector<dim>> a(nodes.m.size(), Vector<dim>::Zero());
   for (const CellGroup& group : weights.groups) {
-    for (const std::int32_t grid_node : grid.mesh.cell(group.cell)) {
+    for (const std::int32_t grid_node : weights.nodes_of(group)) {
       const std::int32_t i = nodes.active[grid_node];
       if (nodes.m[i] > limit) continue;
       for (std::int32_t e = group.first; e < group.last; ++e) {
@@ -42,25 +41,24 @@ void fill_weightless_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
 }  // namespace
 
 template <int dim>
-void points_to_grid(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                    const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                    GridNodes<dim>& nodes) {
-  const int n = weights.nodes_per_cell;
+void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
+                    const PointWeights<dim>& weights, GridNodes<dim>& nodes) {
+  std::int32_t active[max_group_nodes<dim>];
   nodes.m.assign(nodes.grid_node.size(), 0);
   nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
   nodes.a.assign(nodes.m.size(), Vector<dim>::Zero());
   for (const CellGroup& group : weights.groups) {
-    const auto cell = grid.mesh.cell(group.cell);
-    std::int32_t local[max_cell_nodes];
-    for (int i = 0; i < n; ++i) local[i] = nodes.active[cell[i]];
+    nodes.list_active(weights.nodes_of(group), active);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
+      const int n = weights.num_nodes(e);
       const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
       for (int i = 0; i < n; ++i) {
         const double weight = N[i] * points.m[p];
-        nodes.m[local[i]] += weight;
-        nodes.v[local[i]] += weight * points.v[p];
-        nodes.a[local[i]] += weight * points.a[p];
+        nodes.m[active[local[i]]] += weight;
+        nodes.v[active[local[i]]] += weight * points.v[p];
+        nodes.a[active[local[i]]] += weight * points.a[p];
       }
     }
   }
@@ -80,23 +78,23 @@ void points_to_grid(MPI_Comm comm, const BackgroundGrid<dim>& grid,
       any_weightless = true;
     }
   }
-  if (any_weightless) fill_weightless_nodes(comm, grid, points, weights, limit, nodes);
+  if (any_weightless) fill_weightless_nodes(comm, points, weights, limit, nodes);
 }
 
 template <int dim>
-std::vector<double> point_forces(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                                 const MaterialPoints<dim>& points,
+std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                                  std::span<const Vector<dim>> b) {
-  const int n = weights.nodes_per_cell;
   std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
+  std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights.groups) {
-    const auto cell = grid.mesh.cell(group.cell);
+    nodes.list_active(weights.nodes_of(group), active);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       const double* N = weights.N_of(e);
-      for (int i = 0; i < n; ++i) {
-        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{nodes.active[cell[i]]} * dim);
+      const std::uint8_t* local = weights.local_of(e);
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{active[local[i]]} * dim);
         f_i += N[i] * points.m[p] * b[p];
       }
     }
@@ -106,26 +104,26 @@ std::vector<double> point_forces(MPI_Comm comm, const BackgroundGrid<dim>& grid,
 }
 
 template <int dim>
-void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                    const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
-                    double pic_share, MaterialPoints<dim>& points) {
-  const int n = weights.nodes_per_cell;
+void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
+                    const PointWeights<dim>& weights, double pic_share,
+                    MaterialPoints<dim>& points) {
+  std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights.groups) {
-    const auto cell = grid.mesh.cell(group.cell);
-    std::int32_t local[max_cell_nodes];
-    for (int i = 0; i < n; ++i) local[i] = nodes.active[cell[i]];
+    nodes.list_active(weights.nodes_of(group), active);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
+      const int n = weights.num_nodes(e);
       const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
       Vector<dim> du = Vector<dim>::Zero();
       Vector<dim> dv = Vector<dim>::Zero();
       Vector<dim> v_grid = Vector<dim>::Zero();
       Vector<dim> a_grid = Vector<dim>::Zero();
       for (int i = 0; i < n; ++i) {
-        du += N[i] * motion.du[local[i]];
-        dv += N[i] * (motion.v_new[local[i]] - nodes.v[local[i]]);
-        v_grid += N[i] * motion.v_new[local[i]];
-        a_grid += N[i] * motion.a_new[local[i]];
+        du += N[i] * motion.du[active[local[i]]];
+        dv += N[i] * (motion.v_new[active[local[i]]] - nodes.v[active[local[i]]]);
+        v_grid += N[i] * motion.v_new[active[local[i]]];
+        a_grid += N[i] * motion.a_new[active[local[i]]];
       }
       points.x[p] += du;
       points.u[p] += du;
@@ -135,21 +133,19 @@ void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes
   }
 }
 
-template void points_to_grid<2>(MPI_Comm, const BackgroundGrid<2>&, const MaterialPoints<2>&,
-                                const PointWeights<2>&, GridNodes<2>&);
-template void points_to_grid<3>(MPI_Comm, const BackgroundGrid<3>&, const MaterialPoints<3>&,
-                                const PointWeights<3>&, GridNodes<3>&);
-template std::vector<double> point_forces<2>(MPI_Comm, const BackgroundGrid<2>&,
-                                             const MaterialPoints<2>&, const PointWeights<2>&,
-                                             const GridNodes<2>&, std::span<const Vector<2>>);
-template std::vector<double> point_forces<3>(MPI_Comm, const BackgroundGrid<3>&,
-                                             const MaterialPoints<3>&, const PointWeights<3>&,
-                                             const GridNodes<3>&, std::span<const Vector<3>>);
-template void grid_to_points<2>(const BackgroundGrid<2>&, const GridNodes<2>&,
-                                const NodalMotion<2>&, const PointWeights<2>&, double,
-                                MaterialPoints<2>&);
-template void grid_to_points<3>(const BackgroundGrid<3>&, const GridNodes<3>&,
-                                const NodalMotion<3>&, const PointWeights<3>&, double,
-                                MaterialPoints<3>&);
+template void points_to_grid<2>(MPI_Comm, const MaterialPoints<2>&, const PointWeights<2>&,
+                                GridNodes<2>&);
+template void points_to_grid<3>(MPI_Comm, const MaterialPoints<3>&, const PointWeights<3>&,
+                                GridNodes<3>&);
+template std::vector<double> point_forces<2>(MPI_Comm, const MaterialPoints<2>&,
+                                             const PointWeights<2>&, const GridNodes<2>&,
+                                             std::span<const Vector<2>>);
+template std::vector<double> point_forces<3>(MPI_Comm, const MaterialPoints<3>&,
+                                             const PointWeights<3>&, const GridNodes<3>&,
+                                             std::span<const Vector<3>>);
+template void grid_to_points<2>(const GridNodes<2>&, const NodalMotion<2>&, const PointWeights<2>&,
+                                double, MaterialPoints<2>&);
+template void grid_to_points<3>(const GridNodes<3>&, const NodalMotion<3>&, const PointWeights<3>&,
+                                double, MaterialPoints<3>&);
 
 }  // namespace gabion::mpm

@@ -21,17 +21,15 @@ namespace gabion::mpm {
 /// takes the mean velocity and acceleration of the points of its cells.
 /// @note Collective on comm.
 template <int dim>
-void points_to_grid(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                    const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                    GridNodes<dim>& nodes);
+void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
+                    const PointWeights<dim>& weights, GridNodes<dim>& nodes);
 
 /// Nodal forces of an acceleration of each material point, f_i = sum_p N_ip m_p b_p.
 /// @param b  [m/s^2], num_points
 /// @returns  num_nodes x dim [N]
 /// @note Collective on comm.
 template <int dim>
-std::vector<double> point_forces(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                                 const MaterialPoints<dim>& points,
+std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                                  std::span<const Vector<dim>> b);
 
@@ -51,8 +49,8 @@ struct NodalMotion {
 /// points. The velocity is then blended with eta parts of sum_i N_i v'_i (PIC).
 /// @param pic_share  eta, 0 = FLIP, 1 = PIC
 template <int dim>
-void grid_to_points(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                    const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
-                    double pic_share, MaterialPoints<dim>& points);
+void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
+                    const PointWeights<dim>& weights, double pic_share,
+                    MaterialPoints<dim>& points);
 
 }  // namespace gabion::mpm

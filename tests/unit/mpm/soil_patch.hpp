@@ -79,7 +79,7 @@ struct SoilPatch {
     locate_points(grid, points);
     evaluate_basis(grid, points, weights);
     activate_nodes(comm(), grid, weights, nodes);
-    points_to_grid(comm(), grid, points, weights, nodes);
+    points_to_grid(comm(), points, weights, nodes);
   }
   const Vector<dim>& node(std::int32_t active) const {
     return grid.mesh.nodes[nodes.grid_node[active]];

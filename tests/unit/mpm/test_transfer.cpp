@@ -142,7 +142,7 @@ TEST(GridToPoints, changes_the_momentum_by_the_impulse_of_the_nodes) {
       soil.to_grid();
       const auto motion = random_motion(soil);
       const Vector<dim> before = momentum(soil.points);
-      grid_to_points(soil.grid, soil.nodes, motion, soil.weights, pic_share, soil.points);
+      grid_to_points(soil.nodes, motion, soil.weights, pic_share, soil.points);
       const Vector<dim> impulse =
           momentum(soil.nodes, motion.v_new) - momentum(soil.nodes, soil.nodes.v);
       EXPECT_LT((momentum(soil.points) - before - impulse).norm(), round_off * 400);
@@ -160,7 +160,7 @@ TEST(GridToPoints, points_follow_a_linear_displacement_exactly) {
     for (int d = 0; d < dim; ++d) slope.col(d) = 0.1 * soil.random.template vector<dim>();
     for (std::int32_t i = 0; i < soil.nodes.size(); ++i) motion.du[i] = slope * soil.node(i);
     const auto before = soil.points.x;
-    grid_to_points(soil.grid, soil.nodes, motion, soil.weights, 0, soil.points);
+    grid_to_points(soil.nodes, motion, soil.weights, 0, soil.points);
     for (std::size_t p = 0; p < before.size(); ++p) {
       EXPECT_LT((soil.points.x[p] - before[p] - slope * before[p]).norm(), 1e-15);
       EXPECT_LT((soil.points.u[p] - slope * before[p]).norm(), 1e-15);
@@ -179,7 +179,7 @@ TEST(GridToPoints, nothing_happens_in_flip_and_pic_takes_its_share) {
       still.v_new = soil.nodes.v;
       still.a_new = soil.nodes.a;
       const auto before = soil.points;
-      grid_to_points(soil.grid, soil.nodes, still, soil.weights, pic_share, soil.points);
+      grid_to_points(soil.nodes, still, soil.weights, pic_share, soil.points);
       EXPECT_EQ(soil.points.x, before.x);
       EXPECT_EQ(soil.points.v == before.v, pic_share == 0);
       for (const auto& group : soil.weights.groups) {
