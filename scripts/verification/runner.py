@@ -93,8 +93,8 @@ def _other_failures(report: dict, rows: list[Row]) -> list[Row]:
             own = [row for row in rows if row.test == test]
             name, what = suite["name"].partition("_")[0], f"{case['name'].replace('_', ' ')}"
             if "failures" in case and all(row.holds for row in own):
-                place = case["failures"][0]["failure"].splitlines()[0]
-                failures.append(Row(test, name, f"{what}: failed at {place}"))
+                words = " ".join(case["failures"][0]["failure"].splitlines()[:2])
+                failures.append(Row(test, name, f"{what}: {words[:160]}"))
             elif not own and case.get("result") == "COMPLETED":
                 failures.append(Row(test, name, f"{what}: recorded no row"))
     return failures
