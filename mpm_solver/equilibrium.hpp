@@ -17,7 +17,7 @@ namespace gabion::mpm {
 
 /// Balance of momentum of the active nodes at the end of a step,
 ///
-///     r_i = m_i g - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
+///     r_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
 ///     f_contact,i
 ///
 /// with P the first Piola-Kirchhoff stress relative to the configuration at the start of the step.
@@ -40,6 +40,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
   };
   explicit Equilibrium(const Parts& parts);
 
