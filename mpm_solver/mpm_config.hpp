@@ -29,6 +29,7 @@ struct MpmSettings {
   std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body
+  bool dynamic = true;                    ///< false: quasi-static, inertia is left out
   Vector<dim> gravity = Vector<dim>::Zero();
   NewmarkBossak scheme;
   double pic_share = 0;
