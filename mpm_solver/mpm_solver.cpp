@@ -10,6 +10,7 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/point_domains.hpp"
 
 namespace gabion::mpm {
 
@@ -45,7 +46,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                           const std::string& output_folder)
     : comm_(comm),
       settings_(std::move(settings)),
-      grid_(std::move(settings_.grid)),
+      grid_(std::move(settings_.grid), settings_.basis),
       walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
@@ -59,9 +60,19 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  evaluate_basis(grid_, points_, weights_);
+  log_grid();
+}
+
+template <int dim>
+void MpmSolver<dim>::log_grid() const {
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+  std::vector<double> counts = {static_cast<double>(points_.size()),
+                                static_cast<double>(weights_.N.size())};
+  sum_over_ranks(comm_, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
 }
 
 template <int dim>
@@ -225,6 +236,8 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
+  deform_points<dim>(nodes_, du_, weights_, points_);
+  capped_domains_ += weights_.num_capped;
   grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
@@ -283,9 +296,16 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"linear_solver", linear_.method_name()},  {"factorisations", linear_.factorisations()},
-          {"linear_fallbacks", linear_.fallbacks()}, {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_}, {"linear_iterations", linear_iterations_},
+  std::vector<double> capped = {static_cast<double>(capped_domains_)};
+  sum_over_ranks(comm_, std::span<double>(capped));
+  return {{"basis", basis_name(grid_.basis)},
+          {"capped_domains", static_cast<std::int64_t>(capped[0])},
+          {"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
           {"wall_seconds", times_.seconds()}};
 }
 

@@ -44,6 +44,7 @@ class MpmSolver final : public Solver {
   void choose_guess();
   void receive(const InterfaceValues& received);
   void find_probe_points();
+  void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
 
   MPI_Comm comm_;
@@ -72,6 +73,7 @@ class MpmSolver final : public Solver {
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
+  std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps
 };
 
 }  // namespace gabion::mpm
