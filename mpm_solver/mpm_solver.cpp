@@ -12,6 +12,7 @@
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/light_nodes.hpp"
+#include "mpm_solver/point_domains.hpp"
 
 namespace gabion::mpm {
 
@@ -50,7 +51,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                           const std::string& output_folder)
     : comm_(comm),
       settings_(std::move(settings)),
-      grid_(std::move(settings_.grid)),
+      grid_(std::move(settings_.grid), settings_.basis),
       walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
@@ -64,9 +65,19 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  evaluate_basis(grid_, points_, weights_);
+  log_grid();
+}
+
+template <int dim>
+void MpmSolver<dim>::log_grid() const {
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+  std::vector<double> counts = {static_cast<double>(points_.size()),
+                                static_cast<double>(weights_.N.size())};
+  sum_over_ranks(comm_, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
 }
 
 template <int dim>
@@ -276,6 +287,8 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
   equilibrium_->internal_forces().finish(du_);
+  deform_points<dim>(nodes_, du_, weights_, points_);
+  capped_domains_ += weights_.num_capped;
   grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
   if (!settings_.dynamic) {
     std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
@@ -352,7 +365,11 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+  std::vector<double> capped = {static_cast<double>(capped_domains_)};
+  sum_over_ranks(comm_, std::span<double>(capped));
+  return {{"basis", basis_name(grid_.basis)},
+          {"capped_domains", static_cast<std::int64_t>(capped[0])},
+          {"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
           {"joined_nodes", joined_nodes_},
           {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},
