@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/light_nodes.hpp"
 
 namespace gabion::mpm {
 
@@ -22,6 +24,9 @@ constexpr double flight_courant = 2;
 // it can leave out (second order; first order across the yield surface) stays below that tolerance.
 constexpr double same_strain_share = 0.01;
 
+// Quasi-static: a node with less than this share of the mass of its points joins another one.
+constexpr double light_share = 1e-4;
+
 template <int dim>
 MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   MaterialPoints<dim> points;
@@ -32,7 +37,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   }
   settings.layouts.clear();
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
-  std::fill(points.a.begin(), points.a.end(), settings.gravity);
+  if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
@@ -120,8 +125,7 @@ void MpmSolver<dim>::add_body_acceleration(double time) {
 }
 
 template <int dim>
-void MpmSolver<dim>::begin_step(double time, double dt) {
-  dt_ = dt;
+void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "search");
     evaluate_basis(grid_, points_, weights_);
@@ -130,9 +134,35 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
-    add_body_acceleration(time + dt);
+    if (!settings_.dynamic) {
+      const auto joined =
+          join_light_nodes(comm_, grid_, points_, weights_, walls_, light_share, nodes_);
+      if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
+      joined_nodes_ += joined;
+    }
     walls_.select(nodes_);
   }
+}
+
+template <int dim>
+LinearRegime MpmSolver<dim>::regime() const {
+  bool symmetric = true;
+  for (const auto& body : settings_.bodies) {
+    symmetric &=
+        std::visit([](const auto& law) { return law.symmetric_tangent(); }, body.material.law);
+  }
+  for (const auto& boundary : boundaries_) {
+    symmetric &= !(boundary.can_touch() && boundary.has_friction());
+  }
+  const double courant = wave_speed_ * dt_ / cell_size_;
+  return {symmetric, settings_.dynamic ? courant : std::numeric_limits<double>::infinity()};
+}
+
+template <int dim>
+void MpmSolver<dim>::begin_step(double time, double dt) {
+  dt_ = dt;
+  map_to_nodes();
+  add_body_acceleration(time + dt);
   const ScopedTimer timer(times_, "pattern");
   if (!boundaries_.empty()) {
     const auto occupied = occupied_cells();
@@ -141,29 +171,23 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt, f_body_});
+      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
   new_pattern_ = true;
-
-  bool symmetric = true;
-  for (const auto& body : settings_.bodies) {
-    symmetric &=
-        std::visit([](const auto& law) { return law.symmetric_tangent(); }, body.material.law);
-  }
-  for (const auto& boundary : boundaries_)
-    symmetric &= !(boundary.can_touch() && boundary.has_friction());
-  linear_.set_regime({symmetric, wave_speed_ * dt / cell_size_}, nodes_.size());
+  linear_.set_regime(regime(), nodes_.size());
 }
 
-// Start Newton from free flight. Where elastic waves cross many cells in a step, flight and rest
-// are tried and the smaller residual wins: there the guess matters more than its cost.
+// Start Newton from free flight, quasi-static from rest. Where elastic waves cross many cells in a
+// step, flight and rest are tried and the smaller residual wins: there the guess matters more than
+// its cost.
 template <int dim>
 void MpmSolver<dim>::choose_guess() {
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
-  du_.resize(v.size());
+  du_.assign(v.size(), 0.0);
+  if (!settings_.dynamic) return;
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
   if (wave_speed_ * dt_ <= flight_courant * cell_size_) return;
   const ScopedTimer timer(times_, "guess");
@@ -227,26 +251,36 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
 }
 
 template <int dim>
-AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
-  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
-  const ScopedTimer timer(times_, "grid to points");
-  equilibrium_->internal_forces().finish(du_);
+NodalMotion<dim> MpmSolver<dim>::nodal_motion() const {
   const std::size_t n = nodes_.grid_node.size();
-  NodalMotion<dim> motion;
-  motion.du.resize(n);
-  motion.v_new.resize(n);
-  motion.a_new.resize(n);
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
+  NodalMotion<dim> motion;
+  motion.du.resize(n);
+  motion.v_new.assign(n, Vector<dim>::Zero());
+  motion.a_new.assign(n, Vector<dim>::Zero());
   for (std::size_t i = 0; i < n; ++i) {
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = i * dim + d;
       motion.du[i][d] = du_[k];
+      if (!settings_.dynamic) continue;
       motion.a_new[i][d] = settings_.scheme.acceleration(du_[k], v[k], a[k], dt_);
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
-  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
+  return motion;
+}
+
+template <int dim>
+AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
+  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  const ScopedTimer timer(times_, "grid to points");
+  equilibrium_->internal_forces().finish(du_);
+  grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
+  if (!settings_.dynamic) {
+    std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
+    std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
+  }
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
@@ -304,9 +338,14 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"linear_solver", linear_.method_name()},  {"factorisations", linear_.factorisations()},
-          {"linear_fallbacks", linear_.fallbacks()}, {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_}, {"linear_iterations", linear_iterations_},
+  return {{"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+          {"joined_nodes", joined_nodes_},
+          {"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
           {"wall_seconds", times_.seconds()}};
 }
 

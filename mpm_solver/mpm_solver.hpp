@@ -44,8 +44,11 @@ class MpmSolver final : public Solver {
  private:
   /// Everything of a step that does not depend on the interface values.
   void begin_step(double time, double dt);
+  void map_to_nodes();
   void add_body_acceleration(double time);
+  LinearRegime regime() const;
   void choose_guess();
+  NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void find_probe_points();
   std::vector<std::int32_t> occupied_cells() const;
@@ -72,6 +75,7 @@ class MpmSolver final : public Solver {
   std::optional<Equilibrium<dim>> equilibrium_;
   bool new_pattern_ = true;
   std::vector<double> du_;
+  std::int64_t joined_nodes_ = 0;  // of all steps
 
   PhaseTimes times_;
   std::int64_t newton_iterations_ = 0;
