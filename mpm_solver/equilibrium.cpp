@@ -42,6 +42,18 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
             nodes.a.empty() ? nullptr : nodes.a.front().data() + nodes.a.size() * dim);
   parts_.walls.project(v_);
   parts_.walls.project(a_);
+  if (parts_.scheme.force_memory() != 0) remember_start_forces();
+}
+
+template <int dim>
+void Equilibrium<dim>::remember_start_forces() {
+  require(parts_.boundaries.empty(), "mpm_solver: averaged forces at an interface");
+  f_start_ = internal_.start_forces();
+  sum_over_ranks(parts_.comm, std::span<double>(f_start_));
+  const double memory = parts_.scheme.force_memory();
+  for (std::size_t k = 0; k < f_start_.size(); ++k) {
+    f_start_[k] = memory * (inertia_m_[k / dim] * parts_.gravity[k % dim] - f_start_[k]);
+  }
 }
 
 template <int dim>
@@ -108,6 +120,7 @@ double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<d
       const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
       const double f_ext = mass * parts_.gravity[d];
       r[k] += f_ext - f_inertia - f_sum_[k];
+      if (!f_start_.empty()) r[k] += f_start_[k];
       external += f_ext * f_ext;
       inertial += f_inertia * f_inertia;
       const double f_stop = share_of_stopping * mass * v_[k] / dt;

@@ -17,11 +17,13 @@ namespace gabion::mpm {
 
 /// Balance of momentum of the active nodes at the end of a step,
 ///
-///     r_i = m_i g - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
-///     f_contact,i
+///     r_i = f'_i + force_memory f_i - m_i inertia(a'_i, a_i) ,
+///     f'_i = m_i g - sum_p V0_p P_p grad N_ip + f_contact,i
 ///
-/// with P the first Piola-Kirchhoff stress relative to the configuration at the start of the step.
-/// Refers to the parts of a solver; valid for one step.
+/// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
+/// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
+/// this step; it is evaluated only where it has a weight. Refers to the parts of a solver; valid
+/// for one step.
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
@@ -59,6 +61,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_acceleration() const { return a_; }
 
  private:
+  void remember_start_forces();
   double add_body_forces(std::span<const double> du, std::span<double> r,
                          BlockMatrix<dim>* K) const;
 
@@ -67,6 +70,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> v_, a_;      // walls applied
   std::vector<double> inertia_m_;  // mass with the floor for nearly weightless nodes
   std::vector<double> f_sum_;      // internal forces of all ranks
+  std::vector<double> f_start_;    // force_memory f, empty where it is 0
 };
 
 }  // namespace gabion::mpm

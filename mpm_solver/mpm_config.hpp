@@ -31,7 +31,8 @@ struct MpmSettings {
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   Vector<dim> gravity = Vector<dim>::Zero();
   NewmarkBossak scheme;
-  double pic_share = 0;
+  double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
+  bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;

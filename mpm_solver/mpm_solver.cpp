@@ -31,6 +31,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
                              rank_of(comm), num_ranks(comm), points);
   }
   settings.layouts.clear();
+  if (settings.tpic) add_gradients(points);
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
   std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),

@@ -64,7 +64,7 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   EXPECT_LT(settings.interfaces[0].friction, 0);
   EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
   EXPECT_EQ(settings.pic_share, 0);
-  EXPECT_EQ(settings.scheme.alpha_bossak, -0.1);
+  EXPECT_EQ(settings.scheme.alpha_m, -0.1);
   EXPECT_EQ(settings.gravity, Vector<2>::Zero());
 }
 
@@ -96,6 +96,10 @@ TEST(MpmConfig, wrong_types_and_ranges) {
   json = valid();
   json["transfer"] = {{"pic_share", 1.5}};
   expect_error(json, {"/transfer/pic_share", "1.5", "0 to 1"});
+  json["transfer"] = {{"method", "apic"}};
+  expect_error(json, {"/transfer/method", "apic", "flip, tpic"});
+  json["transfer"] = {{"method", "tpic"}, {"pic_share", 0.1}};
+  expect_error(json, {"/transfer/pic_share", "only with", "flip"});
   json = valid();
   json["bodies"] = Json::array();
   expect_error(json, {"/bodies", "at least one body"});
@@ -166,6 +170,19 @@ TEST(MpmConfig, three_dimensional_surfaces) {
     json["interfaces"][0]["points_per_facet"] = 5;
     expect_error(json, {"/interfaces/0/points_per_facet", "5"});
   }
+}
+
+TEST(MpmConfig, averaged_forces_at_an_interface) {
+  Json json = valid();
+  json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
+  expect_error(json, {"mpm.json", "/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  json["time_integration"]["rho_inf"] = 0;
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"]["rho_inf"] = 1.2;
+  expect_error(json, {"/time_integration/rho_inf", "1.2", "0 to 1"});
+  json["time_integration"]["rho_inf"] = 0.8;
+  json.erase("interfaces");
+  EXPECT_EQ(error_of(json), "no error");
 }
 
 TEST(MpmConfig, counts_of_points_that_are_not_offered) {
