@@ -118,7 +118,8 @@ double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<d
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
       const double a_new = scheme.acceleration(du[k], v_[k], a_[k], dt);
       const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
-      const double f_ext = mass * parts_.gravity[d];
+      double f_ext = mass * parts_.gravity[d];
+      if (!parts_.f_body.empty()) f_ext += parts_.f_body[k];
       r[k] += f_ext - f_inertia - f_sum_[k];
       if (!f_start_.empty()) r[k] += f_start_[k];
       external += f_ext * f_ext;

@@ -18,7 +18,7 @@ namespace gabion::mpm {
 /// Balance of momentum of the active nodes at the end of a step,
 ///
 ///     r_i = f'_i + force_memory f_i - m_i inertia(a'_i, a_i) ,
-///     f'_i = m_i g - sum_p V0_p P_p grad N_ip + f_contact,i
+///     f'_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip + f_contact,i
 ///
 /// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
 /// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
@@ -42,6 +42,8 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
+    std::span<const double> f_body_start = {};  ///< the same at the start of the step
   };
   explicit Equilibrium(const Parts& parts);
 
@@ -51,6 +53,10 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::string describe_node(std::size_t i) const override;
 
   InternalForces<dim>& internal_forces() { return internal_; }
+  const InternalForces<dim>& internal_forces() const { return internal_; }
+  const Parts& parts() const { return parts_; }
+  /// Mass that inertia and gravity act on [kg], num_nodes: the lumped one with the floor.
+  const std::vector<double>& inertia_mass() const { return inertia_m_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
   /// the cells of boundary points.

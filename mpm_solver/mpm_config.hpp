@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct MpmSettings {
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   Vector<dim> gravity = Vector<dim>::Zero();
+  /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
+  /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
+  std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   NewmarkBossak scheme;
   double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
   bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration

@@ -101,7 +101,27 @@ std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
 }
 
 template <int dim>
-void MpmSolver<dim>::begin_step(double dt) {
+void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a) {
+  require(v.size() == points_.v.size() && a.size() == points_.a.size(),
+          fmt::format("mpm_solver: found {} velocities and {} accelerations for {} points",
+                      v.size(), a.size(), points_.size()));
+  points_.v = std::move(v);
+  points_.a = std::move(a);
+}
+
+// Forces of the body acceleration at the end of the step, where momentum is balanced.
+template <int dim>
+void MpmSolver<dim>::add_body_acceleration(double time) {
+  if (!settings_.body_acceleration) return;
+  std::vector<Vector<dim>> b;
+  for (std::int32_t p = 0; p < points_.size(); ++p) {
+    b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
+  }
+  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
+}
+
+template <int dim>
+void MpmSolver<dim>::begin_step(double time, double dt) {
   dt_ = dt;
   {
     const ScopedTimer timer(times_, "search");
@@ -111,6 +131,7 @@ void MpmSolver<dim>::begin_step(double dt) {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
+    add_body_acceleration(time + dt);
     walls_.select(nodes_);
   }
   const ScopedTimer timer(times_, "pattern");
@@ -121,7 +142,7 @@ void MpmSolver<dim>::begin_step(double dt) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt});
+      same_strain_share * settings_.newton.residual_tolerance, dt, f_body_});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -170,7 +191,7 @@ template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
   const bool begins = dt_ != request.dt;
-  if (begins) begin_step(request.dt);
+  if (begins) begin_step(request.time, request.dt);
   receive(received);
   if (begins || request.iteration == 0) {
     equilibrium_->internal_forces().forget();

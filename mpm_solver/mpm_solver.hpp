@@ -37,10 +37,14 @@ class MpmSolver final : public Solver {
   Json summary() const override;
 
   const MaterialPoints<dim>& points() const { return points_; }
+  /// Start from other velocities [m/s] and accelerations [m/s^2] of this rank's points, num_points
+  /// each, at time 0.
+  void set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a);
 
  private:
   /// Everything of a step that does not depend on the interface values.
-  void begin_step(double dt);
+  void begin_step(double time, double dt);
+  void add_body_acceleration(double time);
   void choose_guess();
   void receive(const InterfaceValues& received);
   void find_probe_points();
@@ -62,6 +66,7 @@ class MpmSolver final : public Solver {
   double dt_ = 0;  // 0: none begun
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
+  std::vector<double> f_body_;  // empty without body acceleration
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
