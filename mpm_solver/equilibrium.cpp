@@ -52,7 +52,9 @@ void Equilibrium<dim>::remember_start_forces() {
   sum_over_ranks(parts_.comm, std::span<double>(f_start_));
   const double memory = parts_.scheme.force_memory();
   for (std::size_t k = 0; k < f_start_.size(); ++k) {
-    f_start_[k] = memory * (inertia_m_[k / dim] * parts_.gravity[k % dim] - f_start_[k]);
+    double f_ext = inertia_m_[k / dim] * parts_.gravity[k % dim];
+    if (!parts_.f_body_start.empty()) f_ext += parts_.f_body_start[k];
+    f_start_[k] = memory * (f_ext - f_start_[k]);
   }
 }
 

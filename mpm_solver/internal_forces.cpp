@@ -71,6 +71,7 @@ bool InternalForces<dim>::point_stress(const Law& law, std::int32_t entry, const
   parts_.trial.tau[entry] = stress.tau;
   parts_.trial.J_ratio[entry] = stress.J;
   parts_.trial.energy[entry] = stress.energy;
+  parts_.trial.dissipation[entry] = stress.dissipation;
   return true;
 }
 

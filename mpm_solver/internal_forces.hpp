@@ -19,11 +19,13 @@ struct TrialPoints {
   std::vector<Symmetric<dim>> tau;
   std::vector<double> J_ratio;  ///< det(1 + H) of the step
   std::vector<double> energy;
+  std::vector<double> dissipation;  ///< plastic work of the step [J/m^3]
   void resize(std::size_t n) {
     history.resize(n);
     tau.resize(n);
     J_ratio.resize(n);
     energy.resize(n);
+    dissipation.resize(n);
   }
 };
 

@@ -26,9 +26,10 @@ struct StressUpdate {
   Matrix<dim> P;
   Symmetric<dim> tau;  ///< Kirchhoff stress [Pa]
   MaterialState<dim> state;
-  double J = 1;          ///< det(1 + H), volume ratio of this step
-  double energy = 0;     ///< elastic energy per unit of stress-free volume [J/m^3]
-  bool plastic = false;  ///< the yield condition is active
+  double J = 1;            ///< det(1 + H), volume ratio of this step
+  double energy = 0;       ///< elastic energy per unit of stress-free volume [J/m^3]
+  bool plastic = false;    ///< the yield condition is active
+  double dissipation = 0;  ///< tau : plastic strain of the step, per stress-free volume [J/m^3]
 };
 
 // Contract of a material law (a value: parameters and one const update):

@@ -108,6 +108,8 @@ bool MohrCoulomb<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& st
   }
   const double volumetric = eps_e.sum();
   for (int s = 0; s < 3; ++s) tau[order[s]] = lambda_ * volumetric + 2 * mu_ * eps_e[s];
+  out.dissipation = 0;
+  for (int s = 0; out.plastic && s < 3; ++s) out.dissipation += tau[order[s]] * returned.plastic[s];
   const Matrix<dim> F = Matrix<dim>::Identity() + H;
   const Matrix<dim> F_inverse = F.inverse();
   out.tau = compose<dim>(tau, trial.n);

@@ -236,7 +236,10 @@ TEST(MpmConfig, probe_columns) {
   const auto solver = make_mpm(json);
   EXPECT_EQ(solver->probe_names(),
             (std::vector<std::string>{"mass", "kinetic_energy", "elastic_energy", "momentum_x",
-                                      "momentum_y", "front", "A.ux", "A.uy"}));
+                                      "momentum_y", "front", "plastic_dissipation", "time_damping",
+                                      "transfer_loss", "wall_loss", "gravity_work", "boundary_work",
+                                      "energy_balance", "created_energy", "momentum_error_x",
+                                      "momentum_error_y", "A.ux", "A.uy"}));
   EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);
   EXPECT_GT(probe(*solver, "front"), 0.9);
 }
