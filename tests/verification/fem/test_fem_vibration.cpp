@@ -189,7 +189,6 @@ TEST(V7_VibratingBar, work_of_loads_is_the_energy) {
     EXPECT_GT(probe(*solver, "external_work"), 1e-2);
   }
 }
-}
 
 /// No supports: the centre of mass follows the parabola and the momentum the gravity impulse.
 TEST(V18_FreeFlight, momentum_is_that_of_the_impulse) {
