@@ -215,6 +215,18 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
 }
 
 template <int dim>
+void read_transfer(ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.tpic = in.choice_or("method", {"flip", "tpic"}, "flip") == "tpic";
+  if (settings.tpic && in.has("pic_share")) {
+    in.fail("pic_share",
+            "allowed only with \"method\": \"flip\"; tpic takes the whole velocity "
+            "from the grid");
+  }
+  settings.pic_share = settings.tpic ? 1 : in.number_or("pic_share", 0, between(0, 1));
+  in.finish();
+}
+
+template <int dim>
 void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
   settings.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"}, "dynamic") == "dynamic";
   for (const char* key : {"time_integration", "transfer"}) {
@@ -233,8 +245,7 @@ void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
     settings.scheme = NewmarkBossak::bossak(-0.1);
   }
   if (auto item = in.optional_object("transfer")) {
-    settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
-    item->finish();
+    read_transfer(*item, settings);
   }
 }
 
@@ -265,6 +276,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
   }
+  if (!settings.interfaces.empty()) require_balance_at_end_of_step(in, settings.scheme);
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
     item.finish();

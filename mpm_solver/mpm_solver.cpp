@@ -37,6 +37,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
                              rank_of(comm), num_ranks(comm), points);
   }
   settings.layouts.clear();
+  if (settings.tpic) add_gradients(points);
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
   if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
@@ -56,7 +57,8 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
       linear_(comm, settings_.linear_solver),
-      output_(comm, output_folder) {
+      output_(comm, output_folder),
+      ledger_(comm) {
   for (const auto& body : settings_.bodies) {
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
@@ -65,6 +67,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  ledger_.start(points_);
   evaluate_basis(grid_, points_, weights_);
   log_grid();
 }
@@ -122,17 +125,18 @@ void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<d
                       v.size(), a.size(), points_.size()));
   points_.v = std::move(v);
   points_.a = std::move(a);
+  ledger_.start(points_);
 }
 
-// Forces of the body acceleration at the end of the step, where momentum is balanced.
+// Nodal forces of the body acceleration at a time, empty when there is none.
 template <int dim>
-void MpmSolver<dim>::add_body_acceleration(double time) {
-  if (!settings_.body_acceleration) return;
+std::vector<double> MpmSolver<dim>::body_forces(double time) const {
+  if (!settings_.body_acceleration) return {};
   std::vector<Vector<dim>> b;
   for (std::int32_t p = 0; p < points_.size(); ++p) {
     b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
   }
-  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
+  return point_forces<dim>(comm_, points_, weights_, nodes_, b);
 }
 
 template <int dim>
@@ -173,7 +177,9 @@ template <int dim>
 void MpmSolver<dim>::begin_step(double time, double dt) {
   dt_ = dt;
   map_to_nodes();
-  add_body_acceleration(time + dt);
+  f_body_ = body_forces(time + dt);
+  f_body_start_.clear();
+  if (settings_.scheme.force_memory() != 0) f_body_start_ = body_forces(time);
   const ScopedTimer timer(times_, "pattern");
   if (!boundaries_.empty()) {
     const auto occupied = occupied_cells();
@@ -182,7 +188,8 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_});
+      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_,
+      f_body_start_});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -287,20 +294,26 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
   equilibrium_->internal_forces().finish(du_);
+  const NodalMotion<dim> motion = nodal_motion();
+  const StepBalance<dim> balance =
+      step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(nodes_, du_, weights_, points_);
   capped_domains_ += weights_.num_capped;
-  grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
+  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
   if (!settings_.dynamic) {
     std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
     std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
   }
+  double dissipated = 0;
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
     points_.tau[p] = trial_.tau[e];
     points_.energy[p] = trial_.energy[e];
     points_.J[p] *= trial_.J_ratio[e];
+    dissipated += points_.V0[p] * trial_.dissipation[e];
   }
+  ledger_.add_step(balance, settings_.scheme, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();
   const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
@@ -342,6 +355,7 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
   for (const auto& body : settings_.bodies) {
     names.push_back(settings_.bodies.size() == 1 ? "front" : "front_" + body.name);
   }
+  for (const auto& name : Ledger<dim>::names()) names.push_back(name);
   for (const auto& probe : settings_.probes) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
   }
@@ -350,10 +364,12 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
 
 template <int dim>
 std::vector<double> MpmSolver<dim>::probes() const {
-  const auto totals = point_totals(comm_, points_);
+  const PointTotals<dim>& totals = ledger_.totals();
   std::vector<double> values = {totals.mass, totals.kinetic_energy, totals.elastic_energy};
   values.insert(values.end(), totals.momentum.data(), totals.momentum.data() + dim);
   values.insert(values.end(), totals.front.begin(), totals.front.end());
+  const auto balance = ledger_.values();
+  values.insert(values.end(), balance.begin(), balance.end());
   std::vector<double> motion;
   for (const std::int32_t p : probe_points_) {
     for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : points_.u[p][d]);

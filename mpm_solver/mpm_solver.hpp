@@ -10,6 +10,7 @@
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
 #include "mpm_solver/equilibrium.hpp"
+#include "mpm_solver/ledger.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_output.hpp"
 #include "mpm_solver/transfer.hpp"
@@ -46,7 +47,7 @@ class MpmSolver final : public Solver {
   /// Everything of a step that does not depend on the interface values.
   void begin_step(double time, double dt);
   void map_to_nodes();
-  void add_body_acceleration(double time);
+  std::vector<double> body_forces(double time) const;
   LinearRegime regime() const;
   void choose_guess();
   NodalMotion<dim> nodal_motion() const;
@@ -67,13 +68,14 @@ class MpmSolver final : public Solver {
   std::vector<CouplingBoundary<dim>> boundaries_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
+  Ledger<dim> ledger_;
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
 
   // the step under way
   double dt_ = 0;  // 0: none begun
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
-  std::vector<double> f_body_;  // empty without body acceleration
+  std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
