@@ -302,11 +302,25 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
     points_.J[p] *= trial_.J_ratio[e];
   }
   for (auto& boundary : boundaries_) boundary.accept();
+  const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
   dt_ = 0;
   AcceptReport report;
   report.probes = probes();
+  report.details = accepted_details(cell_n);
   return report;
+}
+
+template <int dim>
+Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double J_ratio : trial_.J_ratio) smallest = std::min(smallest, J_ratio);
+  std::int32_t moved = 0;
+  for (std::size_t p = 0; p < cell_n.size(); ++p) moved += points_.cell[p] != cell_n[p];
+  sum_over_ranks(comm_, std::span<std::int32_t>(&moved, 1));
+  return {{"min_J_ratio", -max_over_ranks(comm_, -smallest)},
+          {"active_nodes", nodes_.size()},
+          {"points_changed_cell", moved}};
 }
 
 template <int dim>

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
@@ -53,6 +54,8 @@ class MpmSolver final : public Solver {
   void find_probe_points();
   void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
+  /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
+  Json accepted_details(std::span<const std::int32_t> cell_n) const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;

@@ -52,7 +52,7 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
 }
 
 TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
-  const MpmFolder folder(valid());
+  const TemporaryScene folder("mpm.json", valid());
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension");
@@ -233,7 +233,7 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
   expect_error(json, {"/time", "unknown"});
   json["output"] = {{"interval", 0.5}};
-  const MpmFolder folder(json);
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   AloneSettings alone;
