@@ -42,7 +42,7 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
             nodes.v.empty() ? nullptr : nodes.v.front().data() + nodes.v.size() * dim);
   a_.assign(nodes.a.empty() ? nullptr : nodes.a.front().data(),
             nodes.a.empty() ? nullptr : nodes.a.front().data() + nodes.a.size() * dim);
-  parts_.walls.project(v_);
+  parts_.walls.impose(v_, 1 / parts_.dt);
   parts_.walls.project(a_);
 }
 
@@ -88,6 +88,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   double external = add_weight(r);
   if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
+  r_before_walls_.assign(r.begin(), r.end());
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
   result.force_scale = std::max(norm_of(f_sum_), external);

@@ -60,6 +60,9 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_velocity() const { return v_; }
   const std::vector<double>& start_acceleration() const { return a_; }
 
+  /// Force of the soil on each wall in the state of the last evaluation [N].
+  std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
+
  private:
   double add_weight(std::span<double> r) const;
   double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
@@ -68,6 +71,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   InternalForces<dim> internal_;
   std::vector<double> v_, a_;  // walls applied
   std::vector<double> m_;      // nodal mass; with inertia not below the floor
+  std::vector<double> r_before_walls_;
   std::vector<double> f_sum_;  // internal forces of all ranks
 };
 

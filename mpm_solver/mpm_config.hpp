@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/scene.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
-#include "common/mechanics/time_integration/newmark.hpp"
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/initial_stress.hpp"
 #include "mpm_solver/material_points.hpp"
-#include "mpm_solver/wall_conditions.hpp"
+#include "mpm_solver/phases.hpp"
 
 namespace gabion::mpm {
 
@@ -26,12 +27,11 @@ struct PointProbe {
 template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
-  std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
-  std::vector<PointLayout<dim>> layouts;  ///< of each body
-  bool dynamic = true;                    ///< false: quasi-static, inertia is left out
+  std::vector<PointLayout<dim>> layouts;                     ///< of each body
+  std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
   Vector<dim> gravity = Vector<dim>::Zero();
-  NewmarkBossak scheme;
+  std::vector<Phase> phases;  ///< at least one
   double pic_share = 0;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};

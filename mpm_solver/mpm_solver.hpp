@@ -40,7 +40,11 @@ class MpmSolver final : public Solver {
 
  private:
   /// Everything of a step that does not depend on the interface values.
-  void begin_step(double dt);
+  void begin_step(const StepRequest& request);
+  void enter_phase(double time);
+  void make_equilibrium(double load_factor, double dt);
+  /// Solve for the displacement that would balance the initial stress, and refuse it when large.
+  void check_initial_stress();
   void map_to_nodes();
   LinearRegime regime() const;
   void choose_guess();
@@ -48,21 +52,29 @@ class MpmSolver final : public Solver {
   void receive(const InterfaceValues& received);
   void find_probe_points();
   std::vector<std::int32_t> occupied_cells() const;
+  const Phase& phase() const { return settings_.phases[phase_]; }
+  WallConditions<dim>& walls() { return walls_of_phases_[phase_]; }
+  std::vector<Vector<dim>> forces_on_walls() const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
   BackgroundGrid<dim> grid_;
-  WallConditions<dim> walls_;
+  std::vector<WallConditions<dim>> walls_of_phases_;
+  std::vector<std::string> wall_groups_;  // of all phases, each once
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
   MaterialPoints<dim> points_;
   std::vector<CouplingBoundary<dim>> boundaries_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
+  std::vector<Vector<dim>> wall_forces_;    // on wall_groups_ in the accepted state [N]
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
 
   // the step under way
   double dt_ = 0;  // 0: none begun
+  std::size_t phase_ = 0;
+  bool with_inertia_ = true;
+  NewmarkBossak scheme_;
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
   TrialPoints<dim> trial_;
@@ -70,7 +82,8 @@ class MpmSolver final : public Solver {
   std::optional<Equilibrium<dim>> equilibrium_;
   bool new_pattern_ = true;
   std::vector<double> du_;
-  std::int64_t joined_nodes_ = 0;  // of all steps
+  double initial_displacement_ = 0;  // that would balance the initial stress [m]
+  std::int64_t joined_nodes_ = 0;    // of all steps
 
   PhaseTimes times_;
   std::int64_t newton_iterations_ = 0;
