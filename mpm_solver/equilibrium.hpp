@@ -47,6 +47,10 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
+  /// The balance linearised at du = 0, for a guess that spreads the motion of walls over the soil
+  /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
+  /// @param wall_step  w, zero but for the held directions of wall nodes
+  Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   double length_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
 
@@ -64,13 +68,15 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
 
  private:
+  void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;
   double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
 
   Parts parts_;
   InternalForces<dim> internal_;
-  std::vector<double> v_, a_;  // walls applied
-  std::vector<double> m_;      // nodal mass; with inertia not below the floor
+  std::vector<double> v_, a_;          // walls applied
+  std::vector<double> m_;              // nodal mass; with inertia not below the floor
+  std::span<const double> wall_step_;  // see linearise(); empty otherwise
   std::vector<double> r_before_walls_;
   std::vector<double> f_sum_;  // internal forces of all ranks
 };

@@ -246,6 +246,18 @@ std::vector<Vector<dim>> MpmSolver<dim>::forces_on_walls() const {
   return sums;
 }
 
+// du holds the displacement of the walls: add that of the soil by the stiffness at the start.
+template <int dim>
+void MpmSolver<dim>::spread_wall_step() {
+  const ScopedTimer timer(times_, "guess");
+  std::vector<double> r(du_.size()), step(du_.size());
+  if (!equilibrium_->linearise(du_, r, K_).admissible) return;  // Newton's method says why
+  linear_.set_matrix(K_, new_pattern_);
+  new_pattern_ = false;
+  linear_iterations_ += linear_.solve(r, step);
+  for (std::size_t k = 0; k < du_.size(); ++k) du_[k] += step[k];
+}
+
 // Start Newton from free flight, quasi-static from rest but for the walls. Where elastic waves
 // cross many cells in a step, flight and rest are tried and the smaller residual wins: there the
 // guess matters more than its cost.
@@ -255,7 +267,10 @@ void MpmSolver<dim>::choose_guess() {
   const auto& a = equilibrium_->start_acceleration();
   du_.assign(v.size(), 0.0);
   walls().impose(du_, 1);
-  if (!with_inertia_) return;
+  if (!with_inertia_) {
+    if (walls().move()) spread_wall_step();
+    return;
+  }
   std::vector<double> still = du_;
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
   if (wave_speed_ * dt_ <= flight_courant * cell_size_) return;

@@ -48,6 +48,7 @@ class MpmSolver final : public Solver {
   void map_to_nodes();
   LinearRegime regime() const;
   void choose_guess();
+  void spread_wall_step();
   NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void find_probe_points();

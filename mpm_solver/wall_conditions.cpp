@@ -99,6 +99,7 @@ void WallConditions<dim>::begin_step(double time, double dt) {
     steps_[w] = motion.displacement<dim>(time + dt) - motion.displacement<dim>(time);
     largest = std::max(largest, steps_[w].norm());
   }
+  move_ = largest > 0;
   if (!any) return;
   for (Node& node : nodes_) {
     const auto N = directions(node);

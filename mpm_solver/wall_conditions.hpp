@@ -34,6 +34,8 @@ class WallConditions {
   /// Take the motion of the walls from time to time + dt.
   /// @throws ConfigError  walls that share a node move it to different places; names both
   void begin_step(double time, double dt);
+  /// Whether any wall moves in the step under way.
+  bool move() const { return move_; }
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
 
@@ -76,6 +78,7 @@ class WallConditions {
   std::vector<WallSettings> walls_;
   std::vector<Node> nodes_;  // ascending grid nodes
   std::vector<Repetition> repetitions_;
+  bool move_ = false;
   std::vector<Vector<dim>> steps_;     // displacement of each wall in the step
   std::vector<std::size_t> selected_;  // active ones of nodes_
   std::vector<std::int32_t> constrained_;
