@@ -187,7 +187,7 @@ std::unique_ptr<mpm::MpmSolver<dim>> start(const Manufactured<dim>& exact,
                {"time_integration", trapezoid},
                {"newton", {{"residual_tolerance", 1e-9}}}};
   if (shape.basis != "linear") json["basis"] = shape.basis;
-  const MpmFolder folder(json);
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension", at_least(2));
