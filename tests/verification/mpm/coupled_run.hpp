@@ -4,25 +4,20 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "coupler/coupling_loop.hpp"
 #include "fem_solver/fem_solver.hpp"
 #include "tests/support/mpi_main.hpp"
+#include "tests/support/temporary_scene.hpp"
 
 namespace gabion::test {
 
 /// The solver of a fem.json, made as the program makes it.
 inline std::unique_ptr<Solver> make_fem(const Json& json) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::temp_directory_path() / ("gabion_bar_" + std::to_string(getpid()));
-  fs::create_directories(folder);
-  std::ofstream(folder / "fem.json") << json.dump();
-  const Scene scene(folder.string(), {});
+  const TemporaryScene folder("fem.json", json);
+  const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("fem.json");
-  auto solver = make_fem_solver(scene, in, comm(), "");
-  fs::remove_all(folder);
-  return solver;
+  return make_fem_solver(scene, in, comm(), "");
 }
 
 /// A solver that remembers the answer that was accepted last, and the probes after each step.

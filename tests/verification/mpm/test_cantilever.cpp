@@ -32,11 +32,7 @@ Tip bend(double alpha, int cells_across, int steps, const std::string& basis) {
                       elastic_soil("hencky_elastic", E, nu, 1))}},
                {"newton", {{"residual_tolerance", 1e-8}, {"max_iterations", 40}}}};
   if (basis != "linear") json["basis"] = basis;
-  const MpmFolder folder(json);
-  const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
-  in.integer("dimension", at_least(2));
-  auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
+  auto settings = mpm_settings<2>(json);
   const double inertia = std::pow(thickness, 3) / 12;
   const double force = alpha * E / (1 - nu * nu) * inertia / (length * length);
   const double end_mass = h * thickness;  // density 1

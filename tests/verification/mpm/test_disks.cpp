@@ -26,19 +26,16 @@ Mesh<2> disk(const Vector<2>& centre, int cells) {
 /// central collision; set-up of Sulsky, Chen, Schreyer (1994) with offset 0.
 std::unique_ptr<mpm::MpmSolver<2>> two_disks(int grid_cells, double offset) {
   const double n = grid_cells;
-  const MpmFolder folder({{"dimension", 2},
-                          {"grid", box({0, 0}, {1, 1}, {grid_cells, grid_cells}, "quad4")},
-                          {"bodies",
-                           {body("first", box({0, 0}, {1, 1}, {1, 1}, "quad4"), 4,
-                                 elastic_soil("neo_hookean", E, nu, density), {speed, speed}),
-                            body("second", box({0, 0}, {1, 1}, {1, 1}, "quad4"), 4,
-                                 elastic_soil("neo_hookean", E, nu, density), {-speed, -speed})}},
-                          {"newton", exact_newton},
-                          {"time_integration", trapezoid}});
-  const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
-  in.integer("dimension", at_least(2));
-  auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
+  auto settings =
+      mpm_settings<2>({{"dimension", 2},
+                       {"grid", box({0, 0}, {1, 1}, {grid_cells, grid_cells}, "quad4")},
+                       {"bodies",
+                        {body("first", box({0, 0}, {1, 1}, {1, 1}, "quad4"), 4,
+                              elastic_soil("neo_hookean", E, nu, density), {speed, speed}),
+                         body("second", box({0, 0}, {1, 1}, {1, 1}, "quad4"), 4,
+                              elastic_soil("neo_hookean", E, nu, density), {-speed, -speed})}},
+                       {"newton", exact_newton},
+                       {"time_integration", trapezoid}});
   const int cells = static_cast<int>(std::lround(2 * radius * n));
   const Vector<2> aside(-0.5 * offset / std::sqrt(2), 0.5 * offset / std::sqrt(2));
   settings.layouts[0].mesh = disk(Vector<2>(0.3, 0.3) + aside, cells);
