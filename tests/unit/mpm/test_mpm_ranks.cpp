@@ -7,8 +7,10 @@ namespace gabion::test {
 namespace {
 
 /// The same steps on all ranks together and on each rank alone.
-TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+void check_ranks(const std::string& basis) {
   Json json = pushed();
+  if (basis != "linear") json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["basis"] = basis;
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
@@ -35,6 +37,13 @@ TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
   const auto a = shared->probes(), b = alone->probes();
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_NEAR(a[k], b[k], 1e-7 * (1e-3 + std::abs(b[k]))) << shared->probe_names()[k];
+  }
+}
+
+TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+  for (const char* basis : {"linear", "gimp", "bspline"}) {
+    SCOPED_TRACE(basis);
+    check_ranks(basis);
   }
 }
 
