@@ -88,6 +88,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   ledger_.start(points_);
   evaluate_basis(grid_, points_, weights_);
   log_grid();
+  check_initial_stress();
 }
 
 template <int dim>
@@ -99,7 +100,6 @@ void MpmSolver<dim>::log_grid() const {
                                 static_cast<double>(weights_.N.size())};
   sum_over_ranks(comm_, std::span<double>(counts));
   log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
-  check_initial_stress();
 }
 
 template <int dim>

@@ -12,6 +12,16 @@
 
 namespace gabion::test {
 
+/// Settings from the text of an mpm.json.
+template <int dim>
+mpm::MpmSettings<dim> mpm_settings(const Json& json) {
+  const TemporaryScene folder("mpm.json", json);
+  const Scene scene(folder.path(), {});
+  ConfigReader in = scene.reader("mpm.json");
+  in.integer("dimension", between(dim, dim));
+  return mpm::read_mpm_settings<dim>(scene, in, nullptr);
+}
+
 /// The solver of an mpm.json, made as the program makes it.
 inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm()) {
   const TemporaryScene folder("mpm.json", json);
