@@ -30,19 +30,21 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
       internal_({parts.grid, parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
                 parts.cell_size, parts.same_strain),
-      inertia_m_(parts.nodes.m) {
+      m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
-  double total = 0;
-  for (const double mass : nodes.m) total += mass;
-  const double floor = mass_floor * total / std::max(1, nodes.size());
-  for (double& mass : inertia_m_) mass = std::max(mass, floor);
+  if (parts_.with_inertia) {
+    double total = 0;
+    for (const double mass : nodes.m) total += mass;
+    const double floor = mass_floor * total / std::max(1, nodes.size());
+    for (double& mass : m_) mass = std::max(mass, floor);
+  }
   v_.assign(nodes.v.empty() ? nullptr : nodes.v.front().data(),
             nodes.v.empty() ? nullptr : nodes.v.front().data() + nodes.v.size() * dim);
   a_.assign(nodes.a.empty() ? nullptr : nodes.a.front().data(),
             nodes.a.empty() ? nullptr : nodes.a.front().data() + nodes.a.size() * dim);
   parts_.walls.project(v_);
   parts_.walls.project(a_);
-  if (parts_.scheme.force_memory() != 0) remember_start_forces();
+  if (parts_.with_inertia && parts_.scheme.force_memory() != 0) remember_start_forces();
 }
 
 template <int dim>
@@ -52,7 +54,7 @@ void Equilibrium<dim>::remember_start_forces() {
   sum_over_ranks(parts_.comm, std::span<double>(f_start_));
   const double memory = parts_.scheme.force_memory();
   for (std::size_t k = 0; k < f_start_.size(); ++k) {
-    double f_ext = inertia_m_[k / dim] * parts_.gravity[k % dim];
+    double f_ext = m_[k / dim] * parts_.gravity[k % dim];
     if (!parts_.f_body_start.empty()) f_ext += parts_.f_body_start[k];
     f_start_[k] = memory * (f_ext - f_start_[k]);
   }
@@ -97,7 +99,9 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   }
   if (!parts_.boundaries.empty()) sum_over_ranks(parts_.comm, r);
 
-  const double external = add_body_forces(du, r, root ? K : nullptr);
+  double external = add_weight(r);
+  if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
   result.force_scale = std::max(norm_of(f_sum_), external);
@@ -106,32 +110,46 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   return result;
 }
 
-// Add f_ext - f_int - f_inertia to r and the inertia to K.
+// Add f_ext to r. @returns |f_ext|
 template <int dim>
-double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<double> r,
-                                         BlockMatrix<dim>* K) const {
+double Equilibrium<dim>::add_weight(std::span<double> r) const {
+  double external = 0;
+  for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = static_cast<std::size_t>(i) * dim + d;
+      const double f_ext =
+          m_[i] * parts_.gravity[d] + (parts_.f_body.empty() ? 0 : parts_.f_body[k]);
+      r[k] += f_ext;
+      external += f_ext * f_ext;
+    }
+  }
+  return std::sqrt(external);
+}
+
+// Add -f_inertia and the share of the old forces to r, the slope of the inertia to K.
+// @returns the larger one of |f_inertia| and what counts of the stopping force
+template <int dim>
+double Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double> r,
+                                     BlockMatrix<dim>* K) const {
   const double dt = parts_.dt;
   const NewmarkBossak& scheme = parts_.scheme;
   const double slope = scheme.inertia_slope(dt);
-  double external = 0, inertial = 0, stopping = 0;
+  double inertial = 0, stopping = 0;
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
-    const double mass = inertia_m_[i];
+    const double mass = m_[i];
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
       const double a_new = scheme.acceleration(du[k], v_[k], a_[k], dt);
       const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
-      double f_ext = mass * parts_.gravity[d];
-      if (!parts_.f_body.empty()) f_ext += parts_.f_body[k];
-      r[k] += f_ext - f_inertia - f_sum_[k];
+      r[k] -= f_inertia;
       if (!f_start_.empty()) r[k] += f_start_[k];
-      external += f_ext * f_ext;
       inertial += f_inertia * f_inertia;
       const double f_stop = share_of_stopping * mass * v_[k] / dt;
       stopping += f_stop * f_stop;
     }
     if (K) K->add_diagonal(i, mass * slope);
   }
-  return std::sqrt(std::max({external, inertial, stopping}));
+  return std::sqrt(std::max(inertial, stopping));
 }
 
 template <int dim>

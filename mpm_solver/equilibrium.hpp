@@ -22,8 +22,8 @@ namespace gabion::mpm {
 ///
 /// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
 /// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
-/// this step; it is evaluated only where it has a weight. Refers to the parts of a solver; valid
-/// for one step.
+/// this step; it is evaluated only where it has a weight. In quasi-static analysis r_i = f'_i.
+/// Refers to the parts of a solver; valid for one step.
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
@@ -42,6 +42,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    bool with_inertia = true;             ///< false: quasi-static
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     std::span<const double> f_body_start = {};  ///< the same at the start of the step
   };
@@ -55,8 +56,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   InternalForces<dim>& internal_forces() { return internal_; }
   const InternalForces<dim>& internal_forces() const { return internal_; }
   const Parts& parts() const { return parts_; }
-  /// Mass that inertia and gravity act on [kg], num_nodes: the lumped one with the floor.
-  const std::vector<double>& inertia_mass() const { return inertia_m_; }
+  /// Mass that inertia and gravity act on [kg], num_nodes.
+  const std::vector<double>& inertia_mass() const { return m_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
   /// the cells of boundary points.
@@ -68,15 +69,15 @@ class Equilibrium final : public NewtonProblem<dim> {
 
  private:
   void remember_start_forces();
-  double add_body_forces(std::span<const double> du, std::span<double> r,
-                         BlockMatrix<dim>* K) const;
+  double add_weight(std::span<double> r) const;
+  double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
 
   Parts parts_;
   InternalForces<dim> internal_;
-  std::vector<double> v_, a_;      // walls applied
-  std::vector<double> inertia_m_;  // mass with the floor for nearly weightless nodes
-  std::vector<double> f_sum_;      // internal forces of all ranks
-  std::vector<double> f_start_;    // force_memory f, empty where it is 0
+  std::vector<double> v_, a_;    // walls applied
+  std::vector<double> m_;        // nodal mass; with inertia not below the floor
+  std::vector<double> f_sum_;    // internal forces of all ranks
+  std::vector<double> f_start_;  // force_memory f, empty where it is 0
 };
 
 }  // namespace gabion::mpm

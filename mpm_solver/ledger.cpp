@@ -49,8 +49,8 @@ void add_shared_terms(const Equilibrium<dim>& equilibrium, Nodal du, const Nodal
     const auto v = at<dim>(equilibrium.start_velocity(), i);
     const auto a = at<dim>(equilibrium.start_acceleration(), i);
     const auto body = at<dim>(f_body, i), contact = at<dim>(f_contact, i), move = at<dim>(du, i);
-    Vector<dim> inertia;
-    for (int d = 0; d < dim; ++d) {
+    Vector<dim> inertia = Vector<dim>::Zero();
+    for (int d = 0; parts.with_inertia && d < dim; ++d) {
       inertia[d] =
           equilibrium.inertia_mass()[i] * parts.scheme.mean_acceleration(motion.a_new[i][d], a[d]);
     }

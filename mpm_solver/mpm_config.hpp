@@ -27,9 +27,11 @@ struct PointProbe {
 template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
+  Basis basis = Basis::linear;
   std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body
+  bool dynamic = true;                    ///< false: quasi-static, inertia is left out
   Vector<dim> gravity = Vector<dim>::Zero();
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.

@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/light_nodes.hpp"
+#include "mpm_solver/point_domains.hpp"
 
 namespace gabion::mpm {
 
@@ -22,6 +25,9 @@ constexpr double flight_courant = 2;
 // it can leave out (second order; first order across the yield surface) stays below that tolerance.
 constexpr double same_strain_share = 0.01;
 
+// Quasi-static: a node with less than this share of the mass of its points joins another one.
+constexpr double light_share = 1e-4;
+
 template <int dim>
 MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   MaterialPoints<dim> points;
@@ -33,7 +39,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   settings.layouts.clear();
   if (settings.tpic) add_gradients(points);
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
-  std::fill(points.a.begin(), points.a.end(), settings.gravity);
+  if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
@@ -46,7 +52,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                           const std::string& output_folder)
     : comm_(comm),
       settings_(std::move(settings)),
-      grid_(std::move(settings_.grid)),
+      grid_(std::move(settings_.grid), settings_.basis),
       walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
@@ -61,10 +67,20 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  evaluate_basis(grid_, points_, weights_);
   ledger_.start(points_);
+  log_grid();
+}
+
+template <int dim>
+void MpmSolver<dim>::log_grid() const {
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+  std::vector<double> counts = {static_cast<double>(points_.size()),
+                                static_cast<double>(weights_.N.size())};
+  sum_over_ranks(comm_, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
 }
 
 template <int dim>
@@ -124,8 +140,7 @@ std::vector<double> MpmSolver<dim>::body_forces(double time) const {
 }
 
 template <int dim>
-void MpmSolver<dim>::begin_step(double time, double dt) {
-  dt_ = dt;
+void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "search");
     evaluate_basis(grid_, points_, weights_);
@@ -134,11 +149,36 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
-    f_body_ = body_forces(time + dt);
-    f_body_start_.clear();
-    if (settings_.scheme.force_memory() != 0) f_body_start_ = body_forces(time);
+    if (!settings_.dynamic) {
+      const auto joined =
+          join_light_nodes(comm_, grid_, points_, weights_, walls_, light_share, nodes_);
+      if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
+      joined_nodes_ += joined;
+    }
     walls_.select(nodes_);
   }
+}
+
+template <int dim>
+LinearRegime MpmSolver<dim>::regime() const {
+  bool symmetric = true;
+  for (const auto& body : settings_.bodies) {
+    symmetric &=
+        std::visit([](const auto& law) { return law.symmetric_tangent(); }, body.material.law);
+  }
+  for (const auto& boundary : boundaries_) {
+    symmetric &= !(boundary.can_touch() && boundary.has_friction());
+  }
+  const double courant = wave_speed_ * dt_ / cell_size_;
+  return {symmetric, settings_.dynamic ? courant : std::numeric_limits<double>::infinity()};
+}
+
+template <int dim>
+void MpmSolver<dim>::begin_step(double time, double dt) {
+  dt_ = dt;
+  map_to_nodes();
+  f_body_ = body_forces(time + dt);
+  if (settings_.scheme.force_memory() != 0) f_body_start_ = body_forces(time);
   const ScopedTimer timer(times_, "pattern");
   if (!boundaries_.empty()) {
     const auto occupied = occupied_cells();
@@ -147,29 +187,24 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt, f_body_, f_body_start_});
+      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_,
+      f_body_start_});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
   new_pattern_ = true;
-
-  bool symmetric = true;
-  for (const auto& body : settings_.bodies) {
-    symmetric &=
-        std::visit([](const auto& law) { return law.symmetric_tangent(); }, body.material.law);
-  }
-  for (const auto& boundary : boundaries_)
-    symmetric &= !(boundary.can_touch() && boundary.has_friction());
-  linear_.set_regime({symmetric, wave_speed_ * dt / cell_size_}, nodes_.size());
+  linear_.set_regime(regime(), nodes_.size());
 }
 
-// Start Newton from free flight. Where elastic waves cross many cells in a step, flight and rest
-// are tried and the smaller residual wins: there the guess matters more than its cost.
+// Start Newton from free flight, quasi-static from rest. Where elastic waves cross many cells in a
+// step, flight and rest are tried and the smaller residual wins: there the guess matters more than
+// its cost.
 template <int dim>
 void MpmSolver<dim>::choose_guess() {
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
-  du_.resize(v.size());
+  du_.assign(v.size(), 0.0);
+  if (!settings_.dynamic) return;
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
   if (wave_speed_ * dt_ <= flight_courant * cell_size_) return;
   const ScopedTimer timer(times_, "guess");
@@ -233,28 +268,41 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
 }
 
 template <int dim>
-AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
-  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
-  const ScopedTimer timer(times_, "grid to points");
-  equilibrium_->internal_forces().finish(du_);
+NodalMotion<dim> MpmSolver<dim>::nodal_motion() const {
   const std::size_t n = nodes_.grid_node.size();
-  NodalMotion<dim> motion;
-  motion.du.resize(n);
-  motion.v_new.resize(n);
-  motion.a_new.resize(n);
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
+  NodalMotion<dim> motion;
+  motion.du.resize(n);
+  motion.v_new.assign(n, Vector<dim>::Zero());
+  motion.a_new.assign(n, Vector<dim>::Zero());
   for (std::size_t i = 0; i < n; ++i) {
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = i * dim + d;
       motion.du[i][d] = du_[k];
+      if (!settings_.dynamic) continue;
       motion.a_new[i][d] = settings_.scheme.acceleration(du_[k], v[k], a[k], dt_);
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
+  return motion;
+}
+
+template <int dim>
+AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
+  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  const ScopedTimer timer(times_, "grid to points");
+  equilibrium_->internal_forces().finish(du_);
+  const NodalMotion<dim> motion = nodal_motion();
   const StepBalance<dim> balance =
       step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  deform_points<dim>(nodes_, du_, weights_, points_);
+  capped_domains_ += weights_.num_capped;
   grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
+  if (!settings_.dynamic) {
+    std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
+    std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
+  }
   double dissipated = 0;
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
@@ -266,11 +314,25 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   }
   ledger_.add_step(balance, settings_.scheme, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();
+  const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
   dt_ = 0;
   AcceptReport report;
   report.probes = probes();
+  report.details = accepted_details(cell_n);
   return report;
+}
+
+template <int dim>
+Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double J_ratio : trial_.J_ratio) smallest = std::min(smallest, J_ratio);
+  std::int32_t moved = 0;
+  for (std::size_t p = 0; p < cell_n.size(); ++p) moved += points_.cell[p] != cell_n[p];
+  sum_over_ranks(comm_, std::span<std::int32_t>(&moved, 1));
+  return {{"min_J_ratio", -max_over_ranks(comm_, -smallest)},
+          {"active_nodes", nodes_.size()},
+          {"points_changed_cell", moved}};
 }
 
 template <int dim>
@@ -318,9 +380,18 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"linear_solver", linear_.method_name()},  {"factorisations", linear_.factorisations()},
-          {"linear_fallbacks", linear_.fallbacks()}, {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_}, {"linear_iterations", linear_iterations_},
+  std::vector<double> capped = {static_cast<double>(capped_domains_)};
+  sum_over_ranks(comm_, std::span<double>(capped));
+  return {{"basis", basis_name(grid_.basis)},
+          {"capped_domains", static_cast<std::int64_t>(capped[0])},
+          {"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+          {"joined_nodes", joined_nodes_},
+          {"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
           {"wall_seconds", times_.seconds()}};
 }
 

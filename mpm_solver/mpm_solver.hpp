@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
@@ -46,10 +47,16 @@ class MpmSolver final : public Solver {
   /// Everything of a step that does not depend on the interface values.
   void begin_step(double time, double dt);
   std::vector<double> body_forces(double time) const;
+  void map_to_nodes();
+  LinearRegime regime() const;
   void choose_guess();
+  NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void find_probe_points();
+  void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
+  /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
+  Json accepted_details(std::span<const std::int32_t> cell_n) const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
@@ -74,11 +81,13 @@ class MpmSolver final : public Solver {
   std::optional<Equilibrium<dim>> equilibrium_;
   bool new_pattern_ = true;
   std::vector<double> du_;
+  std::int64_t joined_nodes_ = 0;  // of all steps
 
   PhaseTimes times_;
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
+  std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps
 };
 
 }  // namespace gabion::mpm

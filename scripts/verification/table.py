@@ -71,20 +71,24 @@ def by_id(row: Row) -> tuple:
     return tuple(int(part) if part.isdigit() else part for part in re.split(r"(\d+)", row.id))
 
 
+def limits(rows: list[Row]) -> list[tuple[str, str]]:
+    """Id and words of each limitation, once."""
+    return list(dict.fromkeys((row.id, row.limitation) for row in rows if row.limitation))
+
+
 def text_table(rows: list[Row]) -> str:
     """Aligned columns, then what the limits are."""
     cells = [HEAD, *[row.cells() for row in rows]]
     widths = [max(len(line[i]) for line in cells) for i in range(len(HEAD))]
     lines = ["  ".join(text.ljust(width) for text, width in zip(line, widths)).rstrip() for line in cells]
-    return "\n".join([*lines, *[f"limit, {row.id}, {row.what}: {row.limitation}"
-                                for row in rows if row.limitation]])
+    return "\n".join([*lines, *[f"limit, {name}: {text}" for name, text in limits(rows)]])
 
 
 def markdown_table(rows: list[Row]) -> str:
     lines = [HEAD, ["---"] * len(HEAD), *[row.cells() for row in rows]]
     table = ["| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in lines]
-    limits = [f"- {row.id}, {row.what}: {row.limitation}" for row in rows if row.limitation]
-    return "\n".join([*table, *(["", "Limits:", "", *limits] if limits else [])]) + "\n"
+    notes = [f"- {name}: {text}" for name, text in limits(rows)]
+    return "\n".join([*table, *(["", "Limits:", "", *notes] if notes else [])]) + "\n"
 
 
 def write_tables(folder: Path, rows: list[Row]) -> None:

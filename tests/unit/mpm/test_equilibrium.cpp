@@ -21,10 +21,14 @@ struct Balance {
   std::optional<mpm::Equilibrium<dim>> equilibrium;
   BlockMatrix<dim> K;
 
-  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law)
-      : soil(type, cells) {
+  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law,
+          mpm::Basis basis = mpm::Basis::linear)
+      : soil(type, cells, basis) {
     soil.fill(points_per_cell, 0.5);
     soil.bodies = {{"soil", {"", 0.5, law}}};
+    if (basis != mpm::Basis::linear) {  // so that domains reach beyond the cell
+      for (auto& x : soil.points.x) x += 0.15 / cells * soil.random.template vector<dim>();
+    }
     for (auto& v : soil.points.v) v = 0.1 * soil.random.template vector<dim>();
     for (auto& a : soil.points.a) a = soil.random.template vector<dim>();
   }
@@ -32,6 +36,7 @@ struct Balance {
   void squeeze(double squeeze) {
     for (auto& history : soil.points.history) history.e.template head<3>().setConstant(-squeeze);
   }
+  bool with_inertia = true;
   double same_strain = 0;  ///< 0: every evaluation computes the stresses anew
   void start(const std::vector<mpm::WallSettings>& wall_settings = {}) {
     soil.to_grid();
@@ -51,7 +56,8 @@ struct Balance {
                                                       Vector<dim>::Constant(-3.0),
                                                       1.0 / 3,
                                                       same_strain,
-                                                      0.1};
+                                                      0.1,
+                                                      with_inertia};
     equilibrium.emplace(parts);
     std::vector<std::int32_t> offsets, nodes;
     equilibrium->pattern(offsets, nodes);
@@ -96,8 +102,9 @@ int regular_points(CellType type) {
 }
 
 TEST(EquilibriumTangent, neo_hookean) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3},
+                         basis);
     balance.squeeze(0.05);
     balance.start();
     EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
@@ -141,9 +148,9 @@ TEST(InternalForces, start_forces_are_those_of_no_motion) {
 }
 
 TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
-  for_each_cell_type([]<int dim>(CellType type) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type),
-                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0});
+                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0}, basis);
     balance.squeeze(0.04);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.012);
@@ -151,7 +158,7 @@ TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
     balance.residual(du);
     int yielding = 0;
     for (const auto& history : balance.trial.history) yielding += history.plastic_strain > 0;
-    EXPECT_GT(yielding, 0.3 * balance.soil.points.size()) << name(type);
+    EXPECT_GT(yielding, 0.25 * balance.soil.points.size()) << name(type);
   });
 }
 
@@ -190,8 +197,8 @@ TEST(InternalForces, known_stresses_are_bridged_by_their_tangent) {
 }
 
 TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start({{"bottom", true, "here"}, {"left", false, "here"}, {"right", false, "here"}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
@@ -214,6 +221,23 @@ TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
       column[i * dim + blocked] = 0;
       EXPECT_EQ(column.norm(), 0);
     }
+  });
+}
+
+/// Without inertia the residual is weight minus internal force, whatever the points' motion is.
+TEST(EquilibriumTangent, quasi_static) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    balance.squeeze(0.05);
+    balance.with_inertia = false;
+    balance.start({{"bottom", true, "here"}});
+    const Eigen::VectorXd du = balance.random_du(0.01);
+    EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
+    const Eigen::VectorXd moving = balance.residual(du);
+    for (auto& v : balance.soil.points.v) v.setZero();
+    for (auto& a : balance.soil.points.a) a.setZero();
+    balance.start({{"bottom", true, "here"}});
+    EXPECT_EQ(moving, balance.residual(du)) << name(type);
   });
 }
 
@@ -301,8 +325,8 @@ TEST(EquilibriumTangent, contact_that_sticks_slides_slips_or_holds) {
 }
 
 TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start();
     Eigen::VectorXd du(static_cast<Eigen::Index>(balance.soil.num_dofs()));
     for (Eigen::Index k = 0; k < du.size(); ++k) du[k] = 0.1 * static_cast<double>(k % dim + 1);
@@ -322,8 +346,8 @@ TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
 /// No external force and free sides: the internal forces add up to nothing, moments included in
 /// the deformed positions.
 TEST(Equilibrium, internal_forces_balance_each_other) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.squeeze(0.03);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.01);
