@@ -38,7 +38,8 @@ class Equilibrium final : public NewtonProblem<dim> {
     std::vector<CouplingBoundary<dim>>& boundaries;
     TrialPoints<dim>& trial;
     const NewmarkBossak& scheme;
-    Vector<dim> gravity;
+    Vector<dim> gravity;        ///< at the end of the step [m/s^2]
+    Vector<dim> gravity_start;  ///< at its start
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
@@ -50,6 +51,10 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
+  /// The balance linearised at du = 0, for a guess that spreads the motion of walls over the soil
+  /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
+  /// @param wall_step  w, zero but for the held directions of wall nodes
+  Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   double length_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
 
@@ -67,15 +72,21 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_velocity() const { return v_; }
   const std::vector<double>& start_acceleration() const { return a_; }
 
+  /// Force of the soil on each wall in the state of the last evaluation [N].
+  std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
+
  private:
   void remember_start_forces();
+  void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;
   double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
 
   Parts parts_;
   InternalForces<dim> internal_;
-  std::vector<double> v_, a_;    // walls applied
-  std::vector<double> m_;        // nodal mass; with inertia not below the floor
+  std::vector<double> v_, a_;          // walls applied
+  std::vector<double> m_;              // nodal mass; with inertia not below the floor
+  std::span<const double> wall_step_;  // see linearise(); empty otherwise
+  std::vector<double> r_before_walls_;
   std::vector<double> f_sum_;    // internal forces of all ranks
   std::vector<double> f_start_;  // force_memory f, empty where it is 0
 };

@@ -107,8 +107,11 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     forces[k] += mean;
   }
   for (std::size_t c = 0; c < parts.walls.constrained().size(); ++c) {
-    const auto force = at<dim>(forces, parts.walls.constrained()[c]);
-    step.wall_force += force - parts.walls.projectors()[c] * force;
+    const std::int32_t i = parts.walls.constrained()[c];
+    const auto force = at<dim>(forces, i);
+    const Vector<dim> held = force - parts.walls.projectors()[c] * force;
+    step.wall_force += held;
+    step.boundary_work += held.dot(at<dim>(du, i));
   }
   sum_parts(parts.comm, step);
   return step;

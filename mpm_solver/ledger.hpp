@@ -22,7 +22,7 @@ struct StepBalance {
   double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
   double time_damping = 0;    ///< see README.md, (9) [J]
   double body_work = 0;       ///< of gravity and other body forces [J]
-  double boundary_work = 0;   ///< of interfaces, trapezoidal rule [J]
+  double boundary_work = 0;   ///< of interfaces, trapezoidal rule, and of moving walls [J]
   Vector<dim> body_force = Vector<dim>::Zero();      ///< [N]
   Vector<dim> boundary_force = Vector<dim>::Zero();  ///< [N]
   Vector<dim> wall_force = Vector<dim>::Zero();      ///< from the residual before projection [N]

@@ -199,7 +199,8 @@ TEST(InternalForces, known_stresses_are_bridged_by_their_tangent) {
 TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
-    balance.start({{"bottom", true, "here"}, {"left", false, "here"}, {"right", false, "here"}});
+    balance.start(
+        {{"bottom", true, "here", {}}, {"left", false, "here", {}}, {"right", false, "here", {}}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
     // The constrained directions carry no force and do not make the matrix singular.
@@ -230,13 +231,13 @@ TEST(EquilibriumTangent, quasi_static) {
     Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
     balance.squeeze(0.05);
     balance.with_inertia = false;
-    balance.start({{"bottom", true, "here"}});
+    balance.start({{"bottom", true, "here", {}}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
     const Eigen::VectorXd moving = balance.residual(du);
     for (auto& v : balance.soil.points.v) v.setZero();
     for (auto& a : balance.soil.points.a) a.setZero();
-    balance.start({{"bottom", true, "here"}});
+    balance.start({{"bottom", true, "here", {}}});
     EXPECT_EQ(moving, balance.residual(du)) << name(type);
   });
 }
@@ -249,7 +250,8 @@ TEST(EquilibriumTangent, inclined_slip_wall) {
   turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
   Mesh<2> mesh = balance.soil.grid.mesh;
   for (auto& x : mesh.nodes) x = turn * x;
-  const mpm::WallConditions<2> walls(mesh, {{"bottom", false, "here"}, {"left", false, "here"}});
+  const mpm::WallConditions<2> walls(mesh,
+                                     {{"bottom", false, "here", {}}, {"left", false, "here", {}}});
   balance.start();
   balance.walls.emplace(walls);
   balance.walls->select(balance.soil.nodes);

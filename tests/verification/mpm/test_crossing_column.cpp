@@ -58,7 +58,7 @@ Settled settle(const std::string& basis, int cells, const Column& column, int po
          {"point_placement", "regular"},
          {"material", elastic_soil("hencky_elastic", column.E, 0, column.density)}}}},
       {"newton", {{"residual_tolerance", 1e-9}, {"increment_tolerance", 1e-6}}}};
-  const MpmFolder folder(json);
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension");
