@@ -54,6 +54,7 @@ struct Balance {
                                                       trial,
                                                       scheme,
                                                       Vector<dim>::Constant(-3.0),
+                                                      Vector<dim>::Constant(-3.0),
                                                       1.0 / 3,
                                                       same_strain,
                                                       0.1,
