@@ -276,9 +276,9 @@ TEST(V7_VibratingBar, points_cross_many_cells) {
             .exact = 0,
             .computed = std::sqrt(difference / size),
             .measure = Measure::absolute_error,
-            .bound = is_linear ? 0.4 : 0.1,
+            .bound = is_linear ? 0.4 : 0.03,
             .limitation = is_linear ? crossing : ""});
-    loss_row(what, found, is_linear ? 0.2 : 0.03, is_linear ? crossing : "");
+    loss_row(what, found, is_linear ? 0.2 : 4e-3, is_linear ? crossing : "");
   }
 }
 
