@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "mpm_solver/patch_basis.hpp"
 
 namespace gabion::mpm {
 
@@ -73,6 +74,10 @@ void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
 template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                     PointWeights<dim>& weights) {
+  if (grid.patches.size() > 0) {
+    evaluate_patch_basis(grid, points, weights);
+    return;
+  }
   const Mesh<dim>& mesh = grid.mesh;
   const int n = mesh.nodes_per_cell();
   weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;

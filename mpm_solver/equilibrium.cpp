@@ -28,8 +28,9 @@ constexpr double share_of_stopping = 1e-3;
 template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
-      internal_({parts.grid, parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
-                parts.cell_size, parts.same_strain),
+      internal_(parts.comm,
+                {parts.grid, parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
+                parts.cell_size, parts.same_strain, parts.average_volumes),
       inertia_m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
   double total = 0;

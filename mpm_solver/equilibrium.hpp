@@ -40,6 +40,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    bool average_volumes = false;  ///< F-bar, see AveragedForces
   };
   explicit Equilibrium(const Parts& parts);
 

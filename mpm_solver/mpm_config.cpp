@@ -183,6 +183,12 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
     item->finish();
   }
+  if (auto item = in.optional_object("locking")) {
+    settings.locking = {item->choice("method", {"fbar", "none"}) == "fbar", "as mpm.json says"};
+    item->finish();
+  } else {
+    settings.locking = default_locking_cure(settings.bodies);
+  }
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }

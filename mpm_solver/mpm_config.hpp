@@ -10,6 +10,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/locking.hpp"
 #include "mpm_solver/material_points.hpp"
 #include "mpm_solver/wall_conditions.hpp"
 
@@ -32,6 +33,7 @@ struct MpmSettings {
   Vector<dim> gravity = Vector<dim>::Zero();
   NewmarkBossak scheme;
   double pic_share = 0;
+  LockingCure locking;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;

@@ -10,6 +10,7 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/shared_groups.hpp"
 
 namespace gabion::mpm {
 
@@ -59,9 +60,22 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  prepare_averages();
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+}
+
+// Volumes are averaged over cells; triangles and tetrahedra are too small for that.
+template <int dim>
+void MpmSolver<dim>::prepare_averages() {
+  const LockingCure& locking = settings_.locking;
+  const CellType type = grid_.mesh.cell_type;
+  if (locking.average_volumes && (type == CellType::tri3 || type == CellType::tet4)) {
+    grid_.patches = join_cells(grid_.mesh, grid_.locator);
+  }
+  log::info("F-bar against volumetric locking: {} ({})", locking.average_volumes ? "on" : "off",
+            locking.reason);
 }
 
 template <int dim>
@@ -94,7 +108,7 @@ std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
 template <int dim>
 std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
   std::vector<std::int32_t> occupied(grid_.mesh.num_cells(), 0);
-  for (const CellGroup& group : weights_.groups) occupied[group.cell] = 1;
+  for (const std::int32_t cell : points_.cell) occupied[cell] = 1;
   sum_over_ranks(comm_, std::span<std::int32_t>(occupied));
   return occupied;
 }
@@ -105,6 +119,9 @@ void MpmSolver<dim>::begin_step(double dt) {
   {
     const ScopedTimer timer(times_, "search");
     evaluate_basis(grid_, points_, weights_);
+    if (settings_.locking.average_volumes) {
+      share_groups(comm_, grid_.mesh.num_cells(), weights_);
+    }
     activate_nodes(comm_, grid_, weights_, nodes_);
   }
   {
@@ -120,7 +137,8 @@ void MpmSolver<dim>::begin_step(double dt) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt});
+      same_strain_share * settings_.newton.residual_tolerance, dt,
+      settings_.locking.average_volumes});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -283,9 +301,15 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"linear_solver", linear_.method_name()},  {"factorisations", linear_.factorisations()},
-          {"linear_fallbacks", linear_.fallbacks()}, {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_}, {"linear_iterations", linear_iterations_},
+  const Json locking = {{"method", settings_.locking.average_volumes ? "fbar" : "none"},
+                        {"reason", settings_.locking.reason}};
+  return {{"locking", locking},
+          {"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
           {"wall_seconds", times_.seconds()}};
 }
 

@@ -44,6 +44,7 @@ class MpmSolver final : public Solver {
   void choose_guess();
   void receive(const InterfaceValues& received);
   void find_probe_points();
+  void prepare_averages();
   std::vector<std::int32_t> occupied_cells() const;
 
   MPI_Comm comm_;

@@ -7,8 +7,11 @@ namespace gabion::test {
 namespace {
 
 /// The same steps on all ranks together and on each rank alone.
-TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+void compare_with_one_rank(const std::string& cells, const std::string& locking) {
+  SCOPED_TRACE(cells + " " + locking);
   Json json = pushed();
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, cells);
+  json["locking"] = {{"method", locking}};
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
@@ -33,6 +36,16 @@ TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_NEAR(a[k], b[k], 1e-7 * (1e-3 + std::abs(b[k]))) << shared->probe_names()[k];
   }
+}
+
+TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+  compare_with_one_rank("tri3", "none");
+}
+
+/// Groups whose points are on several ranks are averaged over all of them.
+TEST(MpmRanks, number_of_ranks_does_not_change_averaged_volumes) {
+  compare_with_one_rank("tri3", "fbar");
+  compare_with_one_rank("quad4", "fbar");
 }
 
 }  // namespace
