@@ -26,10 +26,10 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 }  // namespace
 
 template <int dim>
-InternalForces<dim>::InternalForces(MPI_Comm comm, const StressParts<dim>& parts, double cell_size,
-                                    double same_strain, bool average_volumes)
+InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
+                                    double same_strain, std::optional<MPI_Comm> average_over)
     : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain) {
-  if (average_volumes) averaged_.emplace(comm, parts);
+  if (average_over) averaged_.emplace(*average_over, parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
   parts_.trial.resize(parts_.points.size());
   forget();

@@ -25,10 +25,11 @@ namespace gabion::mpm {
 template <int dim>
 class InternalForces {
  public:
-  /// @param same_strain      largest difference of a component of H that the tangent may bridge
-  /// @param average_volumes  F-bar, see AveragedForces; `evaluate` and `finish` are then collective
-  InternalForces(MPI_Comm comm, const StressParts<dim>& parts, double cell_size, double same_strain,
-                 bool average_volumes);
+  /// @param same_strain   largest difference of a component of H that the tangent may bridge
+  /// @param average_over  empty, or for F-bar (AveragedForces) the ranks that share the points;
+  ///                      `evaluate` and `finish` are then collective
+  InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
+                 std::optional<MPI_Comm> average_over = {});
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible

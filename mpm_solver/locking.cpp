@@ -9,21 +9,26 @@ namespace gabion::mpm {
 
 namespace {
 
-// Why a body of this law would lock; empty when it does not.
-template <class Law>
-std::string cause_of_locking(const Law& law) {
-  double lambda = 0, mu = 0;
-  if constexpr (requires { law.dilation_angle(); }) {
-    if (law.dilation_angle() == 0) return "yields at constant volume";
-    lambda = law.lambda();
-    mu = law.mu();
-  } else {
-    lambda = law.lambda;
-    mu = law.mu;
-  }
+std::string cause_of_elastic_locking(double lambda, double mu) {
   const double poisson_ratio = lambda / (2 * (lambda + mu));
   if (poisson_ratio <= locking_poisson_ratio) return {};
   return fmt::format("has a Poisson's ratio of {:.4g}", poisson_ratio);
+}
+
+// Why a body of this law would lock; empty when it does not.
+template <class Law>
+std::string cause_of_locking(const Law& law) {
+  if constexpr (requires { law.parameters().dilation_angle; }) {
+    if (law.parameters().dilation_angle == 0) return "yields at constant volume";
+    return cause_of_elastic_locking(law.parameters().lambda, law.parameters().mu);
+  } else {
+    return cause_of_elastic_locking(law.lambda, law.mu);
+  }
+}
+
+template <int dim>
+std::string cause_of_locking(const Tresca<dim>&) {
+  return "yields at constant volume";
 }
 
 }  // namespace

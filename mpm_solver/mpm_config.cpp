@@ -165,15 +165,19 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   return boundary;
 }
 
-}  // namespace
-
 template <int dim>
-MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
-  MpmSettings<dim> settings;
-  settings.grid = read_mesh<dim>(scene, in.object("grid"));
-  settings.walls = read_walls(in);
-  read_bodies<dim>(scene, in, settings);
-  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"}, "dynamic") == "dynamic";
+  for (const char* key : {"time_integration", "transfer"}) {
+    if (!settings.dynamic && in.has(key)) {
+      in.fail(key, "has no meaning when \"analysis\" is \"quasi_static\"");
+    }
+  }
+  for (std::size_t b = 0; b < settings.layouts.size(); ++b) {
+    if (settings.dynamic || settings.layouts[b].velocity.isZero(0)) continue;
+    in.fail(fmt::format("bodies/{}/velocity", b),
+            "must be zero when \"analysis\" is \"quasi_static\"");
+  }
   if (auto item = in.optional_object("time_integration")) {
     settings.scheme = read_newmark_bossak(*item);
   } else {
@@ -183,6 +187,18 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
     item->finish();
   }
+}
+
+}  // namespace
+
+template <int dim>
+MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
+  MpmSettings<dim> settings;
+  settings.grid = read_mesh<dim>(scene, in.object("grid"));
+  settings.walls = read_walls(in);
+  read_bodies<dim>(scene, in, settings);
+  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+  read_dynamics(in, settings);
   if (auto item = in.optional_object("locking")) {
     settings.locking = {item->choice("method", {"fbar", "none"}) == "fbar", "as mpm.json says"};
     item->finish();

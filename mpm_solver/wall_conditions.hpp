@@ -22,6 +22,9 @@ class WallConditions {
  public:
   WallConditions(const Mesh<dim>& grid, const std::vector<WallSettings>& walls);
 
+  /// Whether a wall holds this node of the grid.
+  bool holds(std::int32_t grid_node) const;
+
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
 

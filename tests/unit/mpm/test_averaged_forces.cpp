@@ -35,10 +35,9 @@ struct AveragedSoil {
       points.history[p].e.template head<3>().setConstant(-squeeze * (1 + 0.2 * soil.random()));
     }
     soil.to_grid();
-    internal.emplace(
-        comm(),
-        mpm::StressParts<dim>{soil.grid, soil.bodies, points, soil.weights, soil.nodes, trial}, 0.5,
-        0, averaged);
+    const mpm::StressParts<dim> parts{soil.grid,    soil.bodies, points,
+                                      soil.weights, soil.nodes,  trial};
+    internal.emplace(parts, 0.5, 0, averaged ? std::optional(comm()) : std::nullopt);
     std::vector<std::int32_t> offsets = {0}, nodes;
     for (const auto& group : soil.weights.groups) {
       for (const std::int32_t node : soil.weights.nodes_of(group)) {

@@ -237,6 +237,22 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   EXPECT_EQ(alone.output_interval, 0.5);
 }
 
+TEST(MpmConfig, what_has_no_meaning_without_inertia) {
+  Json json = valid();
+  json["analysis"] = "static";
+  expect_error(json, {"/analysis", "\"static\"", "dynamic, quasi_static"});
+  json["analysis"] = "quasi_static";
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"] = {{"scheme", "newmark"}};
+  expect_error(json, {"/time_integration", "no meaning", "quasi_static"});
+  json.erase("time_integration");
+  json["transfer"] = {{"pic_share", 0.1}};
+  expect_error(json, {"/transfer", "no meaning", "quasi_static"});
+  json.erase("transfer");
+  json["bodies"][0]["velocity"] = {0, 1};
+  expect_error(json, {"/bodies/0/velocity", "zero", "quasi_static"});
+}
+
 TEST(MpmConfig, probe_columns) {
   Json json = valid();
   json["probes"] = {{{"name", "A"}, {"point", {1.0, 0.5}}}};
