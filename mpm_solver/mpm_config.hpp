@@ -28,6 +28,7 @@ struct PointProbe {
 template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
+  Basis basis = Basis::linear;
   std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body

@@ -12,6 +12,7 @@
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/light_nodes.hpp"
+#include "mpm_solver/point_domains.hpp"
 #include "mpm_solver/shared_groups.hpp"
 
 namespace gabion::mpm {
@@ -51,7 +52,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                           const std::string& output_folder)
     : comm_(comm),
       settings_(std::move(settings)),
-      grid_(std::move(settings_.grid)),
+      grid_(std::move(settings_.grid), settings_.basis),
       walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
@@ -66,9 +67,19 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   find_probe_points();
   locate_points(grid_, points_);
   prepare_averages();
+  evaluate_basis(grid_, points_, weights_);
+  log_grid();
+}
+
+template <int dim>
+void MpmSolver<dim>::log_grid() const {
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+  std::vector<double> counts = {static_cast<double>(points_.size()),
+                                static_cast<double>(weights_.N.size())};
+  sum_over_ranks(comm_, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
 }
 
 // Volumes are averaged over cells; triangles and tetrahedra are too small for that.
@@ -294,6 +305,8 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
   equilibrium_->internal_forces().finish(du_);
+  deform_points<dim>(nodes_, du_, weights_, points_);
+  capped_domains_ += weights_.num_capped;
   grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
   if (!settings_.dynamic) {
     std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
@@ -307,11 +320,25 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
     points_.J[p] *= trial_.J_ratio[e];
   }
   for (auto& boundary : boundaries_) boundary.accept();
+  const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
   dt_ = 0;
   AcceptReport report;
   report.probes = probes();
+  report.details = accepted_details(cell_n);
   return report;
+}
+
+template <int dim>
+Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double J_ratio : trial_.J_ratio) smallest = std::min(smallest, J_ratio);
+  std::int32_t moved = 0;
+  for (std::size_t p = 0; p < cell_n.size(); ++p) moved += points_.cell[p] != cell_n[p];
+  sum_over_ranks(comm_, std::span<std::int32_t>(&moved, 1));
+  return {{"min_J_ratio", -max_over_ranks(comm_, -smallest)},
+          {"active_nodes", nodes_.size()},
+          {"points_changed_cell", moved}};
 }
 
 template <int dim>
@@ -358,7 +385,11 @@ template <int dim>
 Json MpmSolver<dim>::summary() const {
   const Json locking = {{"method", settings_.locking.average_volumes ? "fbar" : "none"},
                         {"reason", settings_.locking.reason}};
-  return {{"locking", locking},
+  std::vector<double> capped = {static_cast<double>(capped_domains_)};
+  sum_over_ranks(comm_, std::span<double>(capped));
+  return {{"basis", basis_name(grid_.basis)},
+          {"locking", locking},
+          {"capped_domains", static_cast<std::int64_t>(capped[0])},
           {"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
           {"joined_nodes", joined_nodes_},
           {"linear_solver", linear_.method_name()},

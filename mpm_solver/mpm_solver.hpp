@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
@@ -52,7 +53,10 @@ class MpmSolver final : public Solver {
   void receive(const InterfaceValues& received);
   void find_probe_points();
   void prepare_averages();
+  void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
+  /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
+  Json accepted_details(std::span<const std::int32_t> cell_n) const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
@@ -82,6 +86,7 @@ class MpmSolver final : public Solver {
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
+  std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps
 };
 
 }  // namespace gabion::mpm

@@ -13,7 +13,11 @@ namespace gabion {
 template <int dim>
 struct MaterialState {
   Symmetric<dim> e = Symmetric<dim>::Zero();
-  double plastic_strain = 0;  ///< accumulated norm of the plastic Hencky strain increments
+  /// Accumulated norm of the plastic Hencky strain increments, without the volume in `gap`.
+  double plastic_strain = 0;
+  /// Volumetric Hencky strain opened at the apex and not yet closed, >= 0 to rounding; stays 0
+  /// for laws that do not keep it.
+  double gap = 0;
 };
 
 /// What holds a point at the end of a step.

@@ -21,10 +21,14 @@ struct Balance {
   std::optional<mpm::Equilibrium<dim>> equilibrium;
   BlockMatrix<dim> K;
 
-  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law)
-      : soil(type, cells) {
+  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law,
+          mpm::Basis basis = mpm::Basis::linear)
+      : soil(type, cells, basis) {
     soil.fill(points_per_cell, 0.5);
     soil.bodies = {{"soil", {"", 0.5, law}}};
+    if (basis != mpm::Basis::linear) {  // so that domains reach beyond the cell
+      for (auto& x : soil.points.x) x += 0.15 / cells * soil.random.template vector<dim>();
+    }
     for (auto& v : soil.points.v) v = 0.1 * soil.random.template vector<dim>();
     for (auto& a : soil.points.a) a = soil.random.template vector<dim>();
   }
@@ -98,8 +102,9 @@ int regular_points(CellType type) {
 }
 
 TEST(EquilibriumTangent, neo_hookean) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3},
+                         basis);
     balance.squeeze(0.05);
     balance.start();
     EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
@@ -107,9 +112,9 @@ TEST(EquilibriumTangent, neo_hookean) {
 }
 
 TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
-  for_each_cell_type([]<int dim>(CellType type) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type),
-                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0});
+                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0}, basis);
     balance.squeeze(0.04);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.012);
@@ -117,7 +122,7 @@ TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
     balance.residual(du);
     int yielding = 0;
     for (const auto& history : balance.trial.history) yielding += history.plastic_strain > 0;
-    EXPECT_GT(yielding, 0.3 * balance.soil.points.size()) << name(type);
+    EXPECT_GT(yielding, 0.25 * balance.soil.points.size()) << name(type);
   });
 }
 
@@ -156,8 +161,8 @@ TEST(InternalForces, known_stresses_are_bridged_by_their_tangent) {
 }
 
 TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start({{"bottom", true, "here"}, {"left", false, "here"}, {"right", false, "here"}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
@@ -284,8 +289,8 @@ TEST(EquilibriumTangent, contact_that_sticks_slides_slips_or_holds) {
 }
 
 TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start();
     Eigen::VectorXd du(static_cast<Eigen::Index>(balance.soil.num_dofs()));
     for (Eigen::Index k = 0; k < du.size(); ++k) du[k] = 0.1 * static_cast<double>(k % dim + 1);
@@ -305,8 +310,8 @@ TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
 /// No external force and free sides: the internal forces add up to nothing, moments included in
 /// the deformed positions.
 TEST(Equilibrium, internal_forces_balance_each_other) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.squeeze(0.03);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.01);

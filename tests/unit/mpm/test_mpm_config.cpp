@@ -52,7 +52,7 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
 }
 
 TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
-  const MpmFolder folder(valid());
+  const TemporaryScene folder("mpm.json", valid());
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension");
@@ -148,6 +148,35 @@ TEST(MpmConfig, missing_wall_group_names_those_that_exist) {
   expect_error(json, {"/walls/0/condition", "rough", "fixed, slip"});
 }
 
+TEST(MpmConfig, basis_needs_cells_in_rows) {
+  Json json = valid();
+  json["basis"] = "gimp";
+  expect_error(json, {"mpm.json", "/basis", "\"gimp\"", "box", "quad4", "linear"});
+  json["basis"] = "cubic";
+  expect_error(json, {"/basis", "cubic", "linear, gimp, bspline"});
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  for (const char* basis : {"linear", "gimp", "bspline"}) {
+    json["basis"] = basis;
+    EXPECT_EQ(make_mpm(json)->summary()["basis"], basis);
+  }
+}
+
+TEST(MpmConfig, points_of_gimp_fill_their_body) {
+  Json json = valid_3d();
+  json["basis"] = "gimp";
+  const auto solver = mpm_solver<3>(json);
+  EXPECT_LT((solver->points().x[0] - Vector<3>::Constant(0.125)).norm(), 1e-15);
+  json["bodies"][0]["points_per_cell"] = 1;
+  EXPECT_EQ(make_mpm(json)->summary()["capped_domains"], 0);
+  json["grid"]["box"]["cells"] = {8, 2, 2};
+  expect_error(json, {"/bodies/0/points_per_cell", "2 grid cells wide", "gimp"});
+  json = valid();
+  json["bodies"][0]["point_placement"] = "regular";
+  expect_error(json, {"/bodies/0/point_placement", "regular", "tri3", "gauss"});
+  json["bodies"][0]["point_placement"] = "random";
+  expect_error(json, {"/bodies/0/point_placement", "random", "gauss, regular"});
+}
+
 TEST(MpmConfig, interfaces) {
   Json json = valid();
   json["interfaces"][0]["mode"] = "slip";
@@ -228,7 +257,7 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
   expect_error(json, {"/time", "unknown"});
   json["output"] = {{"interval", 0.5}};
-  const MpmFolder folder(json);
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   AloneSettings alone;

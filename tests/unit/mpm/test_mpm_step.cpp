@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "tests/unit/mpm/pushed_soil.hpp"
 
@@ -71,6 +72,45 @@ Json collision(const std::string& grid_type = "quad4") {
             body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, heavy, {-1, 0})}},
           {"newton", exact_newton},
           {"time_integration", trapezoid}};
+}
+
+/// Corners of all cells that hold a point.
+template <int dim>
+std::size_t nodes_in_use(const Mesh<dim>& grid, const mpm::MaterialPoints<dim>& points) {
+  std::set<std::int32_t> nodes;
+  for (const std::int32_t cell : points.cell) {
+    const auto corners = grid.cell(cell);
+    nodes.insert(corners.begin(), corners.end());
+  }
+  return nodes.size();
+}
+
+TEST(MpmStep, details_of_an_accepted_step_are_those_of_the_points) {
+  const auto solver = mpm_solver<2>(collision());
+  const auto grid = box_mesh<2>({0, 0}, {4, 2}, {16, 8}, CellType::quad4);
+  double squeezed = 1;
+  int changed = 0;
+  for (int n = 1; n <= 20; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.02, 0.02};
+    const auto before = solver->points();
+    InterfaceValues sent;
+    solver->solve_step(request, {}, sent);
+    const Json details = solver->accept_step(request, true).details;
+    const auto& after = solver->points();
+    double smallest = 2;
+    int moved = 0;
+    for (std::int32_t p = 0; p < after.size(); ++p) {
+      smallest = std::min(smallest, after.J[p] / before.J[p]);
+      moved += after.cell[p] != before.cell[p];
+    }
+    EXPECT_NEAR(details.at("min_J_ratio").get<double>(), smallest, 1e-14);
+    EXPECT_EQ(details.at("points_changed_cell"), moved);
+    EXPECT_EQ(details.at("active_nodes"), nodes_in_use(grid, before));
+    squeezed = std::min(squeezed, smallest);
+    changed += moved;
+  }
+  EXPECT_LT(squeezed, 0.999);
+  EXPECT_GT(changed, 100);
 }
 
 TEST(MpmStep, collision_conserves_momentum) {
