@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::mpm {
 
@@ -169,6 +170,44 @@ bool AveragedForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   const bool shared = parts_.weights.num_shared == 0 || shared_forces(du, K, f, worst);
   const bool admissible = shared && private_forces(du, K, f, worst);
   return max_over_ranks(comm_, admissible ? 0 : 1) == 0;
+}
+
+template <int dim>
+void AveragedForces<dim>::add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const {
+  const auto& points = parts_.points;
+  const CellGroup& group = parts_.weights.groups[g];
+  average.start();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const std::int32_t p = parts_.weights.point[e];
+    average.add_point(Matrix<dim>::Zero(), points.V0[p] * points.J[p]);
+    average.set_stress(e - group.first, points.V0[p], in_plane<dim>(points.tau[p]), nullptr);
+  }
+}
+
+template <int dim>
+void AveragedForces<dim>::add_start_forces(std::span<double> f) {
+  const auto& weights = parts_.weights;
+  for (std::size_t g = 0; g < weights.groups.size(); ++g) {
+    if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
+    add_accepted_stresses(static_cast<std::int32_t>(g), own_);
+    add_forces(static_cast<std::int32_t>(g), nullptr, own_, nullptr, f);
+  }
+  if (weights.num_shared == 0) return;
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    add_accepted_stresses(shared_[s], shared_groups_[s]);
+  }
+  share_volumes(true);
+  share_pressures(true, false);
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    add_forces(shared_[s], nullptr, shared_groups_[s], nullptr, f);
+  }
+}
+
+template <int dim>
+std::vector<double> AveragedForces<dim>::start_forces(std::size_t num_values) const {
+  std::vector<double> f(num_values, 0.0);
+  AveragedForces(comm_, parts_).add_start_forces(f);
+  return f;
 }
 
 template class AveragedForces<2>;

@@ -28,8 +28,13 @@ class AveragedForces {
   /// @note Collective.
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,
                 std::int32_t& worst);
+  /// Forces of the accepted stresses, those of du = 0: `num_values` = num_nodes x dim [N].
+  /// @note Collective.
+  std::vector<double> start_forces(std::size_t num_values) const;
 
  private:
+  void add_start_forces(std::span<double> f);
+  void add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const;
   bool private_forces(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,
                       std::int32_t& worst);
   bool shared_forces(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,

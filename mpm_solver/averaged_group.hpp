@@ -63,15 +63,15 @@ class AveragedGroup {
   using Flat = Vector<dim * dim>;  // of a second-order tensor, row by row
   struct Point {
     Matrix<dim> H;
-    Matrix<dim> G;      // (1 + H)^-T
-    double change;      // J - 1
-    double V;           // at the start of the step
-    double stretch;     // s - 1
-    Matrix<dim> Q;      // V0 s P_bar
-    double p;           // Q : F / dim
-    Tangent<dim> M;     // of Q by H, at constant J_bar and without the group's pressure
-    Matrix<dim> left;   // derivative of Q - p G by ln J_bar
-    Matrix<dim> right;  // of p by H
+    Matrix<dim> G;       // (1 + H)^-T
+    double change;       // J - 1
+    double V;            // at the start of the step
+    double stretch = 0;  // s - 1
+    Matrix<dim> Q;       // V0 s P_bar
+    double p;            // Q : F / dim
+    Tangent<dim> M;      // of Q by H, at constant J_bar and without the group's pressure
+    Matrix<dim> left;    // derivative of Q - p G by ln J_bar
+    Matrix<dim> right;   // of p by H
   };
   static Flat flat(const Matrix<dim>& m);
   static Matrix<dim> unflat(const Flat& f);

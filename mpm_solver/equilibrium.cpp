@@ -43,8 +43,22 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
             nodes.v.empty() ? nullptr : nodes.v.front().data() + nodes.v.size() * dim);
   a_.assign(nodes.a.empty() ? nullptr : nodes.a.front().data(),
             nodes.a.empty() ? nullptr : nodes.a.front().data() + nodes.a.size() * dim);
-  parts_.walls.project(v_);
+  parts_.walls.impose(v_, 1 / parts_.dt);
   parts_.walls.project(a_);
+  if (parts_.scheme.force_memory() != 0) remember_start_forces();
+}
+
+template <int dim>
+void Equilibrium<dim>::remember_start_forces() {
+  require(parts_.boundaries.empty(), "mpm_solver: averaged forces at an interface");
+  f_start_ = internal_.start_forces();
+  sum_over_ranks(parts_.comm, std::span<double>(f_start_));
+  const double memory = parts_.scheme.force_memory();
+  for (std::size_t k = 0; k < f_start_.size(); ++k) {
+    double f_ext = m_[k / dim] * parts_.gravity_start[k % dim];
+    if (!parts_.f_body_start.empty()) f_ext += parts_.f_body_start[k];
+    f_start_[k] = memory * (f_ext - f_start_[k]);
+  }
 }
 
 template <int dim>
@@ -89,12 +103,33 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   double external = add_weight(r);
   if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
+  for (std::size_t k = 0; k < f_start_.size(); ++k) r[k] += f_start_[k];
+  r_before_walls_.assign(r.begin(), r.end());
+  if (K && !wall_step_.empty()) subtract_wall_step(*K, r);
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
   result.force_scale = std::max(norm_of(f_sum_), external);
   result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
+}
+
+template <int dim>
+Evaluation Equilibrium<dim>::linearise(std::span<const double> wall_step, std::span<double> r,
+                                       BlockMatrix<dim>& K) {
+  const std::vector<double> still(wall_step.size(), 0.0);
+  wall_step_ = wall_step;
+  const Evaluation result = evaluate(still, r, &K);
+  wall_step_ = {};
+  return result;
+}
+
+template <int dim>
+void Equilibrium<dim>::subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const {
+  std::vector<double> f(r.size(), 0.0);
+  K.multiply(wall_step_, f);
+  sum_over_ranks(parts_.comm, std::span<double>(f));
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f[k];
 }
 
 // Add f_ext to r. @returns |f_ext|

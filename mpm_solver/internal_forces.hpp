@@ -36,6 +36,9 @@ class InternalForces {
   /// @returns false when a point would be squeezed below min_J_ratio of its volume
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
   const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
+  /// Forces of the accepted stresses on the nodes of this step, those of du = 0: num_nodes x dim
+  /// [N].
+  std::vector<double> start_forces() const;
 
   /// A new solution with other interface values begins: its first evaluation may take the matrix
   /// from the neighbouring state where the last solution left it.

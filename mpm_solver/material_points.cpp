@@ -59,6 +59,14 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int
 
 template Vector<2> point_domain<2>(const Matrix<2>&, double);
 template Vector<3> point_domain<3>(const Matrix<3>&, double);
+template <int dim>
+void add_gradients(MaterialPoints<dim>& points) {
+  points.grad_v.assign(points.x.size(), Matrix<dim>::Zero());
+  points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
+}
+
+template void add_gradients<2>(MaterialPoints<2>&);
+template void add_gradients<3>(MaterialPoints<3>&);
 template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,
                                     MaterialPoints<2>&);
 template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,

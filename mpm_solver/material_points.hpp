@@ -27,6 +27,8 @@ struct MaterialPoints {
   std::vector<Vector<dim>> u;               ///< displacement since the start [m]
   std::vector<Vector<dim>> v;               ///< velocity [m/s]
   std::vector<Vector<dim>> a;               ///< acceleration [m/s^2]
+  std::vector<Matrix<dim>> grad_v;          ///< velocity gradient [1/s]; empty unless TPIC
+  std::vector<Matrix<dim>> grad_a;          ///< acceleration gradient [1/s^2]; empty unless TPIC
   std::vector<double> m;                    ///< mass [kg] (2D: per metre of thickness)
   std::vector<double> V0;                   ///< volume in the stress-free state [m^3]
   std::vector<double> J;                    ///< current volume / V0
@@ -41,6 +43,7 @@ struct MaterialPoints {
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
 
   std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
+  bool has_gradients() const { return !grad_v.empty(); }
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(body_starts.size()) - 1; }
 };
 
@@ -60,6 +63,10 @@ struct PointLayout {
 /// @param jacobian  dx/dxi of the body's cell at the point
 template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume);
+
+/// Give the points the gradients of velocity and acceleration that TPIC remembers, all zero.
+template <int dim>
+void add_gradients(MaterialPoints<dim>& points);
 
 /// Append the points of one body: each cell of the body mesh gets the points of `point_rule`, with
 /// the volume of the cell shared by the rule's weights.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -36,19 +37,6 @@ void require_own_name(const ConfigReader& in, const Items& items) {
     in.fail("name", fmt::format("found \"{}\" a second time, allowed: a name of its own",
                                 items.back().name));
   }
-}
-
-std::vector<WallSettings> read_walls(ConfigReader& in) {
-  std::vector<WallSettings> walls;
-  for (auto& item : in.objects_or_none("walls")) {
-    WallSettings wall;
-    wall.group = item.text("group");
-    wall.fixed = item.choice("condition", {"fixed", "slip"}) == "fixed";
-    wall.where = item.where("group");
-    item.finish();
-    walls.push_back(std::move(wall));
-  }
-  return walls;
 }
 
 // Basis of the grid; only cells in rows have a choice.
@@ -114,6 +102,10 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.velocity =
         to_vector<dim>(item.numbers_or("velocity", std::vector<double>(dim, 0.0), dim));
     body.material = read_material<dim>(item.object("material"));
+    settings.initial_stress.emplace_back();
+    if (auto stress = item.optional_object("initial_stress")) {
+      settings.initial_stress.back() = read_initial_stress<dim>(*stress, body.material);
+    }
     item.finish();
     settings.bodies.push_back(std::move(body));
     require_own_name(item, settings.bodies);
@@ -215,26 +207,48 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
 }
 
 template <int dim>
-void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
-  settings.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"}, "dynamic") == "dynamic";
-  for (const char* key : {"time_integration", "transfer"}) {
-    if (!settings.dynamic && in.has(key)) {
-      in.fail(key, "has no meaning when \"analysis\" is \"quasi_static\"");
-    }
+void read_transfer(ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.tpic = in.choice_or("method", {"flip", "tpic"}, "flip") == "tpic";
+  if (settings.tpic && in.has("pic_share")) {
+    in.fail("pic_share",
+            "allowed only with \"method\": \"flip\"; tpic takes the whole velocity "
+            "from the grid");
+  }
+  settings.pic_share = settings.tpic ? 1 : in.number_or("pic_share", 0, between(0, 1));
+  in.finish();
+}
+
+// What only a run with inertia knows.
+template <int dim>
+void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
+  const auto& phases = settings.phases;
+  const bool any_dynamic =
+      std::any_of(phases.begin(), phases.end(), [](const Phase& phase) { return phase.dynamic; });
+  if (!any_dynamic && in.has("transfer")) {
+    in.fail("transfer", "has no meaning when \"analysis\" is \"quasi_static\"");
   }
   for (std::size_t b = 0; b < settings.layouts.size(); ++b) {
-    if (settings.dynamic || settings.layouts[b].velocity.isZero(0)) continue;
-    in.fail(fmt::format("bodies/{}/velocity", b),
-            "must be zero when \"analysis\" is \"quasi_static\"");
-  }
-  if (auto item = in.optional_object("time_integration")) {
-    settings.scheme = read_newmark_bossak(*item);
-  } else {
-    settings.scheme = NewmarkBossak::bossak(-0.1);
+    if (phases.front().dynamic || settings.layouts[b].velocity.isZero(0)) continue;
+    in.fail(fmt::format("bodies/{}/velocity", b), "must be zero when the run starts quasi-static");
   }
   if (auto item = in.optional_object("transfer")) {
-    settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
-    item->finish();
+    read_transfer(*item, settings);
+  }
+}
+
+// Refuse phases whose ends no step of the raster reaches.
+void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
+                       const TimeSettings& time) {
+  double smallest = time.dt;
+  while (smallest / 2 >= time.dt_min) smallest /= 2;
+  for (std::size_t k = 0; k + 1 < phases.size(); ++k) {
+    const double steps = phases[k].until / smallest;
+    if (std::abs(steps - std::round(steps)) <= 1e-9 * steps) continue;
+    in.fail(
+        fmt::format("phases/{}/until", k),
+        fmt::format("found {}, allowed: a multiple of time/dt = {} or of its half, quarter, ... "
+                    "down to time/dt_min",
+                    phases[k].until, time.dt));
   }
 }
 
@@ -245,10 +259,10 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   MpmSettings<dim> settings;
   settings.grid = read_mesh<dim>(scene, in.object("grid"));
   settings.basis = read_basis(in, settings.grid);
-  settings.walls = read_walls(in);
+  settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
-  read_dynamics(in, settings);
+  read_motion(in, settings);
   if (auto item = in.optional_object("locking")) {
     settings.locking = {item->choice("method", {"fbar", "none"}) == "fbar", "as mpm.json says"};
     item->finish();
@@ -271,12 +285,18 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
   }
+  for (const Phase& phase : settings.phases) {
+    if (!settings.interfaces.empty()) require_balance_at_end_of_step(in, phase.scheme);
+  }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
     item.finish();
     require_own_name(item, settings.probes);
   }
-  if (alone) *alone = read_alone_settings(in);
+  if (alone) {
+    *alone = read_alone_settings(in);
+    require_on_raster(in, settings.phases, alone->time);
+  }
   in.finish();
   return settings;
 }

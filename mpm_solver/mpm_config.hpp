@@ -2,18 +2,19 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/scene.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
-#include "common/mechanics/time_integration/newmark.hpp"
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/initial_stress.hpp"
 #include "mpm_solver/locking.hpp"
 #include "mpm_solver/material_points.hpp"
-#include "mpm_solver/wall_conditions.hpp"
+#include "mpm_solver/phases.hpp"
 
 namespace gabion::mpm {
 
@@ -29,16 +30,16 @@ template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
   Basis basis = Basis::linear;
-  std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
-  std::vector<PointLayout<dim>> layouts;  ///< of each body
-  bool dynamic = true;                    ///< false: quasi-static, inertia is left out
+  std::vector<PointLayout<dim>> layouts;                     ///< of each body
+  std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
   Vector<dim> gravity = Vector<dim>::Zero();
+  std::vector<Phase> phases;  ///< at least one
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
-  NewmarkBossak scheme;
-  double pic_share = 0;
+  double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
+  bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
   LockingCure locking;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};

@@ -29,6 +29,10 @@ constexpr double same_strain_share = 0.01;
 // Quasi-static: a node with less than this share of the mass of its points joins another one.
 constexpr double light_share = 1e-4;
 
+// Newmark's method with these parameters asks for no acceleration at the start of a step:
+// du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
+constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
+
 template <int dim>
 MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   MaterialPoints<dim> points;
@@ -38,8 +42,16 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
                              rank_of(comm), num_ranks(comm), points);
   }
   settings.layouts.clear();
+  if (settings.tpic) add_gradients(points);
+  const Phase& phase = settings.phases.front();
+  const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
-  if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
+  if (phase.dynamic) std::fill(points.a.begin(), points.a.end(), gravity);
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    if (!settings.initial_stress[b]) continue;
+    set_initial_stress<dim>(comm, *settings.initial_stress[b], settings.bodies[b],
+                            static_cast<std::int32_t>(b), gravity, points);
+  }
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
@@ -53,11 +65,19 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
     : comm_(comm),
       settings_(std::move(settings)),
       grid_(std::move(settings_.grid), settings_.basis),
-      walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
       linear_(comm, settings_.linear_solver),
-      output_(comm, output_folder) {
+      output_(comm, output_folder),
+      ledger_(comm) {
+  for (const Phase& phase : settings_.phases) {
+    walls_of_phases_.emplace_back(grid_.mesh, phase.walls);
+    for (const auto& wall : phase.walls) {
+      const auto known = std::find(wall_groups_.begin(), wall_groups_.end(), wall.group);
+      if (known == wall_groups_.end()) wall_groups_.push_back(wall.group);
+    }
+  }
+  wall_forces_.assign(wall_groups_.size(), Vector<dim>::Zero());
   for (const auto& body : settings_.bodies) {
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
@@ -67,8 +87,10 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   find_probe_points();
   locate_points(grid_, points_);
   prepare_averages();
+  ledger_.start(points_);
   evaluate_basis(grid_, points_, weights_);
   log_grid();
+  check_initial_stress();
 }
 
 template <int dim>
@@ -136,17 +158,18 @@ void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<d
                       v.size(), a.size(), points_.size()));
   points_.v = std::move(v);
   points_.a = std::move(a);
+  ledger_.start(points_);
 }
 
-// Forces of the body acceleration at the end of the step, where momentum is balanced.
+// Nodal forces of the body acceleration at a time, empty when there is none.
 template <int dim>
-void MpmSolver<dim>::add_body_acceleration(double time) {
-  if (!settings_.body_acceleration) return;
+std::vector<double> MpmSolver<dim>::body_forces(double time) const {
+  if (!settings_.body_acceleration) return {};
   std::vector<Vector<dim>> b;
   for (std::int32_t p = 0; p < points_.size(); ++p) {
     b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
   }
-  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
+  return point_forces<dim>(comm_, points_, weights_, nodes_, b);
 }
 
 template <int dim>
@@ -162,13 +185,13 @@ void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
-    if (!settings_.dynamic) {
+    if (!with_inertia_) {
       const auto joined =
-          join_light_nodes(comm_, grid_, points_, weights_, walls_, light_share, nodes_);
+          join_light_nodes(comm_, grid_, points_, weights_, walls(), light_share, nodes_);
       if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
       joined_nodes_ += joined;
     }
-    walls_.select(nodes_);
+    walls().select(nodes_);
   }
 }
 
@@ -183,24 +206,51 @@ LinearRegime MpmSolver<dim>::regime() const {
     symmetric &= !(boundary.can_touch() && boundary.has_friction());
   }
   const double courant = wave_speed_ * dt_ / cell_size_;
-  return {symmetric, settings_.dynamic ? courant : std::numeric_limits<double>::infinity()};
+  return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
+}
+
+// Which phase it is, and how its step goes.
+template <int dim>
+void MpmSolver<dim>::enter_phase(double time) {
+  const std::size_t before = phase_;
+  phase_ = phase_at(settings_.phases, time);
+  if (phase_ != before) {
+    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, settings_.phases.size(),
+              phase().dynamic ? "dynamic" : "quasi-static", phase().walls.size());
+  }
+  const bool stressed =
+      std::any_of(settings_.initial_stress.begin(), settings_.initial_stress.end(),
+                  [](const auto& stress) { return stress.has_value(); });
+  with_inertia_ = phase().dynamic;
+  scheme_ = begins(phase(), time) && (phase_ > 0 || stressed) ? starting_scheme : phase().scheme;
 }
 
 template <int dim>
-void MpmSolver<dim>::begin_step(double time, double dt) {
-  dt_ = dt;
+void MpmSolver<dim>::begin_step(const StepRequest& request) {
+  enter_phase(request.time);
+  require_within(phase(), request.time, request.dt);
+  walls().begin_step(request.time, request.dt);
+  dt_ = request.dt;
   map_to_nodes();
-  add_body_acceleration(time + dt);
+  f_body_ = body_forces(request.time + request.dt);
+  f_body_start_.clear();
+  if (scheme_.force_memory() != 0) f_body_start_ = body_forces(request.time);
+  const LoadRamp& ramp = phase().gravity_ramp;
+  make_equilibrium(ramp.at(request.time), ramp.at(request.time + request.dt), request.dt);
+}
+
+template <int dim>
+void MpmSolver<dim>::make_equilibrium(double load_factor_n, double load_factor, double dt) {
   const ScopedTimer timer(times_, "pattern");
   if (!boundaries_.empty()) {
     const auto occupied = occupied_cells();
     for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
   }
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
-      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
-      settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_,
-      settings_.locking.average_volumes});
+      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls(), boundaries_, trial_,
+      scheme_, load_factor * settings_.gravity, load_factor_n * settings_.gravity, cell_size_,
+      same_strain_share * settings_.newton.residual_tolerance, dt, with_inertia_, f_body_,
+      f_body_start_, settings_.locking.average_volumes});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -208,19 +258,81 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
   linear_.set_regime(regime(), nodes_.size());
 }
 
-// Start Newton from free flight, quasi-static from rest. Where elastic waves cross many cells in a
-// step, flight and rest are tried and the smaller residual wins: there the guess matters more than
-// its cost.
+template <int dim>
+void MpmSolver<dim>::check_initial_stress() {
+  const InitialStress* strictest = nullptr;
+  for (const auto& stress : settings_.initial_stress) {
+    if (stress && (!strictest || stress->max_displacement < strictest->max_displacement)) {
+      strictest = &*stress;
+    }
+  }
+  if (!strictest) return;
+  with_inertia_ = false;
+  map_to_nodes();
+  make_equilibrium(phase().gravity_ramp.at(0), phase().gravity_ramp.at(0), 1);
+  receive({});
+  const std::size_t n = static_cast<std::size_t>(nodes_.size()) * dim;
+  std::vector<double> du(n, 0.0), r(n);
+  equilibrium_->evaluate(du, r, &K_);
+  wall_forces_ = forces_on_walls();
+  linear_.set_matrix(K_, true);
+  linear_.solve(r, du);
+  double largest = 0;
+  for (std::size_t i = 0; i < n; i += dim) {
+    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
+  }
+  initial_displacement_ = largest;
+  log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
+            largest / cell_size_);
+  require<ConfigError>(
+      largest <= strictest->max_displacement * cell_size_,
+      fmt::format("{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+                  "allowed: \"max_displacement\" = {:g}",
+                  strictest->where, largest / cell_size_, strictest->max_displacement));
+}
+
+template <int dim>
+std::vector<Vector<dim>> MpmSolver<dim>::forces_on_walls() const {
+  std::vector<Vector<dim>> sums(wall_groups_.size(), Vector<dim>::Zero());
+  const auto forces = equilibrium_->wall_forces();
+  for (std::size_t w = 0; w < forces.size(); ++w) {
+    const auto& group = phase().walls[w].group;
+    const auto place = std::find(wall_groups_.begin(), wall_groups_.end(), group);
+    sums[static_cast<std::size_t>(place - wall_groups_.begin())] += forces[w];
+  }
+  return sums;
+}
+
+// du holds the displacement of the walls: add that of the soil by the stiffness at the start.
+template <int dim>
+void MpmSolver<dim>::spread_wall_step() {
+  const ScopedTimer timer(times_, "guess");
+  std::vector<double> r(du_.size()), step(du_.size());
+  if (!equilibrium_->linearise(du_, r, K_).admissible) return;  // Newton's method says why
+  linear_.set_matrix(K_, new_pattern_);
+  new_pattern_ = false;
+  linear_iterations_ += linear_.solve(r, step);
+  for (std::size_t k = 0; k < du_.size(); ++k) du_[k] += step[k];
+}
+
+// Start Newton from free flight, quasi-static from rest but for the walls. Where elastic waves
+// cross many cells in a step, flight and rest are tried and the smaller residual wins: there the
+// guess matters more than its cost.
 template <int dim>
 void MpmSolver<dim>::choose_guess() {
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
   du_.assign(v.size(), 0.0);
-  if (!settings_.dynamic) return;
+  walls().impose(du_, 1);
+  if (!with_inertia_) {
+    if (walls().move()) spread_wall_step();
+    return;
+  }
+  std::vector<double> still = du_;
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
   if (wave_speed_ * dt_ <= flight_courant * cell_size_) return;
   const ScopedTimer timer(times_, "guess");
-  std::vector<double> r(du_.size()), still(du_.size(), 0.0);
+  std::vector<double> r(du_.size());
   const Evaluation flight = equilibrium_->evaluate(du_, r, nullptr);
   const double r_flight = norm_of(r);
   equilibrium_->evaluate(still, r, nullptr);
@@ -243,7 +355,7 @@ template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
   const bool begins = dt_ != request.dt;
-  if (begins) begin_step(request.time, request.dt);
+  if (begins) begin_step(request);
   receive(received);
   if (begins || request.iteration == 0) {
     equilibrium_->internal_forces().forget();
@@ -292,9 +404,9 @@ NodalMotion<dim> MpmSolver<dim>::nodal_motion() const {
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = i * dim + d;
       motion.du[i][d] = du_[k];
-      if (!settings_.dynamic) continue;
-      motion.a_new[i][d] = settings_.scheme.acceleration(du_[k], v[k], a[k], dt_);
-      motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
+      if (!with_inertia_) continue;
+      motion.a_new[i][d] = scheme_.acceleration(du_[k], v[k], a[k], dt_);
+      motion.v_new[i][d] = scheme_.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
   return motion;
@@ -304,21 +416,28 @@ template <int dim>
 AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
+  wall_forces_ = forces_on_walls();
   equilibrium_->internal_forces().finish(du_);
+  const NodalMotion<dim> motion = nodal_motion();
+  const StepBalance<dim> balance =
+      step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(nodes_, du_, weights_, points_);
   capped_domains_ += weights_.num_capped;
-  grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
-  if (!settings_.dynamic) {
+  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
+  if (!with_inertia_) {
     std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
     std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
   }
+  double dissipated = 0;
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
     points_.tau[p] = trial_.tau[e];
     points_.energy[p] = trial_.energy[e];
     points_.J[p] *= trial_.J_ratio[e];
+    dissipated += points_.V0[p] * trial_.dissipation[e];
   }
+  ledger_.add_step(balance, scheme_, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();
   const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
@@ -326,6 +445,8 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   AcceptReport report;
   report.probes = probes();
   report.details = accepted_details(cell_n);
+  const double time = request.time + request.dt;
+  report.proposed_dt = largest_step(settings_.phases[phase_at(settings_.phases, time)], time);
   return report;
 }
 
@@ -360,24 +481,33 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
   for (const auto& body : settings_.bodies) {
     names.push_back(settings_.bodies.size() == 1 ? "front" : "front_" + body.name);
   }
+  for (const auto& name : Ledger<dim>::names()) names.push_back(name);
   for (const auto& probe : settings_.probes) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
+  }
+  for (const auto& group : wall_groups_) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("wall.{}.f{}", group, axes[d]));
   }
   return names;
 }
 
 template <int dim>
 std::vector<double> MpmSolver<dim>::probes() const {
-  const auto totals = point_totals(comm_, points_);
+  const PointTotals<dim>& totals = ledger_.totals();
   std::vector<double> values = {totals.mass, totals.kinetic_energy, totals.elastic_energy};
   values.insert(values.end(), totals.momentum.data(), totals.momentum.data() + dim);
   values.insert(values.end(), totals.front.begin(), totals.front.end());
+  const auto balance = ledger_.values();
+  values.insert(values.end(), balance.begin(), balance.end());
   std::vector<double> motion;
   for (const std::int32_t p : probe_points_) {
     for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : points_.u[p][d]);
   }
   sum_over_ranks(comm_, std::span<double>(motion));
   values.insert(values.end(), motion.begin(), motion.end());
+  for (const auto& force : wall_forces_) {
+    values.insert(values.end(), force.data(), force.data() + dim);
+  }
   return values;
 }
 
@@ -390,7 +520,8 @@ Json MpmSolver<dim>::summary() const {
   return {{"basis", basis_name(grid_.basis)},
           {"locking", locking},
           {"capped_domains", static_cast<std::int64_t>(capped[0])},
-          {"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+          {"phases", settings_.phases.size()},
+          {"initial_displacement", initial_displacement_},
           {"joined_nodes", joined_nodes_},
           {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},

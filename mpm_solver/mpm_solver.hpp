@@ -10,6 +10,7 @@
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
 #include "mpm_solver/equilibrium.hpp"
+#include "mpm_solver/ledger.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_output.hpp"
 #include "mpm_solver/transfer.hpp"
@@ -44,11 +45,17 @@ class MpmSolver final : public Solver {
 
  private:
   /// Everything of a step that does not depend on the interface values.
-  void begin_step(double time, double dt);
+  void begin_step(const StepRequest& request);
+  void enter_phase(double time);
+  /// @param load_factor_n, load_factor  of gravity at the start and at the end of the step
+  void make_equilibrium(double load_factor_n, double load_factor, double dt);
+  /// Solve for the displacement that would balance the initial stress, and refuse it when large.
+  void check_initial_stress();
   void map_to_nodes();
-  void add_body_acceleration(double time);
+  std::vector<double> body_forces(double time) const;
   LinearRegime regime() const;
   void choose_guess();
+  void spread_wall_step();
   NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void find_probe_points();
@@ -57,30 +64,40 @@ class MpmSolver final : public Solver {
   std::vector<std::int32_t> occupied_cells() const;
   /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
   Json accepted_details(std::span<const std::int32_t> cell_n) const;
+  const Phase& phase() const { return settings_.phases[phase_]; }
+  WallConditions<dim>& walls() { return walls_of_phases_[phase_]; }
+  std::vector<Vector<dim>> forces_on_walls() const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
   BackgroundGrid<dim> grid_;
-  WallConditions<dim> walls_;
+  std::vector<WallConditions<dim>> walls_of_phases_;
+  std::vector<std::string> wall_groups_;  // of all phases, each once
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
   MaterialPoints<dim> points_;
   std::vector<CouplingBoundary<dim>> boundaries_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
+  Ledger<dim> ledger_;
+  std::vector<Vector<dim>> wall_forces_;    // on wall_groups_ in the accepted state [N]
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
 
   // the step under way
   double dt_ = 0;  // 0: none begun
+  std::size_t phase_ = 0;
+  bool with_inertia_ = true;
+  NewmarkBossak scheme_;
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
-  std::vector<double> f_body_;  // empty without body acceleration
+  std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
   bool new_pattern_ = true;
   std::vector<double> du_;
-  std::int64_t joined_nodes_ = 0;  // of all steps
+  double initial_displacement_ = 0;  // that would balance the initial stress [m]
+  std::int64_t joined_nodes_ = 0;    // of all steps
 
   PhaseTimes times_;
   std::int64_t newton_iterations_ = 0;

@@ -120,6 +120,10 @@ double ConfigReader::checked_number(const Json& value, const std::string& key,
   return number;
 }
 
+bool ConfigReader::is_text(const std::string& key) const {
+  return has(key) && value_.at(key).is_string();
+}
+
 double ConfigReader::number(const std::string& key, const Range& range) {
   const double result = checked_number(require_key(key), key, range);
   note(key, result);

@@ -38,6 +38,8 @@ class ConfigReader {
   ConfigReader(const Json& value, std::string file);
 
   bool has(const std::string& key) const;
+  /// Whether the key is there and holds a text.
+  bool is_text(const std::string& key) const;
 
   double number(const std::string& key, const Range& range = any_number());
   double number_or(const std::string& key, double fallback, const Range& range = any_number());

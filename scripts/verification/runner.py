@@ -94,7 +94,7 @@ def _other_failures(report: dict, rows: list[Row]) -> list[Row]:
             name, what = suite["name"].partition("_")[0], f"{case['name'].replace('_', ' ')}"
             if "failures" in case and all(row.holds for row in own):
                 words = " ".join(case["failures"][0]["failure"].splitlines()[:2])
-                failures.append(Row(test, name, f"{what}: {words[:160]}"))
+                failures.append(Row(test, name, f"{what}: {words[:90]}"))
             elif not own and case.get("result") == "COMPLETED":
                 failures.append(Row(test, name, f"{what}: recorded no row"))
     return failures

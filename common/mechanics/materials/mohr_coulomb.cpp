@@ -16,12 +16,6 @@ PrincipalMohrCoulomb principal_constants(const MohrCoulombParameters& p) {
   return {p.lambda, p.mu, k, flow_ratio(p.dilation_angle), 2 * p.cohesion * std::sqrt(k)};
 }
 
-struct Surface : PrincipalSurface {
-  Return return_to_surface(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {
-    return gabion::return_to_surface(law, eps, tau_trial);
-  }
-};
-
 }  // namespace
 
 template <int dim>
@@ -31,7 +25,9 @@ MohrCoulomb<dim>::MohrCoulomb(const MohrCoulombParameters& parameters)
 template <int dim>
 bool MohrCoulomb<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& state_n,
                               StressUpdate<dim>& out, Tangent<dim>* A) const {
-  return principal_update<dim>(Surface{{principal_, parameters_.apex_volume}}, H, state_n, out, A);
+  const PrincipalSurface<return_to_surface> surface = {principal_, parameters_.apex_volume,
+                                                       parameters_.tension_cutoff};
+  return principal_update<dim>(surface, H, state_n, out, A);
 }
 
 template class MohrCoulomb<2>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/materials/mohr_coulomb_return.hpp"
+#include "common/mechanics/materials/principal_surface.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
 namespace gabion {
@@ -13,10 +13,13 @@ struct MohrCoulombParameters {
   double dilation_angle = 0;  ///< psi [rad], 0 <= psi <= phi
   double cohesion = 0;        ///< c [Pa], >= 0
   ApexVolume apex_volume = ApexVolume::gap;
+  /// Limit of the principal stresses [Pa], 0 <= tension_cutoff < c cot phi, or no_cutoff.
+  double tension_cutoff = no_cutoff;
 };
 
 /// Hencky elasticity with non-associated Mohr-Coulomb plasticity in principal Kirchhoff stresses,
-/// tension positive: f = k t1 - t3 - 2 c sqrt(k), k = (1 + sin phi) / (1 - sin phi).
+/// tension positive: f = k t1 - t3 - 2 c sqrt(k), k = (1 + sin phi) / (1 - sin phi),
+/// and with t1 <= tension_cutoff, along whose gradients it flows (Rankine).
 template <int dim>
 class MohrCoulomb {
  public:

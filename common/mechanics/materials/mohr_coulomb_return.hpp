@@ -2,12 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-
-#include "common/mechanics/materials/apex_volume.hpp"
-#include "common/mechanics/materials/stress_update.hpp"
-#include "common/mechanics/materials/yield_tolerance.hpp"
 
 namespace gabion {
 
@@ -21,7 +16,18 @@ struct PrincipalMohrCoulomb {
   double strength;  ///< 2 c sqrt(k) [Pa]
 };
 
-enum class YieldFace { plane, edge_12, edge_23, apex };
+enum class YieldFace {
+  plane,
+  edge_12,  ///< t1 = t2
+  edge_23,  ///< t2 = t3
+  apex,
+  tension_1,  ///< with a cut-off T: t1 = T
+  tension_12,
+  tension_123,
+  shear_tension,  ///< plane and t1 = T
+  corner_12,      ///< edge_12 and t1 = t2 = T
+  corner_23       ///< edge_23 and t1 = T
+};
 
 /// State after the return; principal values sorted like the trial strains.
 struct PrincipalReturn {
@@ -61,14 +67,18 @@ inline ActiveFace active_face(const PrincipalMohrCoulomb& law, YieldFace face) {
 /// Whether the return gives the sorted principal values i and j the same stress.
 inline bool made_equal(YieldFace face, int i, int j) {
   switch (face) {
-    case YieldFace::plane:
-      return false;
     case YieldFace::edge_12:
+    case YieldFace::tension_12:
+    case YieldFace::corner_12:
       return i + j == 1;
     case YieldFace::edge_23:
+    case YieldFace::corner_23:
       return i + j == 3;
-    default:
+    case YieldFace::apex:
+    case YieldFace::tension_123:
       return true;
+    default:
+      return false;
   }
 }
 
@@ -143,29 +153,5 @@ inline Eigen::Matrix3d return_moduli(const PrincipalMohrCoulomb& law, YieldFace 
   for (int i = 0; i < 3; ++i) D.col(i) += 2 * law.mu * averaged(Eigen::Vector3d::Unit(i), face);
   return D;
 }
-
-/// What Mohr-Coulomb and Tresca bring to principal_update().
-struct PrincipalSurface {
-  using Return = PrincipalReturn;
-  const PrincipalMohrCoulomb& law;
-  ApexVolume apex_volume;
-
-  bool keeps_gap() const { return apex_volume == ApexVolume::gap; }
-  double lambda() const { return law.lambda; }
-  double mu() const { return law.mu; }
-  bool yields(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {
-    const double size =
-        (law.k + 1) * (law.lambda + 2 * law.mu) * std::max(std::abs(eps[0]), std::abs(eps[2]));
-    return law.k * tau_trial[0] - tau_trial[2] - law.strength > yield_tolerance * size;
-  }
-  YieldRegion region(const Return& returned) const {
-    return returned.face == YieldFace::apex ? YieldRegion::apex : YieldRegion::shear;
-  }
-  Eigen::Matrix3d moduli(const Return& returned) const { return return_moduli(law, returned.face); }
-  double shear_factor(const Return& returned, int s, int t, double G, double difference) const {
-    if (made_equal(returned.face, s, t)) return 0;
-    return G - 2 * law.mu * (returned.plastic[s] - returned.plastic[t]) / difference;
-  }
-};
 
 }  // namespace gabion

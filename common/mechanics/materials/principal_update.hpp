@@ -113,6 +113,7 @@ bool principal_update(const Surface& surface, const Matrix<dim>& H,
   const double volumetric = eps_e.sum();
   std::array<double, 3> tau;
   for (int s = 0; s < 3; ++s) tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
+  out.dissipation = plastic ? hencky_stress(lambda, mu, eps_e).dot(returned.plastic) : 0;
   const Matrix<dim> F = Matrix<dim>::Identity() + H;
   const Matrix<dim> F_inverse = F.inverse();
   out.tau = compose<dim>(tau, trial.n);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "common/mechanics/materials/material.hpp"
@@ -49,6 +50,16 @@ ApexVolume read_apex_volume(ConfigReader& in) {
   return word == "gap" ? ApexVolume::gap : ApexVolume::forget;
 }
 
+double read_tension_cutoff(ConfigReader& in, double apex) {
+  if (!in.has("tension_cutoff")) return no_cutoff;
+  if (apex == no_cutoff) return in.number("tension_cutoff", non_negative());
+  return in.number("tension_cutoff",
+                   {[=](double x) { return 0 <= x && x < apex; },
+                    fmt::format("0 <= tension_cutoff < cohesion / tan(friction_angle) = {}, the "
+                                "apex; leave it out to keep the apex",
+                                apex)});
+}
+
 template <int dim>
 MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
   const Friction friction = read_friction(in);
@@ -57,7 +68,9 @@ MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elasti
                            .friction_angle = friction.friction_angle,
                            .dilation_angle = friction.dilation_angle,
                            .cohesion = friction.cohesion,
-                           .apex_volume = read_apex_volume(in)});
+                           .apex_volume = read_apex_volume(in),
+                           .tension_cutoff = read_tension_cutoff(
+                               in, friction.cohesion / std::tan(friction.friction_angle))});
 }
 
 template <int dim>
@@ -78,7 +91,13 @@ DruckerPrager<dim> read_drucker_prager(ConfigReader& in, const LameConstants& el
 
 template <int dim>
 Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
-  return Tresca<dim>({elastic.lambda, elastic.mu, in.number("cohesion", positive())});
+  const double cohesion = in.number("cohesion", positive());
+  const double cutoff = read_tension_cutoff(in, no_cutoff);
+  return Tresca<dim>({.lambda = elastic.lambda,
+                      .mu = elastic.mu,
+                      .cohesion = cohesion,
+                      .tension_cutoff = cutoff,
+                      .apex_volume = cutoff == no_cutoff ? ApexVolume::gap : read_apex_volume(in)});
 }
 
 }  // namespace

@@ -169,4 +169,38 @@ void spectral_tangent(const PrincipalModuli& moduli, const std::array<double, 3>
   A.noalias() = left.transpose().lazyProduct(right);
 }
 
+/// In plane strain on the basis 1, d = n_0 n_0 - n_1 n_1, q = n_0 n_1 + n_1 n_0 and the spin
+/// w = n_0 n_1 - n_1 n_0, of which only d and q depend on the axes, and q = -w d:
+///
+///     4 a = 1 (x) u + d (x) v + q (x) y + w (x) z ,   u, v in span(1, d),   y, z in span(q, w)
+template <>
+inline void spectral_tangent<2>(const PrincipalModuli& moduli, const std::array<double, 3>& tau,
+                                const Eigenpairs<2>& trial, const Matrix<2>& F_inverse,
+                                Tangent<2>& A) {
+  const Eigen::Matrix3d& D = moduli.D;
+  const double D00 = D(0, 0) - tau[0], D11 = D(1, 1) - tau[1];
+  const double b_0 = 1 + trial.value[0], b_1 = 1 + trial.value[1], G = moduli.G[0];
+  const double sum_b = G * (b_0 + b_1), difference_b = G * (b_1 - b_0);
+  const double twice_mixed = sum_b - (tau[0] + tau[1]);  // see the general case
+  const double cos_2t = trial.n.cos_2t, sin_2t = trial.n.sin_2t;
+
+  using Row = Eigen::Matrix<double, 1, 4>;
+  const Eigen::RowVector2d f_0 = 0.5 * F_inverse.col(0).transpose();  // rows of F^-T / 2
+  const Eigen::RowVector2d f_1 = 0.5 * F_inverse.col(1).transpose();
+  const Eigen::RowVector2d d_0 = cos_2t * f_0 + sin_2t * f_1, d_1 = sin_2t * f_0 - cos_2t * f_1;
+  const Row one = (Row() << f_0, f_1).finished(), d = (Row() << d_0, d_1).finished();
+  const Row q = (Row() << -d_1, d_0).finished(), w = (Row() << f_1, -f_0).finished();
+  const Row u = (D00 + D(0, 1) + D(1, 0) + D11) * one + (D00 - D(0, 1) + D(1, 0) - D11) * d;
+  const Row v = (D00 + D(0, 1) - D(1, 0) - D11) * one + (D00 - D(0, 1) - D(1, 0) + D11) * d;
+  const Row y = (sum_b + twice_mixed) * q + difference_b * w;
+  const Row z = difference_b * q + (sum_b - twice_mixed) * w;
+  const Row stretch = cos_2t * v - sin_2t * y, shear = sin_2t * v + cos_2t * y;
+  const Row u_plus = u + stretch, u_minus = u - stretch;
+  const Row z_plus = shear + z, z_minus = shear - z;
+  for (int J = 0; J < 2; ++J) {
+    A.row(J) = f_0[J] * u_plus + f_1[J] * z_plus;
+    A.row(2 + J) = f_0[J] * z_minus + f_1[J] * u_minus;
+  }
+}
+
 }  // namespace gabion

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/materials/mohr_coulomb_return.hpp"
+#include "common/mechanics/materials/principal_surface.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
 namespace gabion {
@@ -10,10 +10,14 @@ struct TrescaParameters {
   double lambda = 0;    ///< [Pa]
   double mu = 0;        ///< [Pa]
   double cohesion = 0;  ///< undrained shear strength c [Pa], > 0
+  /// Limit of the principal stresses [Pa], >= 0, or no_cutoff.
+  double tension_cutoff = no_cutoff;
+  ApexVolume apex_volume = ApexVolume::gap;  ///< of the isotropic corner of the cut-off
 };
 
 /// Hencky elasticity with associated Tresca plasticity in principal Kirchhoff stresses:
-/// f = t1 - t3 - 2 c. Plastic flow is isochoric and there is no apex.
+/// f = t1 - t3 - 2 c, and with t1 <= tension_cutoff (Rankine). Without cut-off, plastic flow is
+/// isochoric and there is no apex.
 template <int dim>
 class Tresca {
  public:

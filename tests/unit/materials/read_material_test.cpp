@@ -106,6 +106,30 @@ TEST(ReadMaterial, ApexVolume) {
   EXPECT_EQ(std::get<MohrCoulomb<2>>(material.law).parameters().apex_volume, ApexVolume::forget);
 }
 
+TEST(ReadMaterial, TensionCutoff) {
+  Json json = soil();  // apex at 10 / tan 19.8 = 27.78
+  json["tension_cutoff"] = 5;
+  const auto sand = read_material<2>(ConfigReader(json, "mpm.json"));
+  EXPECT_EQ(std::get<MohrCoulomb<2>>(sand.law).parameters().tension_cutoff, 5);
+  for (const double bad : {-1.0, 28.0}) {
+    EXPECT_THAT(message_with("tension_cutoff", bad),
+                AllOf(HasSubstr("/tension_cutoff"), HasSubstr("27.7"), HasSubstr("apex")));
+  }
+  json["law"] = "drucker_prager";
+  EXPECT_THAT(message_of(json), HasSubstr("tension_cutoff"));
+
+  json = clay();
+  const auto uncut = read_material<2>(ConfigReader(json, "mpm.json"));
+  EXPECT_EQ(std::get<Tresca<2>>(uncut.law).parameters().tension_cutoff, no_cutoff);
+  json["apex_volume"] = "gap";
+  EXPECT_THAT(message_of(json), HasSubstr("apex_volume"));  // nothing to apply it to
+  json["tension_cutoff"] = 0;
+  const auto cut = read_material<2>(ConfigReader(json, "mpm.json"));
+  EXPECT_EQ(std::get<Tresca<2>>(cut.law).parameters().tension_cutoff, 0);
+  json["tension_cutoff"] = -1;
+  EXPECT_THAT(message_of(json), AllOf(HasSubstr("/tension_cutoff"), HasSubstr(">= 0")));
+}
+
 template <class Law>
 void expect_elastic(const std::string& name) {
   const Json wall = {

@@ -12,6 +12,16 @@
 
 namespace gabion::test {
 
+/// Settings from the text of an mpm.json.
+template <int dim>
+mpm::MpmSettings<dim> mpm_settings(const Json& json) {
+  const TemporaryScene folder("mpm.json", json);
+  const Scene scene(folder.path(), {});
+  ConfigReader in = scene.reader("mpm.json");
+  in.integer("dimension", between(dim, dim));
+  return mpm::read_mpm_settings<dim>(scene, in, nullptr);
+}
+
 /// The solver of an mpm.json, made as the program makes it.
 inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm()) {
   const TemporaryScene folder("mpm.json", json);
@@ -56,7 +66,8 @@ inline const Json trapezoid = {{"scheme", "newmark"}};
 template <int dim>
 bool same_bits(const mpm::MaterialPoints<dim>& a, const mpm::MaterialPoints<dim>& b) {
   bool same = a.x == b.x && a.u == b.u && a.v == b.v && a.a == b.a && a.J == b.J &&
-              a.tau == b.tau && a.energy == b.energy && a.size() == b.size();
+              a.tau == b.tau && a.energy == b.energy && a.grad_v == b.grad_v &&
+              a.grad_a == b.grad_a && a.size() == b.size();
   for (std::int32_t p = 0; same && p < a.size(); ++p) {
     same = a.history[p].e == b.history[p].e &&
            a.history[p].plastic_strain == b.history[p].plastic_strain;

@@ -128,6 +128,22 @@ TEST(AveragedForces, elastic_forces_are_the_derivative_of_the_energy) {
   });
 }
 
+TEST(AveragedForces, start_forces_are_those_of_no_motion) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    AveragedSoil<dim> averaged(type, NeoHookean<dim>{4e3, 3e3}, 0.05);
+    const VectorXd at_rest =
+        averaged.forces(VectorXd::Zero(static_cast<Eigen::Index>(averaged.soil.num_dofs())));
+    for (std::size_t e = 0; e < averaged.trial.tau.size(); ++e) {
+      averaged.soil.points.tau[averaged.soil.weights.point[e]] = averaged.trial.tau[e];
+    }
+    const auto start = averaged.internal->start_forces();
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      EXPECT_NEAR(start[k], at_rest[static_cast<Eigen::Index>(k)], 1e-13 * at_rest.norm());
+    }
+    EXPECT_GT(at_rest.norm(), 1) << name(type);
+  });
+}
+
 /// One gradient everywhere leaves nothing to average.
 TEST(AveragedForces, uniform_strain_of_uniform_soil_is_left_as_it_is) {
   for_each_cell_type([]<int dim>(CellType type) {

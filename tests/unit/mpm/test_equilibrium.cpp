@@ -54,6 +54,7 @@ struct Balance {
                                                       trial,
                                                       scheme,
                                                       Vector<dim>::Constant(-3.0),
+                                                      Vector<dim>::Constant(-3.0),
                                                       1.0 / 3,
                                                       same_strain,
                                                       0.1,
@@ -111,6 +112,42 @@ TEST(EquilibriumTangent, neo_hookean) {
   });
 }
 
+/// The share of old forces is constant in the step, but it changes the weight of the inertia.
+TEST(EquilibriumTangent, averaged_forces) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    balance.scheme = NewmarkBossak::generalized_alpha(0.7);
+    balance.squeeze(0.05);
+    balance.start();
+    EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
+  });
+}
+
+/// Forces of the accepted stresses are those that a step without motion evaluates.
+TEST(InternalForces, start_forces_are_those_of_no_motion) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    for (auto& history : balance.soil.points.history) {
+      history.e = 0.05 * Symmetric<dim>::NullaryExpr([&] { return balance.soil.random(); });
+    }
+    balance.start();
+    balance.residual(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(balance.soil.num_dofs())));
+    const auto& weights = balance.soil.weights;
+    for (std::size_t e = 0; e < weights.point.size(); ++e) {
+      balance.soil.points.tau[weights.point[e]] = balance.trial.tau[e];
+    }
+    const auto& at_rest = balance.equilibrium->internal_forces().forces();
+    const auto start = balance.equilibrium->internal_forces().start_forces();
+    double error = 0, size = 0;
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      error = std::max(error, std::abs(start[k] - at_rest[k]));
+      size = std::max(size, std::abs(start[k]));
+    }
+    EXPECT_LT(error, 1e-13 * size) << name(type);
+    EXPECT_GT(size, 1);
+  });
+}
+
 TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type),
@@ -163,7 +200,8 @@ TEST(InternalForces, known_stresses_are_bridged_by_their_tangent) {
 TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
-    balance.start({{"bottom", true, "here"}, {"left", false, "here"}, {"right", false, "here"}});
+    balance.start(
+        {{"bottom", true, "here", {}}, {"left", false, "here", {}}, {"right", false, "here", {}}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
     // The constrained directions carry no force and do not make the matrix singular.
@@ -194,13 +232,13 @@ TEST(EquilibriumTangent, quasi_static) {
     Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
     balance.squeeze(0.05);
     balance.with_inertia = false;
-    balance.start({{"bottom", true, "here"}});
+    balance.start({{"bottom", true, "here", {}}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
     const Eigen::VectorXd moving = balance.residual(du);
     for (auto& v : balance.soil.points.v) v.setZero();
     for (auto& a : balance.soil.points.a) a.setZero();
-    balance.start({{"bottom", true, "here"}});
+    balance.start({{"bottom", true, "here", {}}});
     EXPECT_EQ(moving, balance.residual(du)) << name(type);
   });
 }
@@ -213,7 +251,8 @@ TEST(EquilibriumTangent, inclined_slip_wall) {
   turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
   Mesh<2> mesh = balance.soil.grid.mesh;
   for (auto& x : mesh.nodes) x = turn * x;
-  const mpm::WallConditions<2> walls(mesh, {{"bottom", false, "here"}, {"left", false, "here"}});
+  const mpm::WallConditions<2> walls(mesh,
+                                     {{"bottom", false, "here", {}}, {"left", false, "here", {}}});
   balance.start();
   balance.walls.emplace(walls);
   balance.walls->select(balance.soil.nodes);

@@ -64,7 +64,7 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   EXPECT_LT(settings.interfaces[0].friction, 0);
   EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
   EXPECT_EQ(settings.pic_share, 0);
-  EXPECT_EQ(settings.scheme.alpha_bossak, -0.1);
+  EXPECT_EQ(settings.phases.at(0).scheme.alpha_m, -0.1);
   EXPECT_EQ(settings.gravity, Vector<2>::Zero());
 }
 
@@ -96,6 +96,10 @@ TEST(MpmConfig, wrong_types_and_ranges) {
   json = valid();
   json["transfer"] = {{"pic_share", 1.5}};
   expect_error(json, {"/transfer/pic_share", "1.5", "0 to 1"});
+  json["transfer"] = {{"method", "apic"}};
+  expect_error(json, {"/transfer/method", "apic", "flip, tpic"});
+  json["transfer"] = {{"method", "tpic"}, {"pic_share", 0.1}};
+  expect_error(json, {"/transfer/pic_share", "only with", "flip"});
   json = valid();
   json["bodies"] = Json::array();
   expect_error(json, {"/bodies", "at least one body"});
@@ -221,6 +225,19 @@ TEST(MpmConfig, three_dimensional_surfaces) {
   }
 }
 
+TEST(MpmConfig, averaged_forces_at_an_interface) {
+  Json json = valid();
+  json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
+  expect_error(json, {"mpm.json", "/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  json["time_integration"]["rho_inf"] = 0;
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"]["rho_inf"] = 1.2;
+  expect_error(json, {"/time_integration/rho_inf", "1.2", "0 to 1"});
+  json["time_integration"]["rho_inf"] = 0.8;
+  json.erase("interfaces");
+  EXPECT_EQ(error_of(json), "no error");
+}
+
 TEST(MpmConfig, counts_of_points_that_are_not_offered) {
   Json json = valid();
   json["bodies"][0]["points_per_cell"] = 5;
@@ -279,7 +296,121 @@ TEST(MpmConfig, what_has_no_meaning_without_inertia) {
   expect_error(json, {"/transfer", "no meaning", "quasi_static"});
   json.erase("transfer");
   json["bodies"][0]["velocity"] = {0, 1};
-  expect_error(json, {"/bodies/0/velocity", "zero", "quasi_static"});
+  expect_error(json, {"/bodies/0/velocity", "zero", "quasi-static"});
+}
+
+TEST(MpmConfig, gravity_ramp) {
+  Json json = valid();
+  json["gravity_ramp"] = {{"duration", 0}};
+  expect_error(json, {"/gravity_ramp/duration", "0", "> 0"});
+  json["gravity_ramp"] = {{"duration", 1}, {"shape", "cubic"}};
+  expect_error(json, {"/gravity_ramp/shape", "cubic", "linear, smooth"});
+}
+
+TEST(MpmConfig, motion_of_walls) {
+  Json json = valid();
+  json["walls"][1]["motion"] = Json::object();
+  expect_error(json, {"/walls/1/motion/velocity", "exactly one", "table"});
+  json["walls"][1]["motion"] = {{"velocity", {1}}};
+  expect_error(json, {"/walls/1/motion/velocity", "2 numbers"});
+  json["walls"][1]["motion"] = {{"table", {{0, 1, 0}, {0, 2, 0}}}};
+  expect_error(json, {"/walls/1/motion/table/1", "after 0", "increasing"});
+  json["walls"][1]["motion"] = {{"table", Json::array()}};
+  expect_error(json, {"/walls/1/motion/table", "at least one row"});
+}
+
+TEST(MpmConfig, phases) {
+  Json json = valid();
+  json["phases"] = Json::array();
+  expect_error(json, {"/phases", "at least one phase"});
+  json["phases"] = {{{"until", 1}}, {{"until", 2}}};
+  expect_error(json, {"/phases/1/until", "last one"});
+  json["phases"] = {{{"analysis", "quasi_static"}}, Json::object()};
+  expect_error(json, {"/phases/0/until"});
+  json["phases"] = {{{"until", 2}}, {{"until", 1}}, Json::object()};
+  expect_error(json, {"/phases/1/until", "found 1", "after the start of the phase, 2"});
+  json["phases"] = {{{"until", 2}, {"dt", 0}}, Json::object()};
+  expect_error(json, {"/phases/0/dt", "> 0"});
+  json["phases"] = {{{"until", 2}, {"walls", {wall("floor", "slip")}}}, Json::object()};
+  expect_error(json, {"/phases/0/walls/0/group", "floor", "bottom"});
+  json["phases"] = {{{"until", 2}},
+                    {{"analysis", "quasi_static"}, {"time_integration", trapezoid}}};
+  expect_error(json, {"/phases/1/time_integration", "no meaning", "quasi_static"});
+  json["phases"] = {{{"until", 2}, {"gravity", {0, 1}}}, Json::object()};
+  expect_error(json, {"/phases/0/gravity", "unknown"});
+}
+
+/// A lone run knows its steps, and so whether one of them can end where a phase does.
+TEST(MpmConfig, phases_end_on_the_raster_of_the_steps) {
+  Json json = valid();
+  json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
+  json["output"] = {{"interval", 0.5}};
+  const auto read = [](const Json& scene_json) {
+    const MpmFolder folder(scene_json);
+    const Scene scene(folder.path(), {});
+    ConfigReader in = scene.reader("mpm.json");
+    AloneSettings alone;
+    make_mpm_solver(scene, in, comm(), "", &alone);
+  };
+  json["phases"] = {{{"until", 0.325}}, Json::object()};
+  EXPECT_NO_THROW(read(json));
+  json["phases"] = {{{"until", 0.33}}, Json::object()};
+  try {
+    read(json);
+    FAIL();
+  } catch (const ConfigError& error) {
+    expect_parts(error.what(), {"/phases/0/until", "0.33", "multiple of time/dt = 0.1"});
+  }
+}
+
+TEST(MpmConfig, initial_stress) {
+  Json json = valid();
+  json["gravity"] = {0, -10};
+  json["walls"].push_back(wall("right", "slip"));
+  json["bodies"][0]["mesh"] = box({0, 0}, {2, 0.5}, {8, 2}, "tri3");
+  Json& stress = json["bodies"][0]["initial_stress"];
+  stress = {{"k0", "elastic"}, {"surface", 0.5}};
+  EXPECT_EQ(error_of(json), "no error");
+  stress["k0"] = "jaky";
+  expect_error(json, {"/bodies/0/initial_stress/k0", "hencky_elastic", "friction angle"});
+  stress["k0"] = -0.5;
+  expect_error(json, {"/bodies/0/initial_stress/k0", "-0.5", ">= 0"});
+  stress["k0"] = "active";
+  expect_error(json, {"/bodies/0/initial_stress/k0", "active", "elastic, jaky"});
+  stress["k0"] = 0.5;
+  stress["ocr"] = 0.5;
+  expect_error(json, {"/bodies/0/initial_stress/ocr", "0.5"});
+  stress.erase("ocr");
+  stress["surface"] = 0.4;
+  expect_error(json, {"/bodies/0/initial_stress", "material point", "above the surface"});
+  stress["surface"] = 0.5;
+  json["gravity"] = {1, -10};
+  expect_error(json, {"/bodies/0/initial_stress", "gravity against the last axis"});
+  json["gravity"] = {0, -10};
+  json["bodies"][0]["material"]["law"] = "neo_hookean";
+  expect_error(json, {"/bodies/0/initial_stress/k0", "neo_hookean", "Hencky"});
+}
+
+/// Without the wall at its right side the soil is not in balance.
+TEST(MpmConfig, initial_stress_without_support) {
+  Json json = valid();
+  json["gravity"] = {0, -10};
+  json["bodies"][0]["initial_stress"] = {{"k0", 0.5}, {"surface", 0.5}};
+  expect_error(json, {"/bodies/0/initial_stress/k0", "not in balance", "max_displacement"});
+  json["bodies"][0]["initial_stress"]["max_displacement"] = 1;
+  EXPECT_EQ(error_of(json), "no error");
+}
+
+TEST(MpmConfig, initial_stress_that_the_soil_does_not_bear) {
+  Json json = valid();
+  json["gravity"] = {0, -10};
+  json["bodies"][0]["material"]["law"] = "mohr_coulomb";
+  json["bodies"][0]["material"]["friction_angle"] = 30;
+  for (const double k0 : {0.3, 3.1}) {
+    json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", 0.5}, {"max_displacement", 9}};
+    expect_error(
+        json, {"/bodies/0/initial_stress/k0", "material point 0", "would yield", "[0.333333, 3]"});
+  }
 }
 
 TEST(MpmConfig, probe_columns) {
@@ -287,8 +418,13 @@ TEST(MpmConfig, probe_columns) {
   json["probes"] = {{{"name", "A"}, {"point", {1.0, 0.5}}}};
   const auto solver = make_mpm(json);
   EXPECT_EQ(solver->probe_names(),
-            (std::vector<std::string>{"mass", "kinetic_energy", "elastic_energy", "momentum_x",
-                                      "momentum_y", "front", "A.ux", "A.uy"}));
+            (std::vector<std::string>{
+                "mass",           "kinetic_energy", "elastic_energy",      "momentum_x",
+                "momentum_y",     "front",          "plastic_dissipation", "time_damping",
+                "transfer_loss",  "wall_loss",      "gravity_work",        "boundary_work",
+                "energy_balance", "created_energy", "momentum_error_x",    "momentum_error_y",
+                "A.ux",           "A.uy",           "wall.bottom.fx",      "wall.bottom.fy",
+                "wall.left.fx",   "wall.left.fy"}));
   EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);
   EXPECT_GT(probe(*solver, "front"), 0.9);
 }

@@ -7,10 +7,11 @@ namespace gabion::test {
 namespace {
 
 /// The same steps on all ranks together and on each rank alone.
-void compare_with_one_rank(const std::string& cells, const std::string& locking) {
-  SCOPED_TRACE(cells + " " + locking);
+void check_ranks(const std::string& basis, const std::string& cells, const std::string& locking) {
+  SCOPED_TRACE(basis + " " + cells + " " + locking);
   Json json = pushed();
   json["grid"] = box({0, 0}, {2, 1}, {8, 4}, cells);
+  json["basis"] = basis;
   json["locking"] = {{"method", locking}};
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
@@ -42,13 +43,16 @@ void compare_with_one_rank(const std::string& cells, const std::string& locking)
 }
 
 TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
-  compare_with_one_rank("tri3", "none");
+  check_ranks("linear", "tri3", "none");
+  check_ranks("gimp", "quad4", "none");
+  check_ranks("bspline", "quad4", "none");
 }
 
 /// Groups whose points are on several ranks are averaged over all of them.
 TEST(MpmRanks, number_of_ranks_does_not_change_averaged_volumes) {
-  compare_with_one_rank("tri3", "fbar");
-  compare_with_one_rank("quad4", "fbar");
+  check_ranks("linear", "tri3", "fbar");
+  check_ranks("linear", "quad4", "fbar");
+  check_ranks("gimp", "quad4", "fbar");
 }
 
 }  // namespace

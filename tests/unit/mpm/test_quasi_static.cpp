@@ -129,10 +129,10 @@ TEST(LightNodes, nodes_of_walls_stay) {
   SoilPatch<2> soil(CellType::quad4, 1);
   soil.add({0.5, 1e-6});
   soil.to_grid();
-  const mpm::WallConditions<2> roof(soil.grid.mesh, {{"top", false, "here"}});
+  const mpm::WallConditions<2> roof(soil.grid.mesh, {{"top", false, "here", {}}});
   EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, roof, 1e-4, soil.nodes),
             0);
-  const mpm::WallConditions<2> floor(soil.grid.mesh, {{"bottom", false, "here"}});
+  const mpm::WallConditions<2> floor(soil.grid.mesh, {{"bottom", false, "here", {}}});
   EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, floor, 1e-4, soil.nodes),
             0);
   const mpm::WallConditions<2> free(soil.grid.mesh, {});

@@ -22,40 +22,46 @@ struct DrivenBlock {
                     1, 0, 0, 1, soil.points);
   }
 
-  /// One step in which each node moves by H (x - centre).
+  /// One step in which each node moves by H (x - centre); accepted.
   void move(const Matrix<dim>& H, const Vector<dim>& centre) {
+    try_move(H, centre);
+    grid_to_points(soil.nodes, motion_, soil.weights, 0, soil.points);
+    accept();
+  }
+
+  /// The same without accepting it: f_int only.
+  void try_move(const Matrix<dim>& H, const Vector<dim>& centre) {
     soil.to_grid();
-    mpm::NodalMotion<dim> motion;
+    motion_ = {};
     std::vector<double> du;
     for (std::int32_t i = 0; i < soil.nodes.size(); ++i) {
-      motion.du.push_back(H * (soil.node(i) - centre));
-      du.insert(du.end(), motion.du.back().data(), motion.du.back().data() + dim);
+      motion_.du.push_back(H * (soil.node(i) - centre));
+      du.insert(du.end(), motion_.du.back().data(), motion_.du.back().data() + dim);
     }
-    motion.v_new.assign(motion.du.size(), Vector<dim>::Zero());
-    motion.a_new = motion.v_new;
-    mpm::TrialPoints<dim> trial;
+    motion_.v_new.assign(motion_.du.size(), Vector<dim>::Zero());
+    motion_.a_new = motion_.v_new;
     mpm::InternalForces<dim> internal(
-        {soil.grid, soil.bodies, soil.points, soil.weights, soil.nodes, trial}, cell_size_, 0);
+        {soil.grid, soil.bodies, soil.points, soil.weights, soil.nodes, trial_}, cell_size_, 0);
     std::int32_t worst = -1;
     require(internal.evaluate(du, nullptr, worst), "driven block: inadmissible move");
     internal.finish(du);
     f_int = internal.forces();
-    grid_to_points(soil.nodes, motion, soil.weights, 0, soil.points);
-    accept(trial);
   }
 
  private:
-  void accept(const mpm::TrialPoints<dim>& trial) {
+  void accept() {
     for (std::int32_t e = 0; e < soil.points.size(); ++e) {
       const std::int32_t p = soil.weights.point[e];
-      soil.points.history[p] = trial.history[e];
-      soil.points.tau[p] = trial.tau[e];
-      soil.points.energy[p] = trial.energy[e];
-      soil.points.J[p] *= trial.J_ratio[e];
+      soil.points.history[p] = trial_.history[e];
+      soil.points.tau[p] = trial_.tau[e];
+      soil.points.energy[p] = trial_.energy[e];
+      soil.points.J[p] *= trial_.J_ratio[e];
     }
   }
 
   double cell_size_;
+  mpm::NodalMotion<dim> motion_;
+  mpm::TrialPoints<dim> trial_;
 };
 
 }  // namespace gabion::test

@@ -187,11 +187,7 @@ std::unique_ptr<mpm::MpmSolver<dim>> start(const Manufactured<dim>& exact,
                {"time_integration", trapezoid},
                {"newton", {{"residual_tolerance", 1e-9}}}};
   if (shape.basis != "linear") json["basis"] = shape.basis;
-  const MpmFolder folder(json);
-  const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
-  in.integer("dimension", at_least(2));
-  auto settings = mpm::read_mpm_settings<dim>(scene, in, nullptr);
+  auto settings = mpm_settings<dim>(json);
   settings.body_acceleration = exact.b;
   auto solver = std::make_unique<mpm::MpmSolver<dim>>(comm(), std::move(settings), "");
   std::vector<Vector<dim>> v, a;

@@ -2,17 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
-#include "coupler/coupling_loop.hpp"
-#include "fem_solver/fem_solver.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
+#include "tests/verification/mpm/coupled_run.hpp"
 
 namespace gabion::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Soil from x = 0 to L1 between smooth walls, then a bar of finite elements up to L1 + L2 whose
 /// far end moves by D towards the soil, while a traction q pulls at its wet face in the same
@@ -51,39 +47,6 @@ Json structure(double rate) {
       {"interfaces", {{{"name", "face"}, {"groups", {"left"}}}}}};
 }
 
-std::unique_ptr<Solver> fem(const Json& json) {
-  const TemporaryScene folder("fem.json", json);
-  const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("fem.json");
-  return make_fem_solver(scene, in, comm(), "");
-}
-
-/// A solver that remembers the answer that was accepted last.
-class Witness : public Solver {
- public:
-  explicit Witness(Solver& solver) : solver_(solver) {}
-  std::vector<InterfaceMesh> interfaces() const override { return solver_.interfaces(); }
-  std::vector<std::string> probe_names() const override { return solver_.probe_names(); }
-  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
-                        InterfaceValues& sent) override {
-    const StepReport report = solver_.solve_step(request, received, sent);
-    answer = sent;
-    return report;
-  }
-  AcceptReport accept_step(const StepRequest& request, bool solved) override {
-    return solver_.accept_step(request, solved);
-  }
-  void reject_step() override { solver_.reject_step(); }
-  void write_output(double time) override { solver_.write_output(time); }
-  std::vector<double> probes() const override { return solver_.probes(); }
-  Json summary() const override { return solver_.summary(); }
-
-  InterfaceValues answer;
-
- private:
-  Solver& solver_;
-};
-
 struct Pressed {
   Vector<2> force = Vector<2>::Zero();  // on the structure
   double displacement = 0;              // mean of the face, towards +x
@@ -91,7 +54,7 @@ struct Pressed {
 
 Pressed press(const std::string& type, int steps, const std::string& acceleration) {
   const auto soil_solver = make_mpm(soil(type));
-  const auto structure_solver = fem(structure(-D / steps));
+  const auto structure_solver = make_fem(structure(-D / steps));
   Witness soil_side(*soil_solver), structure_side(*structure_solver);
   CouplerSettings settings;
   settings.time = {double(steps), 1.0, 1.0 / 4};
@@ -103,14 +66,7 @@ Pressed press(const std::string& type, int steps, const std::string& acceleratio
   settings.coupling.convergence.displacement = {1e-8 * D, 1e-8, 1e-12 * D};
   settings.coupling.convergence.force = {1e-3, 1e-8, 1e-12};
   settings.coupling.mapping.tolerance = 1e-9;
-  const fs::path folder = fs::temp_directory_path() / ("gabion_series_" + std::to_string(getpid()));
-  fs::remove_all(folder);
-  {
-    RunRecord files(folder.string(), "coupler");
-    CouplingLoop loop(settings, {{"soil", soil_side}, {"structure", structure_side}}, files);
-    loop.run();
-  }
-  fs::remove_all(folder);
+  run_coupled(settings, soil_side, structure_side);
   Pressed result;
   const auto& f = soil_side.answer.at("face");
   const auto& x = structure_side.answer.at("face");

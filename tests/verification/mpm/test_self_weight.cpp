@@ -134,5 +134,35 @@ TEST(V2_SelfWeight, column_in_3d) {
   check_columns<3>({"hex8", "tet4"});
 }
 
+/// V2: 50 m of soft soil, gravity in 20 quasi-static steps. The error of the settlement is that of
+/// the volumes, the strain q, as in the columns above.
+TEST(SelfWeight, quasi_static_column_in_twenty_load_steps) {
+  const int cells = 25;
+  const Column column{.L = 50, .M = 1e6, .density = 80, .g = 10};
+  Json json = {{"dimension", 2},
+               {"analysis", "quasi_static"},
+               {"grid", box({0, 0}, {2, 52}, {1, cells + 1}, "quad4")},
+               {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
+               {"gravity", {0, -column.g}},
+               {"gravity_ramp", {{"duration", 20.0}}},
+               {"bodies",
+                {body("soil", box({0, 0}, {2, 50}, {1, cells}, "quad4"), 4,
+                      elastic_soil("hencky_elastic", column.M, 0, column.density))}},
+               {"newton", exact_newton}};
+  const auto solver = mpm_solver<2>(json);
+  const auto start = solver->points();
+  run_steps(*solver, 1, 20);
+  EXPECT_NEAR(column.height_of(column.L), 49.037991, 1e-6);
+  const auto& points = solver->points();
+  double error = 0;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    const double Z = start.x[p][1];
+    error = std::max(error, std::abs(points.x[p][1] - column.height_of(Z)));
+  }
+  const double q = column.density * column.g * column.L / column.M;
+  EXPECT_LT(error, q * (column.L - 49.037991));
+  EXPECT_NEAR(probe(*solver, "wall.bottom.fy"), -2 * 40e3, 1e-6 * 80e3);
+}
+
 }  // namespace
 }  // namespace gabion::test

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/unit/mpm/mpm_scene.hpp"
+#include "tests/unit/mpm/soil_patch.hpp"
+
+namespace gabion::test {
+namespace {
+
+Json moving_wall(const std::string& group, const std::string& condition,
+                 const std::vector<double>& velocity) {
+  Json result = wall(group, condition);
+  result["motion"] = {{"velocity", velocity}};
+  return result;
+}
+
+/// A bar of 1 m along x that fills its grid.
+Json bar(double nu = 0.3) {
+  return {{"dimension", 2},
+          {"analysis", "quasi_static"},
+          {"grid", box({0, 0}, {1, 0.25}, {4, 1}, "quad4")},
+          {"walls", {wall("left", "slip"), wall("bottom", "slip"), wall("top", "slip")}},
+          {"bodies",
+           {body("soil", box({0, 0}, {1, 0.25}, {4, 1}, "quad4"), 4,
+                 elastic_soil("hencky_elastic", 1e6, nu, 1000))}},
+          {"newton", exact_newton}};
+}
+
+TEST(WallMotion, table_is_piecewise_linear_and_held) {
+  const mpm::WallMotion motion{{}, {{1, 0, 0}, {2, 1, -2}, {4, 1, 4}}};
+  EXPECT_EQ(motion.displacement<2>(0), Vector<2>(0, 0));
+  EXPECT_EQ(motion.displacement<2>(1.25), Vector<2>(0.25, -0.5));
+  EXPECT_EQ(motion.displacement<2>(3), Vector<2>(1, 1));
+  EXPECT_EQ(motion.displacement<2>(9), Vector<2>(1, 4));
+  EXPECT_EQ((mpm::WallMotion{{0.5, -1}, {}}.displacement<2>(3)), Vector<2>(1.5, -3));
+  EXPECT_FALSE(mpm::WallMotion{}.moves());
+}
+
+/// The floor carries the weight and the side walls push against each other.
+TEST(WallForces, balance_the_soil) {
+  Json json = bar();
+  json["gravity"] = {0, -10};
+  json["walls"].erase(2);
+  json["walls"].push_back(wall("right", "fixed"));
+  json["grid"] = box({0, 0}, {1, 0.5}, {4, 2}, "quad4");
+  for (const char* analysis : {"quasi_static", "dynamic"}) {
+    json["analysis"] = analysis;
+    const auto solver = make_mpm(json);
+    const double before = probe(*solver, "momentum_y");
+    run_steps(*solver, 1e-3, 1);
+    const double weight = 250 * 10, after = probe(*solver, "momentum_y");
+    const double sum_y =
+        probe(*solver, "wall.bottom.fy") + probe(*solver, "wall.right.fy") + weight;
+    if (std::string(analysis) == "quasi_static") {
+      EXPECT_NEAR(sum_y, 0, 1e-8 * weight);
+      EXPECT_NEAR(probe(*solver, "wall.left.fx") + probe(*solver, "wall.right.fx"), 0,
+                  1e-8 * weight);
+      EXPECT_GT(probe(*solver, "wall.right.fx"), 10);
+    } else {
+      EXPECT_LT(after, before);
+    }
+  }
+}
+
+/// Homogeneous stretch 1 + e of a confined bar in one step: the forces are those of P = tau / (1 +
+/// e) on the section before it.
+TEST(MovingWall, stretches_a_bar) {
+  Json json = bar(0.3);
+  json["walls"].push_back(moving_wall("right", "slip", {0.02, 7}));
+  const auto solver = mpm_solver<2>(json);
+  run_steps(*solver, 0.5, 1);
+  const double M = 1e6 * 0.7 / (1.3 * 0.4), e = 0.01;
+  EXPECT_NEAR(probe(*solver, "wall.right.fx"), -M * std::log(1 + e) / (1 + e) * 0.25, 1e-6 * M);
+  EXPECT_NEAR(probe(*solver, "wall.left.fx"), -probe(*solver, "wall.right.fx"), 1e-6 * M);
+  const auto& points = solver->points();
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    EXPECT_NEAR(points.u[p][0], e * (points.x[p][0] - points.u[p][0]), 1e-12);
+    EXPECT_NEAR(points.u[p][1], 0, 1e-12);
+  }
+}
+
+/// Walls that move with the soil do not push it: dynamic, every point keeps its velocity.
+TEST(MovingWall, that_moves_with_the_soil_exerts_no_force) {
+  const std::vector<double> v = {0.03, 0};
+  Json json = bar();
+  json["analysis"] = "dynamic";
+  json["bodies"][0]["velocity"] = v;
+  json["walls"] = {moving_wall("left", "fixed", v), moving_wall("right", "slip", v)};
+  const auto solver = mpm_solver<2>(json);
+  run_steps(*solver, 0.1, 5);
+  const auto& points = solver->points();
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    EXPECT_LT((points.v[p] - Vector<2>(0.03, 0)).norm(), 1e-12);
+    EXPECT_NEAR(points.u[p][0], 0.015, 1e-13);
+  }
+  EXPECT_NEAR(probe(*solver, "wall.left.fx"), 0, 1e-6);
+  EXPECT_NEAR(probe(*solver, "wall.right.fx"), 0, 1e-6);
+}
+
+/// Soil at rest that a wall runs into gains the momentum that the wall gives.
+TEST(MovingWall, gives_its_impulse_to_the_soil) {
+  Json json = bar();
+  json["analysis"] = "dynamic";
+  json["time_integration"] = trapezoid;
+  json["walls"] = {moving_wall("left", "fixed", {0.5, 0})};
+  const auto solver = mpm_solver<2>(json);
+  double momentum = 0;
+  for (int n = 1; n <= 5; ++n) {
+    run_steps(*solver, 1e-3, 1, n);
+    EXPECT_GT(probe(*solver, "momentum_x"), momentum);
+    momentum = probe(*solver, "momentum_x");
+    EXPECT_LT(probe(*solver, "wall.left.fx"), 0);
+  }
+}
+
+TEST(MovingWall, contradicting_walls_are_refused) {
+  Json json = bar();
+  json["walls"] = {wall("bottom", "fixed"), moving_wall("right", "slip", {0.01, 0})};
+  const auto solver = make_mpm(json);
+  InterfaceValues sent;
+  try {
+    solver->solve_step({1, 0, 0, 0.1}, {}, sent);
+    FAIL();
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    for (const char* part : {"/walls/1/group", "\"right\"", "\"bottom\"", "grid node"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
