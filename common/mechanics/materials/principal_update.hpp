@@ -112,8 +112,11 @@ bool principal_update(const Surface& surface, const Matrix<dim>& H,
   }
   const double volumetric = eps_e.sum();
   std::array<double, 3> tau;
-  for (int s = 0; s < 3; ++s) tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
-  out.dissipation = plastic ? hencky_stress(lambda, mu, eps_e).dot(returned.plastic) : 0;
+  out.dissipation = 0;
+  for (int s = 0; s < 3; ++s) {
+    tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
+    out.dissipation += tau[order[s]] * (eps[s] - state_n.gap / 3 - eps_e[s]);
+  }
   const Matrix<dim> F = Matrix<dim>::Identity() + H;
   const Matrix<dim> F_inverse = F.inverse();
   out.tau = compose<dim>(tau, trial.n);

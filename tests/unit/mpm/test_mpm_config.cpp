@@ -346,7 +346,7 @@ TEST(MpmConfig, phases_end_on_the_raster_of_the_steps) {
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
   json["output"] = {{"interval", 0.5}};
   const auto read = [](const Json& scene_json) {
-    const MpmFolder folder(scene_json);
+    const TemporaryScene folder("mpm.json", scene_json);
     const Scene scene(folder.path(), {});
     ConfigReader in = scene.reader("mpm.json");
     AloneSettings alone;
