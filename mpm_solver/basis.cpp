@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "mpm_solver/box_basis.hpp"
+#include "mpm_solver/patch_basis.hpp"
 
 namespace gabion::mpm {
 
@@ -124,6 +125,10 @@ void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints
 template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                     PointWeights<dim>& weights) {
+  if (grid.patches.size() > 0) {
+    evaluate_patch_basis(grid, points, weights);
+    return;
+  }
   sort_by_cell(grid.mesh.num_cells(), points, weights);
   if (grid.basis == Basis::linear) {
     evaluate_linear_basis(grid, points, weights);

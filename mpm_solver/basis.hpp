@@ -9,6 +9,7 @@
 #include "common/mechanics/mesh/box_grid.hpp"
 #include "common/mechanics/mesh/cell_locator.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
+#include "mpm_solver/cell_patches.hpp"
 #include "mpm_solver/material_points.hpp"
 
 namespace gabion::mpm {
@@ -33,6 +34,7 @@ struct BackgroundGrid {
   CellLocator<dim> locator;
   std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
   Basis basis;
+  CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
 };
 
 /// Mean over the cells of the shortest distance between two nodes of a cell [m].
@@ -44,8 +46,9 @@ double mean_cell_size(const Mesh<dim>& mesh);
 template <int dim>
 inline constexpr int max_group_nodes = dim == 2 ? 16 : 64;
 
-/// The points of one body that lie in one cell: entries first .. last of PointWeights. `first_node`
-/// and `num_nodes` name the nodes that act on any of them in PointWeights::group_nodes.
+/// The points of one body that lie in one cell or in one patch of cells, which `cell` (the first of
+/// the patch) stands for: entries first .. last of PointWeights. `first_node` and `num_nodes` name
+/// the nodes that act on any of them in PointWeights::group_nodes.
 struct CellGroup {
   std::int32_t cell = 0;
   std::int32_t body = 0;
@@ -56,12 +59,12 @@ struct CellGroup {
 };
 
 /// Shape functions of the grid at the material points, taken at the accepted positions and kept
-/// through the step. Entries are sorted by body, cell and point; entry e has the values
+/// through the step. Entries are sorted by body, (patch,) cell and point; entry e has the values
 /// starts[e] .. starts[e + 1], one for each node that acts on its point.
 template <int dim>
 struct PointWeights {
-  /// Triangles and tetrahedra with the linear basis: all entries of a group have the group's nodes
-  /// in their order, and the gradients of its first entry hold for all.
+  /// Triangles and tetrahedra with the linear basis, not in patches: all entries of a group have
+  /// the group's nodes in their order, and the gradients of its first entry hold for all.
   bool constant_gradient = false;
   std::vector<std::int32_t> point;   ///< of each entry
   std::vector<std::int32_t> starts;  ///< first value of each entry, and the number of values
@@ -72,6 +75,10 @@ struct PointWeights {
   std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
   std::int32_t num_capped = 0;            ///< gimp: points whose domain would be wider than a cell
+  /// Of each group: its number among those with points on several ranks, -1 when it is on one only.
+  /// Filled by share_groups; empty on one rank.
+  std::vector<std::int32_t> shared;
+  std::int32_t num_shared = 0;  ///< on all ranks
 
   int num_nodes(std::int32_t entry) const { return starts[entry + 1] - starts[entry]; }
   const std::uint8_t* local_of(std::int32_t entry) const { return local.data() + starts[entry]; }

@@ -8,6 +8,19 @@
 
 namespace gabion::mpm {
 
+/// f_ia += P_aJ grad_iJ
+/// @param n, local, grad  values of a point: their number, each one's node and gradient
+template <int dim>
+void add_gradients(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad,
+                   double* f) {
+  for (int i = 0; i < n; ++i) {
+    double* f_i = f + local[i] * dim;
+    for (int a = 0; a < dim; ++a) {
+      for (int J = 0; J < dim; ++J) f_i[a] += P(a, J) * grad[i][J];
+    }
+  }
+}
+
 /// Force and stiffness of one cell, added up over its material points.
 template <int dim>
 struct CellForces {
@@ -21,14 +34,14 @@ struct CellForces {
     for (int i = 0; i < n * dim * n * dim; ++i) K[i] = 0;
   }
 
-  /// f_ia += P_aJ grad_iJ
-  /// @param n, local, grad  values of a point: their number, each one's node and gradient
   void add_stress(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad) {
-    for (int i = 0; i < n; ++i) {
-      double* f_i = f + local[i] * dim;
-      for (int a = 0; a < dim; ++a) {
-        for (int J = 0; J < dim; ++J) f_i[a] += P(a, J) * grad[i][J];
-      }
+    add_gradients<dim>(n, local, P, grad, f);
+  }
+
+  /// K_xy += x y
+  void add_product(int num_dofs, const double* x, const double* y) {
+    for (int i = 0; i < num_dofs; ++i) {
+      for (int k = 0; k < num_dofs; ++k) K[i * num_dofs + k] += x[i] * y[k];
     }
   }
 

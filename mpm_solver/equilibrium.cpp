@@ -29,7 +29,8 @@ template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
       internal_({parts.grid, parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
-                parts.cell_size, parts.same_strain),
+                parts.cell_size, parts.same_strain,
+                parts.average_volumes ? std::optional(parts.comm) : std::nullopt),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
   if (parts_.with_inertia) {

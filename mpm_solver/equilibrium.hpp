@@ -46,6 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     bool with_inertia = true;             ///< false: quasi-static
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     std::span<const double> f_body_start = {};  ///< the same at the start of the step
+    bool average_volumes = false;               ///< F-bar, see AveragedForces
   };
   explicit Equilibrium(const Parts& parts);
 

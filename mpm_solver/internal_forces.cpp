@@ -27,8 +27,10 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 }  // namespace
 
 template <int dim>
-InternalForces<dim>::InternalForces(const Parts& parts, double cell_size, double same_strain)
+InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
+                                    double same_strain, std::optional<MPI_Comm> average_over)
     : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain) {
+  if (average_over) averaged_.emplace(*average_over, parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
   parts_.trial.resize(parts_.points.size());
   forget();
@@ -38,41 +40,8 @@ template <int dim>
 void InternalForces<dim>::forget() {
   du_known_.clear();
   du_K_.clear();
-  known_.assign(parts_.weights.groups.size(), {});
+  known_.assign(averaged_ ? 0 : parts_.weights.groups.size(), {});
   same_strain_ = given_same_strain_;
-}
-
-template <int dim>
-Matrix<dim> InternalForces<dim>::displacement_gradient(const GroupRequest& request,
-                                                       std::int32_t entry) const {
-  const int n = parts_.weights.num_nodes(entry);
-  const std::uint8_t* local = parts_.weights.local_of(entry);
-  const Vector<dim>* grad = parts_.weights.grad_of(entry);
-  Matrix<dim> H = Matrix<dim>::Zero();
-  for (int i = 0; i < n; ++i) {
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(request.active[local[i]]) * dim;
-    H += Eigen::Map<const Vector<dim>>(request.du.data() + row) * grad[i].transpose();
-  }
-  return H;
-}
-
-// Stress of one point at the end of the step, into `stress` and the trial state.
-template <int dim>
-template <class Law>
-bool InternalForces<dim>::point_stress(const Law& law, std::int32_t entry, const Matrix<dim>& H,
-                                       StressUpdate<dim>& stress, Tangent<dim>* A,
-                                       std::int32_t& worst) {
-  const std::int32_t p = parts_.weights.point[entry];
-  if (!law.update(H, parts_.points.history[p], stress, A) || stress.J < min_J_ratio) {
-    worst = p;
-    return false;
-  }
-  parts_.trial.history[entry] = stress.state;
-  parts_.trial.tau[entry] = stress.tau;
-  parts_.trial.J_ratio[entry] = stress.J;
-  parts_.trial.energy[entry] = stress.energy;
-  parts_.trial.dissipation[entry] = stress.dissipation;
-  return true;
 }
 
 // V0 P and V0 dP/dH summed over the points of a cell that share one gradient.
@@ -87,7 +56,7 @@ bool InternalForces<dim>::group_stress(const Law& law, const CellGroup& group, c
   known.P.setZero();
   known.A.setZero();
   for (std::int32_t e = group.first; e < group.last; ++e) {
-    if (!point_stress(law, e, H, stress, with_A ? &A : nullptr, worst)) return false;
+    if (!point_stress(parts_, law, e, H, stress, with_A ? &A : nullptr, worst)) return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
     known.P += V0 * stress.P;
     if (with_A) known.A += V0 * A;
@@ -105,7 +74,7 @@ bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& req
   const std::uint8_t* local = parts_.weights.local_of(group.first);
   const Vector<dim>* grad = parts_.weights.grad_of(group.first);
   const int n = group.num_nodes;
-  const Matrix<dim> H = displacement_gradient(request, group.first);
+  const Matrix<dim> H = gradient_of(request, group.first);
   GroupStress& known = known_[request.number];
   const Matrix<dim> change = H - known.H;
   const double size = change.cwiseAbs().maxCoeff();
@@ -137,8 +106,8 @@ bool InternalForces<dim>::general_forces(const Law& law, const GroupRequest& req
     const int n = parts_.weights.num_nodes(e);
     const std::uint8_t* local = parts_.weights.local_of(e);
     const Vector<dim>* grad = parts_.weights.grad_of(e);
-    const Matrix<dim> H = displacement_gradient(request, e);
-    if (!point_stress(law, e, H, stress, request.with_K ? &A : nullptr, request.worst))
+    const Matrix<dim> H = gradient_of(request, e);
+    if (!point_stress(parts_, law, e, H, stress, request.with_K ? &A : nullptr, request.worst))
       return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
     request.sum.add_stress(n, local, V0 * stress.P, grad);
@@ -173,6 +142,18 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
 }
 
 template <int dim>
+bool InternalForces<dim>::all_forces(std::span<const double> du, BlockMatrix<dim>* K,
+                                     std::int32_t& worst) {
+  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
+    const bool admissible =
+        std::visit([&](const auto& law) { return body_forces(law, b, du, K, worst); },
+                   parts_.bodies[b].material.law);
+    if (!admissible) return false;
+  }
+  return true;
+}
+
+template <int dim>
 bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
                                    std::int32_t& worst) {
   const bool stress_known = std::equal(du.begin(), du.end(), du_known_.begin(), du_known_.end());
@@ -185,11 +166,8 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   du_known_.clear();
   std::fill(f_int_.begin(), f_int_.end(), 0.0);
   if (K) K->set_zero();
-  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
-    const bool admissible =
-        std::visit([&](const auto& law) { return body_forces(law, b, du, K, worst); },
-                   parts_.bodies[b].material.law);
-    if (!admissible) return false;
+  if (!(averaged_ ? averaged_->evaluate(du, K, f_int_, worst) : all_forces(du, K, worst))) {
+    return false;
   }
   du_known_.assign(du.begin(), du.end());
   if (K) {
@@ -201,6 +179,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
 
 template <int dim>
 std::vector<double> InternalForces<dim>::start_forces() const {
+  if (averaged_) return averaged_->start_forces(f_int_.size());
   const auto& weights = parts_.weights;
   std::vector<double> f(f_int_.size(), 0.0);
   CellForces<dim> sum;
@@ -228,7 +207,7 @@ std::vector<double> InternalForces<dim>::start_forces() const {
 template <int dim>
 void InternalForces<dim>::finish(std::span<const double> du) {
   same_strain_ = 0;
-  du_known_.clear();
+  if (!averaged_) du_known_.clear();  // stresses may have followed from their tangent
   std::int32_t worst = -1;
   require(evaluate(du, nullptr, worst), "mpm_solver: an inadmissible state was accepted");
 }

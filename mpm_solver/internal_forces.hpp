@@ -1,36 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mpi.h>
+
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/basis.hpp"
+#include "mpm_solver/averaged_forces.hpp"
 #include "mpm_solver/cell_forces.hpp"
-#include "mpm_solver/grid_nodes.hpp"
+#include "mpm_solver/point_stress.hpp"
 
 namespace gabion::mpm {
-
-/// State of the material points at the end of a step that is being solved, by entry of
-/// PointWeights.
-template <int dim>
-struct TrialPoints {
-  std::vector<MaterialState<dim>> history;
-  std::vector<Symmetric<dim>> tau;
-  std::vector<double> J_ratio;  ///< det(1 + H) of the step
-  std::vector<double> energy;
-  std::vector<double> dissipation;  ///< plastic work of the step [J/m^3]
-  void resize(std::size_t n) {
-    history.resize(n);
-    tau.resize(n);
-    J_ratio.resize(n);
-    energy.resize(n);
-    dissipation.resize(n);
-  }
-};
-
-/// A step that squeezes a point below this share of its volume is inadmissible.
-inline constexpr double min_J_ratio = 0.1;
 
 /// Internal forces of one rank's material points on the active nodes during one step,
 ///
@@ -38,21 +20,16 @@ inline constexpr double min_J_ratio = 0.1;
 ///
 /// and their derivative. Most soil hardly notices a coupling iteration, so stresses that are known
 /// are not evaluated again: where H of a triangle or tetrahedron differs from the last evaluated
-/// one by at most `same_strain`, P follows from its tangent. `finish` brings the trial state of all
-/// points to the accepted du.
+/// one by at most `same_strain`, P follows from its tangent (not under F-bar). `finish` brings the
+/// trial state of all points to the accepted du.
 template <int dim>
 class InternalForces {
  public:
-  struct Parts {
-    const BackgroundGrid<dim>& grid;
-    const std::vector<Body<dim>>& bodies;
-    const MaterialPoints<dim>& points;
-    const PointWeights<dim>& weights;
-    const GridNodes<dim>& nodes;
-    TrialPoints<dim>& trial;
-  };
-  /// @param same_strain  largest difference of a component of H that the tangent may bridge
-  InternalForces(const Parts& parts, double cell_size, double same_strain);
+  /// @param same_strain   largest difference of a component of H that the tangent may bridge
+  /// @param average_over  empty, or for F-bar (AveragedForces) the ranks that share the points;
+  ///                      `evaluate` and `finish` are then collective
+  InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
+                 std::optional<MPI_Comm> average_over = {});
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible
@@ -90,6 +67,7 @@ class InternalForces {
     std::int32_t& worst;
   };
 
+  bool all_forces(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
   bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                    BlockMatrix<dim>* K, std::int32_t& worst);
@@ -100,13 +78,12 @@ class InternalForces {
   template <class Law>
   bool group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H, bool with_A,
                     GroupStress& known, std::int32_t& worst);
-  template <class Law>
-  bool point_stress(const Law& law, std::int32_t entry, const Matrix<dim>& H,
-                    StressUpdate<dim>& stress, Tangent<dim>* A, std::int32_t& worst);
-  /// H of one entry of the group.
-  Matrix<dim> displacement_gradient(const GroupRequest& request, std::int32_t entry) const;
+  Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
+    return displacement_gradient(parts_.weights, entry, request.active, request.du);
+  }
 
-  Parts parts_;
+  StressParts<dim> parts_;
+  std::optional<AveragedForces<dim>> averaged_;  // none: each point sees its own volume change
   double cell_size_;
   double given_same_strain_;
   double same_strain_ = 0;

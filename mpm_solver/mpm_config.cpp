@@ -263,6 +263,12 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
   read_motion(in, settings);
+  if (auto item = in.optional_object("locking")) {
+    settings.locking = {item->choice("method", {"fbar", "none"}) == "fbar", "as mpm.json says"};
+    item->finish();
+  } else {
+    settings.locking = default_locking_cure(settings.bodies);
+  }
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }

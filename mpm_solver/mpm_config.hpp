@@ -12,6 +12,7 @@
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
 #include "mpm_solver/initial_stress.hpp"
+#include "mpm_solver/locking.hpp"
 #include "mpm_solver/material_points.hpp"
 #include "mpm_solver/phases.hpp"
 
@@ -39,6 +40,7 @@ struct MpmSettings {
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
   bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
+  LockingCure locking;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;

@@ -13,6 +13,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/light_nodes.hpp"
 #include "mpm_solver/point_domains.hpp"
+#include "mpm_solver/shared_groups.hpp"
 
 namespace gabion::mpm {
 
@@ -85,6 +86,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
   find_probe_points();
   locate_points(grid_, points_);
+  prepare_averages();
   ledger_.start(points_);
   evaluate_basis(grid_, points_, weights_);
   log_grid();
@@ -100,6 +102,18 @@ void MpmSolver<dim>::log_grid() const {
                                 static_cast<double>(weights_.N.size())};
   sum_over_ranks(comm_, std::span<double>(counts));
   log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
+}
+
+// Volumes are averaged over cells; triangles and tetrahedra are too small for that.
+template <int dim>
+void MpmSolver<dim>::prepare_averages() {
+  const LockingCure& locking = settings_.locking;
+  const CellType type = grid_.mesh.cell_type;
+  if (locking.average_volumes && (type == CellType::tri3 || type == CellType::tet4)) {
+    grid_.patches = join_cells(grid_.mesh, grid_.locator);
+  }
+  log::info("F-bar against volumetric locking: {} ({})", locking.average_volumes ? "on" : "off",
+            locking.reason);
 }
 
 template <int dim>
@@ -132,7 +146,7 @@ std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
 template <int dim>
 std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
   std::vector<std::int32_t> occupied(grid_.mesh.num_cells(), 0);
-  for (const CellGroup& group : weights_.groups) occupied[group.cell] = 1;
+  for (const std::int32_t cell : points_.cell) occupied[cell] = 1;
   sum_over_ranks(comm_, std::span<std::int32_t>(occupied));
   return occupied;
 }
@@ -163,6 +177,9 @@ void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "search");
     evaluate_basis(grid_, points_, weights_);
+    if (settings_.locking.average_volumes) {
+      share_groups(comm_, grid_.mesh.num_cells(), weights_);
+    }
     activate_nodes(comm_, grid_, weights_, nodes_);
   }
   {
@@ -233,7 +250,7 @@ void MpmSolver<dim>::make_equilibrium(double load_factor_n, double load_factor, 
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls(), boundaries_, trial_,
       scheme_, load_factor * settings_.gravity, load_factor_n * settings_.gravity, cell_size_,
       same_strain_share * settings_.newton.residual_tolerance, dt, with_inertia_, f_body_,
-      f_body_start_});
+      f_body_start_, settings_.locking.average_volumes});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -496,9 +513,12 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
+  const Json locking = {{"method", settings_.locking.average_volumes ? "fbar" : "none"},
+                        {"reason", settings_.locking.reason}};
   std::vector<double> capped = {static_cast<double>(capped_domains_)};
   sum_over_ranks(comm_, std::span<double>(capped));
   return {{"basis", basis_name(grid_.basis)},
+          {"locking", locking},
           {"capped_domains", static_cast<std::int64_t>(capped[0])},
           {"phases", settings_.phases.size()},
           {"initial_displacement", initial_displacement_},

@@ -59,6 +59,7 @@ class MpmSolver final : public Solver {
   NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void find_probe_points();
+  void prepare_averages();
   void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
   /// Numbers of the step that was just accepted. @param cell_n  of each point before the step

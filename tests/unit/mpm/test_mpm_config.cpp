@@ -111,6 +111,30 @@ TEST(MpmConfig, wrong_types_and_ranges) {
   expect_error(json, {"/time_integration/alpha", "-0.5", "-1/3"});
 }
 
+std::string locking_method(const Json& json) {
+  return make_mpm(json)->summary().at("locking").at("method");
+}
+
+TEST(MpmConfig, volumes_are_averaged_where_soil_would_lock) {
+  Json json = valid();
+  EXPECT_EQ(locking_method(json), "none");
+  json["bodies"][0]["material"]["poisson_ratio"] = 0.46;
+  EXPECT_EQ(locking_method(json), "fbar");
+  json = valid();
+  Json& material = json["bodies"][0]["material"];
+  material["law"] = "mohr_coulomb";
+  material["friction_angle"] = 30;
+  EXPECT_EQ(locking_method(json), "fbar");
+  material["dilation_angle"] = 1;
+  EXPECT_EQ(locking_method(json), "none");
+  json["locking"] = {{"method", "fbar"}};
+  EXPECT_EQ(locking_method(json), "fbar");
+  json["locking"] = {{"method", "bbar"}};
+  expect_error(json, {"/locking/method", "bbar", "fbar, none"});
+  json["locking"] = {{"mode", "fbar"}};
+  expect_error(json, {"/locking/method"});
+}
+
 TEST(MpmConfig, missing_mesh_file) {
   Json json = valid();
   json["grid"] = {{"file", "nowhere.msh"}};

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// Half of a rigid rough strip footing of width 2 b on weightless Tresca soil, pushed into it by a
+/// settlement so small that the geometry does not change. Bearing capacity (Prandtl, 1920):
+///
+///     q = (2 + pi) c
+///
+/// The failure mechanism reaches 3 b to the side and sqrt(2) b down.
+struct Footing {
+  double b = 1, c = 1e3, E = 1e7, nu = 0.49, settlement = 1.5e-3;
+  double width = 4, depth = 2;  ///< of the half domain, by b
+  int steps = 12;
+};
+
+constexpr double prandtl = 2 + M_PI;
+
+Json footing_scene(const Footing& footing, const std::string& type, int cells,
+                   const std::string& locking) {
+  const double h = footing.b / cells, width = footing.width, depth = footing.depth;
+  const std::vector<int> count = {static_cast<int>(width * cells), static_cast<int>(depth * cells)};
+  Json material = elastic_soil("tresca", footing.E, footing.nu, 1000);
+  material["cohesion"] = footing.c;
+  return {
+      {"dimension", 2},
+      {"analysis", "quasi_static"},
+      {"grid", box({0, 0}, {width, depth + h}, {count[0], count[1] + 1}, type)},
+      {"walls", {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")}},
+      {"bodies",
+       {body("soil", box({0, 0}, {width, depth}, count, type), type == "tri3" ? 3 : 4, material)}},
+      {"interfaces",
+       {{{"name", "footing"},
+         {"surface", {{"polyline", {{0, depth}, {footing.b, depth}}}, {"spacing", h}}},
+         {"mode", "fixed"},
+         {"penalty", 1000 * footing.E / h}}}},
+      {"locking", {{"method", locking}}},
+      {"newton", {{"max_iterations", 60}}},
+      {"linear_solver", {{"method", "lu"}}}};
+}
+
+/// q / c at the end of each step. @param cells  under half of the footing
+std::vector<double> push(const std::string& type, int cells, const std::string& locking) {
+  const Footing footing;
+  const auto solver = make_mpm(footing_scene(footing, type, cells, locking));
+  const std::size_t num_values = solver->interfaces()[0].coordinates.size();
+  std::vector<double> q;
+  for (int n = 1; n <= footing.steps; ++n) {
+    InterfaceValues displacement, force;
+    auto& u = displacement["footing"];
+    u.assign(num_values, 0);
+    for (std::size_t k = 1; k < num_values; k += 2) u[k] = -footing.settlement * n / footing.steps;
+    solver->solve_step({n, 0, n - 1.0, 1}, displacement, force);
+    solver->accept_step({n, 0, n - 1.0, 1}, true);
+    double sum = 0;
+    for (std::size_t k = 1; k < num_values; k += 2) sum += force.at("footing")[k];
+    q.push_back(sum / (footing.b * footing.c));
+  }
+  return q;
+}
+
+/// Growth of the load over the last step, as a share of the elastic one of the first step.
+double last_growth(const std::vector<double>& q) {
+  return (q.back() - q[q.size() - 2]) / q.front();
+}
+
+/// A cell beside the footing's edge carries part of it along, so the error is of first order in h.
+void check_footing(const std::string& type) {
+  const auto coarse = push(type, 4, "fbar"), fine = push(type, 8, "fbar");
+  EXPECT_LT(last_growth(coarse), 0.01) << type;
+  EXPECT_LT(last_growth(fine), 0.01) << type;
+  const std::string what = "limit load q / c of a strip footing, Tresca, " + type + ", F-bar, ";
+  verify({.id = "V11",
+          .what = what + "8 cells under half of it",
+          .exact = prandtl,
+          .computed = fine.back(),
+          .bound = 0.065});
+  verify({.id = "V11",
+          .what = what + "4 and 8 cells extrapolated in h",
+          .exact = prandtl,
+          .computed = 2 * fine.back() - coarse.back(),
+          .bound = 0.03});
+  const auto locked = push(type, 8, "none");
+  EXPECT_GT(locked.back(), 1.25 * prandtl) << type;
+  EXPECT_GT(last_growth(locked), 0.025) << type;
+}
+
+TEST(StripFooting, quad4_reaches_prandtls_limit) {
+  check_footing("quad4");
+}
+
+TEST(StripFooting, tri3_reaches_prandtls_limit) {
+  check_footing("tri3");
+}
+
+TEST(StripFooting, limit_load_within_three_percent) {
+  for (const std::string type : {"quad4", "tri3"}) {
+    verify({.id = "V11",
+            .what = "limit load q / c of a strip footing, Tresca, " + type +
+                    ", F-bar, 16 cells under half of it",
+            .exact = prandtl,
+            .computed = push(type, 16, "fbar").back(),
+            .bound = 0.03});
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
