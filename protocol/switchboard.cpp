@@ -119,7 +119,8 @@ Message Switchboard::wait_reply(const std::string& participant, std::uint64_t se
       const bool came = pump(slice_milliseconds);
       refuse_late_arrivals();
       check_health(!came);
-      if (!came && waited.seconds() > deadlines_.answer) {
+      // What came may be a sign of life with the answer close behind it.
+      if (waited.seconds() > deadlines_.answer + (came ? own_sleep : 0)) {
         const PeerWatch& watch = *peer(participant).watch;
         throw ProtocolError(
             fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
