@@ -137,9 +137,10 @@ def plot_iterations(results: Results, out: Path) -> Path | None:
 
 
 def plot_energies(results: Results, out: Path) -> Path | None:
-    """Every energy that steps.csv or probes.csv records, against time."""
-    tables = [table for name in ("probes.csv", "steps.csv") if (table := results.table(name))]
-    curves = [(table, name) for table in tables for name in table.matching("energy", "work")]
+    """Energies of steps.csv and probes.csv, and sums of work and losses of probes.csv, against time."""
+    sums = ("energy", "work", "dissipation", "damping", "loss")
+    tables = [(results.table("probes.csv"), sums), (results.table("steps.csv"), ("energy",))]
+    curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)]
     curves = [(table, name) for table, name in curves if np.nanmax(np.abs(table[name]), initial=0) > 0]
     return _plot_curves(curves, "energy [J]", out / "energies.png")
 
@@ -156,8 +157,9 @@ def _plot_curves(curves: list[tuple[Table, str]], label: str, path: Path) -> Pat
     if not curves:
         return None
     figure, (axes,) = new_figure(9.5, 4.2)
-    for table, name in curves:
-        axes.plot(table["time"], table[name], lw=1.1, label=name.replace("_", " ").replace(".", " "))
+    for k, (table, name) in enumerate(curves):
+        dashes = ("-", "--", ":")[k // len(COLOURS) % 3]
+        axes.plot(table["time"], table[name], dashes, lw=1.1, label=name.replace("_", " ").replace(".", " "))
     axes.set_xlabel("time [s]")
     axes.set_ylabel(label)
     _plain_zero(axes)
