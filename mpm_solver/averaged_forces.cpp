@@ -21,7 +21,7 @@ AveragedForces<dim>::AveragedForces(MPI_Comm comm, const StressParts<dim>& parts
 template <int dim>
 bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
                                      AveragedGroup<dim>& average, std::int32_t& worst) const {
-  const auto& [grid, bodies, points, weights, nodes, trial] = parts_;
+  const auto& [bodies, points, weights, nodes, trial] = parts_;
   const CellGroup& group = weights.groups[g];
   std::int32_t active[max_group_nodes<dim>];
   nodes.list_active(weights.nodes_of(group), active);
@@ -64,10 +64,7 @@ void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
   CellForces<dim> sum;
   sum.set_zero(group.num_nodes, K != nullptr);
   average.add_forces(parts_.weights, group, gradient, sum);
-  for (int i = 0; i < group.num_nodes; ++i) {
-    double* f_i = f.data() + static_cast<std::ptrdiff_t>(active[i]) * dim;
-    for (int a = 0; a < dim; ++a) f_i[a] += sum.f[i * dim + a];
-  }
+  sum.scatter(group.num_nodes, active, f.data());
   if (K) K->add_cell(g, sum.K);
 }
 

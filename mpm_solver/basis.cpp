@@ -89,17 +89,10 @@ void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints
   const int n = mesh.nodes_per_cell();
   weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
   weights.num_capped = 0;
-  weights.N.resize(static_cast<std::size_t>(points.size()) * n);
-  weights.grad_N.resize(weights.N.size());
-  weights.local.resize(weights.N.size());
-  weights.starts.resize(static_cast<std::size_t>(points.size()) + 1);
-  weights.group_nodes.clear();
+  weights.resize(points.size(), n);
 
   Vector<dim> corners[max_cell_nodes];
   ShapeValues<dim> shape;
-  for (std::size_t e = 0; e < weights.starts.size(); ++e) {
-    weights.starts[e] = static_cast<std::int32_t>(e) * n;
-  }
   for (CellGroup& group : weights.groups) {
     const auto nodes = mesh.cell(group.cell);
     group.first_node = static_cast<std::int32_t>(weights.group_nodes.size());

@@ -80,6 +80,15 @@ struct PointWeights {
   std::vector<std::int32_t> shared;
   std::int32_t num_shared = 0;  ///< on all ranks
 
+  /// Room for num_nodes values of each entry; no nodes of groups yet.
+  void resize(std::int32_t num_entries, int num_nodes) {
+    starts.resize(static_cast<std::size_t>(num_entries) + 1);
+    for (std::int32_t e = 0; e <= num_entries; ++e) starts[e] = e * num_nodes;
+    N.resize(static_cast<std::size_t>(num_entries) * num_nodes);
+    grad_N.resize(N.size());
+    local.resize(N.size());
+    group_nodes.clear();
+  }
   int num_nodes(std::int32_t entry) const { return starts[entry + 1] - starts[entry]; }
   const std::uint8_t* local_of(std::int32_t entry) const { return local.data() + starts[entry]; }
   const double* N_of(std::int32_t entry) const { return N.data() + starts[entry]; }

@@ -38,6 +38,14 @@ struct CellForces {
     add_gradients<dim>(n, local, P, grad, f);
   }
 
+  /// Add the n nodes' forces to a nodal field. @param active  numbers of the nodes in the field
+  void scatter(int n, const std::int32_t* active, double* field) const {
+    for (int i = 0; i < n; ++i) {
+      double* at_node = field + static_cast<std::ptrdiff_t>(active[i]) * dim;
+      for (int a = 0; a < dim; ++a) at_node[a] += f[i * dim + a];
+    }
+  }
+
   /// K_xy += x y
   void add_product(int num_dofs, const double* x, const double* y) {
     for (int i = 0; i < num_dofs; ++i) {

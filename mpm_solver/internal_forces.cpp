@@ -132,10 +132,7 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
     const bool admissible =
         weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
     if (!admissible) return false;
-    for (int i = 0; i < group.num_nodes; ++i) {
-      double* f = f_int_.data() + static_cast<std::ptrdiff_t>(active[i]) * dim;
-      for (int a = 0; a < dim; ++a) f[a] += sum.f[i * dim + a];
-    }
+    sum.scatter(group.num_nodes, active, f_int_.data());
     if (K) K->add_cell(g, sum.K);
   }
   return true;
@@ -196,10 +193,7 @@ std::vector<double> InternalForces<dim>::start_forces() const {
       sum.add_stress(weights.num_nodes(row), weights.local_of(row), P, weights.grad_of(row));
       P.setZero();
     }
-    for (int i = 0; i < group.num_nodes; ++i) {
-      double* f_i = f.data() + static_cast<std::ptrdiff_t>(active[i]) * dim;
-      for (int a = 0; a < dim; ++a) f_i[a] += sum.f[i * dim + a];
-    }
+    sum.scatter(group.num_nodes, active, f.data());
   }
   return f;
 }

@@ -64,14 +64,7 @@ void evaluate_patch_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<
   weights.constant_gradient = false;
   weights.num_capped = 0;
   sort_by_patch(grid.patches, points, weights);
-  weights.N.resize(static_cast<std::size_t>(points.size()) * n);
-  weights.grad_N.resize(weights.N.size());
-  weights.local.resize(weights.N.size());
-  weights.starts.resize(static_cast<std::size_t>(points.size()) + 1);
-  for (std::size_t e = 0; e < weights.starts.size(); ++e) {
-    weights.starts[e] = static_cast<std::int32_t>(e) * n;
-  }
-  weights.group_nodes.clear();
+  weights.resize(points.size(), n);
 
   Vector<dim> corners[max_cell_nodes];
   ShapeValues<dim> shape;

@@ -33,7 +33,6 @@ inline constexpr double min_J_ratio = 0.1;
 /// What the stresses of one rank's material points depend on, and where they go.
 template <int dim>
 struct StressParts {
-  const BackgroundGrid<dim>& grid;
   const std::vector<Body<dim>>& bodies;
   const MaterialPoints<dim>& points;
   const PointWeights<dim>& weights;

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, bulk = lambda + 2 * mu / 3;
 
-MohrCoulombParameters mohr(double psi, double cohesion, ApexVolume apex_volume) {
+template <class Parameters>
+Parameters soil(double psi, double cohesion, ApexVolume apex_volume) {
   return {.lambda = lambda,
           .mu = mu,
           .friction_angle = 30 * degree,
@@ -16,14 +17,8 @@ MohrCoulombParameters mohr(double psi, double cohesion, ApexVolume apex_volume) 
           .cohesion = cohesion,
           .apex_volume = apex_volume};
 }
-DruckerPragerParameters cone(double psi, double cohesion, ApexVolume apex_volume) {
-  return {.lambda = lambda,
-          .mu = mu,
-          .friction_angle = 30 * degree,
-          .dilation_angle = psi * degree,
-          .cohesion = cohesion,
-          .apex_volume = apex_volume};
-}
+constexpr auto mohr = soil<MohrCoulombParameters>;
+constexpr auto cone = soil<DruckerPragerParameters>;
 
 template <int dim>
 double elastic_volume(const MaterialState<dim>& state) {

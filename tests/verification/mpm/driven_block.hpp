@@ -40,8 +40,8 @@ struct DrivenBlock {
     }
     motion_.v_new.assign(motion_.du.size(), Vector<dim>::Zero());
     motion_.a_new = motion_.v_new;
-    mpm::InternalForces<dim> internal(
-        {soil.grid, soil.bodies, soil.points, soil.weights, soil.nodes, trial_}, cell_size_, 0);
+    mpm::InternalForces<dim> internal({soil.bodies, soil.points, soil.weights, soil.nodes, trial_},
+                                      cell_size_, 0);
     std::int32_t worst = -1;
     require(internal.evaluate(du, nullptr, worst), "driven block: inadmissible move");
     internal.finish(du);
