@@ -14,11 +14,6 @@ namespace gabion::mpm {
 
 namespace {
 
-// A node that points hardly weigh on gets this share of the mean nodal mass: without it the matrix
-// is singular there once the soil around it has no stiffness. Small enough to be far below the
-// error of the scheme, large enough for double precision.
-constexpr double mass_floor = 1e-8;
-
 // Where soil flies freely no force is left to compare the residual with. The force that would stop
 // a node within the step counts by this share.
 constexpr double share_of_stopping = 1e-3;
@@ -34,7 +29,8 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
   const auto& nodes = parts_.nodes;
   double total = 0;
   for (const double mass : nodes.m) total += mass;
-  const double floor = mass_floor * total / std::max(1, nodes.size());
+  // Without a floor the matrix is singular where soil without stiffness hangs on a light node.
+  const double floor = parts_.mass_floor * total / std::max(1, nodes.size());
   for (double& mass : inertia_m_) mass = std::max(mass, floor);
   v_.assign(nodes.v.empty() ? nullptr : nodes.v.front().data(),
             nodes.v.empty() ? nullptr : nodes.v.front().data() + nodes.v.size() * dim);
@@ -58,6 +54,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
   if (rank_of(parts_.comm) == 0) {
     for (const auto& boundary : parts_.boundaries) boundary.append_cells(offsets, cell_nodes);
   }
+  if (parts_.ghost != nullptr) parts_.ghost->append_cells(offsets, cell_nodes);
 }
 
 template <int dim>
@@ -81,7 +78,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   if (root) {
     for (auto& boundary : parts_.boundaries) boundary.add_forces(du, r, K);
   }
-  if (!parts_.boundaries.empty()) sum_over_ranks(parts_.comm, r);
+  if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
+  if (!parts_.boundaries.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
   const double external = add_body_forces(du, r, root ? K : nullptr);
   parts_.walls.project(r);

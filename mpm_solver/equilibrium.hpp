@@ -9,6 +9,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "mpm_solver/basis.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/ghost_stiffness.hpp"
 #include "mpm_solver/grid_nodes.hpp"
 #include "mpm_solver/internal_forces.hpp"
 #include "mpm_solver/wall_conditions.hpp"
@@ -18,7 +19,7 @@ namespace gabion::mpm {
 /// Balance of momentum of the active nodes at the end of a step,
 ///
 ///     r_i = m_i g - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
-///     f_contact,i
+///     f_contact,i + f_ghost,i
 ///
 /// with P the first Piola-Kirchhoff stress relative to the configuration at the start of the step.
 /// Refers to the parts of a solver; valid for one step.
@@ -40,6 +41,8 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
+    double mass_floor = 1e-8;  ///< least mass in inertia and weight, by the mean nodal mass
   };
   explicit Equilibrium(const Parts& parts);
 
@@ -51,7 +54,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   InternalForces<dim>& internal_forces() { return internal_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
-  /// the cells of boundary points.
+  /// the cells of boundary points, then the facets of the ghost stiffness.
   void pattern(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
 
   /// Nodal velocity at the start of the step with the wall conditions, num_nodes x dim.

@@ -51,6 +51,26 @@ std::vector<WallSettings> read_walls(ConfigReader& in) {
   return walls;
 }
 
+SmallCutSettings read_small_cuts(ConfigReader in) {
+  static const std::map<std::string, SmallCutMethod> methods = {
+      {"none", SmallCutMethod::none},
+      {"ghost", SmallCutMethod::ghost},
+      {"mass_cutoff", SmallCutMethod::mass_cutoff}};
+  SmallCutSettings settings;
+  settings.method = methods.at(in.choice_or("method", {"none", "ghost", "mass_cutoff"}, "none"));
+  if (settings.method == SmallCutMethod::ghost) {
+    settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
+  } else if (in.has("ghost_factor")) {
+    in.fail("ghost_factor", "allowed only with \"method\": \"ghost\"");
+  }
+  const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
+  settings.mass_share = in.number_or(
+      "mass_share", settings.method == SmallCutMethod::mass_cutoff ? 1e-4 : settings.mass_share,
+      share);
+  in.finish();
+  return settings;
+}
+
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   auto items = in.objects("bodies");
@@ -183,6 +203,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
     item->finish();
   }
+  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"));
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }

@@ -11,6 +11,7 @@
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
 #include "mpm_solver/material_points.hpp"
+#include "mpm_solver/small_cuts.hpp"
 #include "mpm_solver/wall_conditions.hpp"
 
 namespace gabion::mpm {
@@ -32,6 +33,7 @@ struct MpmSettings {
   Vector<dim> gravity = Vector<dim>::Zero();
   NewmarkBossak scheme;
   double pic_share = 0;
+  SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;

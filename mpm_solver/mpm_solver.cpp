@@ -57,6 +57,9 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
     wave_speed_ = std::max(wave_speed_, std::sqrt(modulus / body.material.density));
   }
   for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
+  if (settings_.small_cuts.method == SmallCutMethod::ghost) {
+    ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
+  }
   find_probe_points();
   locate_points(grid_, points_);
   log::info(
@@ -100,6 +103,22 @@ std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
 }
 
 template <int dim>
+void MpmSolver<dim>::cure_small_cuts() {
+  const SmallCutSettings& cuts = settings_.small_cuts;
+  if (cuts.method == SmallCutMethod::mass_cutoff) {
+    const auto dropped =
+        drop_light_nodes(comm_, grid_, weights_, cuts.mass_share, walls_.grid_nodes(), nodes_);
+    if (dropped > 0) points_to_grid(comm_, points_, weights_, nodes_);
+    dropped_nodes_ += dropped;
+  }
+  if (ghost_) {
+    ghost_->begin_step(comm_, grid_, points_, weights_, nodes_);
+    ghost_steps_ += ghost_->num_facets() > 0;
+    ghost_facets_ += ghost_->num_facets();
+  }
+}
+
+template <int dim>
 void MpmSolver<dim>::begin_step(double dt) {
   dt_ = dt;
   {
@@ -110,6 +129,7 @@ void MpmSolver<dim>::begin_step(double dt) {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
+    cure_small_cuts();
     walls_.select(nodes_);
   }
   const ScopedTimer timer(times_, "pattern");
@@ -117,10 +137,14 @@ void MpmSolver<dim>::begin_step(double dt) {
     const auto occupied = occupied_cells();
     for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
   }
+  const SmallCutSettings& cuts = settings_.small_cuts;
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt});
+      same_strain_share * settings_.newton.residual_tolerance, dt,
+      ghost_ && ghost_->num_facets() > 0 ? &*ghost_ : nullptr,
+      cuts.method == SmallCutMethod::mass_cutoff ? SmallCutSettings{}.mass_share
+                                                 : cuts.mass_share});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -283,9 +307,21 @@ std::vector<double> MpmSolver<dim>::probes() const {
 
 template <int dim>
 Json MpmSolver<dim>::summary() const {
-  return {{"linear_solver", linear_.method_name()},  {"factorisations", linear_.factorisations()},
-          {"linear_fallbacks", linear_.fallbacks()}, {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_}, {"linear_iterations", linear_iterations_},
+  static constexpr const char* methods[] = {"none", "ghost", "mass_cutoff"};
+  const SmallCutMethod method = settings_.small_cuts.method;
+  Json cuts = {{"method", methods[static_cast<int>(method)]}};
+  if (method == SmallCutMethod::ghost) {
+    cuts["steps_with_ghost"] = ghost_steps_;
+    cuts["facets"] = ghost_facets_;
+  }
+  if (method == SmallCutMethod::mass_cutoff) cuts["dropped_nodes"] = dropped_nodes_;
+  return {{"linear_solver", linear_.method_name()},
+          {"factorisations", linear_.factorisations()},
+          {"linear_fallbacks", linear_.fallbacks()},
+          {"solutions", solutions_},
+          {"newton_iterations", newton_iterations_},
+          {"linear_iterations", linear_iterations_},
+          {"small_cuts", cuts},
           {"wall_seconds", times_.seconds()}};
 }
 

@@ -41,6 +41,7 @@ class MpmSolver final : public Solver {
  private:
   /// Everything of a step that does not depend on the interface values.
   void begin_step(double dt);
+  void cure_small_cuts();
   void choose_guess();
   void receive(const InterfaceValues& received);
   void find_probe_points();
@@ -54,6 +55,7 @@ class MpmSolver final : public Solver {
   double wave_speed_ = 0;  // largest of the bodies [m/s]
   MaterialPoints<dim> points_;
   std::vector<CouplingBoundary<dim>> boundaries_;
+  std::optional<GhostStiffness<dim>> ghost_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
@@ -72,6 +74,9 @@ class MpmSolver final : public Solver {
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
+  std::int64_t ghost_steps_ = 0;    // steps in which a cell needed it
+  std::int64_t ghost_facets_ = 0;   // of all steps
+  std::int64_t dropped_nodes_ = 0;  // of all steps
 };
 
 }  // namespace gabion::mpm

@@ -25,6 +25,8 @@ class WallConditions {
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
 
+  /// All grid nodes on walls, ascending.
+  const std::vector<std::int32_t>& grid_nodes() const { return grid_nodes_; }
   const std::vector<std::int32_t>& constrained() const { return constrained_; }  ///< active numbers
   const std::vector<Matrix<dim>>& projectors() const { return projectors_; }
 

@@ -107,6 +107,20 @@ TEST(MpmConfig, wrong_types_and_ranges) {
   expect_error(json, {"/time_integration/alpha", "-0.5", "-1/3"});
 }
 
+TEST(MpmConfig, small_cuts) {
+  Json json = valid();
+  json["small_cuts"] = {{"method", "hope"}};
+  expect_error(json, {"/small_cuts/method", "hope", "none, ghost, mass_cutoff"});
+  json["small_cuts"] = {{"method", "ghost"}, {"ghost_factor", 0}};
+  expect_error(json, {"/small_cuts/ghost_factor", "0", "> 0"});
+  json["small_cuts"] = {{"method", "none"}, {"ghost_factor", 0.1}};
+  expect_error(json, {"/small_cuts/ghost_factor", "ghost"});
+  json["small_cuts"] = {{"method", "mass_cutoff"}, {"mass_share", 0.1}};
+  expect_error(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
+  json["small_cuts"] = {{"factor", 1}};
+  expect_error(json, {"/small_cuts/factor", "unknown"});
+}
+
 TEST(MpmConfig, missing_mesh_file) {
   Json json = valid();
   json["grid"] = {{"file", "nowhere.msh"}};

@@ -7,8 +7,9 @@ namespace gabion::test {
 namespace {
 
 /// The same steps on all ranks together and on each rank alone.
-TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+void check_ranks(const char* small_cuts, int steps) {
   Json json = pushed();
+  json["small_cuts"] = {{"method", small_cuts}};
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
@@ -16,7 +17,7 @@ TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   EXPECT_EQ(shared->probe_names(), alone->probe_names());
   InterfaceValues together, single;
-  for (int n = 1; n <= 10; ++n) {
+  for (int n = 1; n <= steps; ++n) {
     const StepRequest request{n, 0, (n - 1) * 0.002, 0.002};
     shared->solve_step(request, plate_at(0.002 * n), together);
     alone->solve_step(request, plate_at(0.002 * n), single);
@@ -33,6 +34,13 @@ TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_NEAR(a[k], b[k], 1e-7 * (1e-3 + std::abs(b[k]))) << shared->probe_names()[k];
   }
+  EXPECT_EQ(shared->summary()["small_cuts"], alone->summary()["small_cuts"]);
+}
+
+TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
+  check_ranks("none", 10);
+  check_ranks("ghost", 3);
+  check_ranks("mass_cutoff", 3);
 }
 
 }  // namespace
