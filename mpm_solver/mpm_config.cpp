@@ -149,15 +149,15 @@ CouplingSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
   return surface;
 }
 
+// The keys that interfaces and rigid walls have in common.
 template <int dim>
-CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
-                                             double penalty_unit) {
+CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
+                                            double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   CouplingBoundarySettings<dim> boundary;
   boundary.name = in.text("name");
-  in.choice_or("method", {"boundary_points"}, "boundary_points");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
   boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
@@ -181,8 +181,26 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   if constexpr (dim == 3) {
     check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
   }
+  return boundary;
+}
+
+template <int dim>
+CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
+                                             double penalty_unit) {
+  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();
   return boundary;
+}
+
+template <int dim>
+RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  RigidWallSettings<dim> wall;
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
+  wall.name = wall.boundary.name;
+  if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
+  in.finish();
+  return wall;
 }
 
 }  // namespace
@@ -219,6 +237,10 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   for (auto& item : in.objects_or_none("interfaces")) {
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
+  }
+  for (auto& item : in.objects_or_none("rigid_walls")) {
+    settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
+    require_own_name(item, settings.rigid_walls);
   }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});

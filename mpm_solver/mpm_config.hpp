@@ -11,6 +11,7 @@
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
 #include "mpm_solver/material_points.hpp"
+#include "mpm_solver/rigid_motion.hpp"
 #include "mpm_solver/small_cuts.hpp"
 #include "mpm_solver/wall_conditions.hpp"
 
@@ -21,6 +22,14 @@ template <int dim>
 struct PointProbe {
   std::string name;
   Vector<dim> point;  ///< [m]
+};
+
+/// A surface that moves as given, whatever the soil does.
+template <int dim>
+struct RigidWallSettings {
+  std::string name;
+  CouplingBoundarySettings<dim> boundary;
+  RigidMotion<dim> motion;
 };
 
 /// mpm.json. README.md lists every key with unit and range.
@@ -38,6 +47,7 @@ struct MpmSettings {
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;
   std::vector<CouplingBoundarySettings<dim>> interfaces;
+  std::vector<RigidWallSettings<dim>> rigid_walls;
   std::vector<PointProbe<dim>> probes;
 };
 

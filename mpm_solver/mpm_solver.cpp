@@ -22,6 +22,10 @@ constexpr double flight_courant = 2;
 // it can leave out (second order; first order across the yield surface) stays below that tolerance.
 constexpr double same_strain_share = 0.01;
 
+// Components of force and moment.
+template <int dim>
+constexpr std::size_t wall_values = dim == 2 ? 3 : 6;
+
 template <int dim>
 MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   MaterialPoints<dim> points;
@@ -56,7 +60,9 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
     wave_speed_ = std::max(wave_speed_, std::sqrt(modulus / body.material.density));
   }
-  for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
+  for (const auto& boundary : settings_.interfaces) boundaries_.emplace_back(boundary);
+  for (const auto& wall : settings_.rigid_walls) boundaries_.emplace_back(wall.boundary);
+  wall_forces_.assign(settings_.rigid_walls.size() * wall_values<dim>, 0.0);
   if (settings_.small_cuts.method == SmallCutMethod::ghost) {
     ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
   }
@@ -90,7 +96,9 @@ void MpmSolver<dim>::find_probe_points() {
 template <int dim>
 std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
   std::vector<InterfaceMesh> meshes;
-  for (const auto& boundary : boundaries_) meshes.push_back(boundary.interface_mesh());
+  for (std::size_t k = 0; k < settings_.interfaces.size(); ++k) {
+    meshes.push_back(boundaries_[k].interface_mesh());
+  }
   return meshes;
 }
 
@@ -179,7 +187,8 @@ void MpmSolver<dim>::choose_guess() {
 
 template <int dim>
 void MpmSolver<dim>::receive(const InterfaceValues& received) {
-  for (auto& boundary : boundaries_) {
+  for (std::size_t k = 0; k < settings_.interfaces.size(); ++k) {
+    auto& boundary = boundaries_[k];
     const auto found = received.find(boundary.name());
     if (found != received.end()) {
       boundary.set_displacement(found->second);
@@ -190,11 +199,21 @@ void MpmSolver<dim>::receive(const InterfaceValues& received) {
 }
 
 template <int dim>
+void MpmSolver<dim>::move_rigid_walls(double time) {
+  for (std::size_t k = 0; k < settings_.rigid_walls.size(); ++k) {
+    const auto& wall = settings_.rigid_walls[k];
+    boundaries_[settings_.interfaces.size() + k].set_displacement(
+        wall.motion.displacement(wall.boundary.surface.vertices, time));
+  }
+}
+
+template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
   const bool begins = dt_ != request.dt;
   if (begins) begin_step(request.dt);
   receive(received);
+  move_rigid_walls(request.time + request.dt);
   if (begins || request.iteration == 0) {
     equilibrium_->internal_forces().forget();
     choose_guess();
@@ -212,21 +231,34 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
   StepReport report;
   report.newton_iterations = newton.iterations;
   report.linear_iterations = newton.linear_iterations;
+  report_contact(report, sent);
+  return report;
+}
+
+template <int dim>
+void MpmSolver<dim>::report_contact(StepReport& report, InterfaceValues& sent) const {
   report.interface_active = false;
   int closed = 0, sliding = 0;
   double penetration = 0;
-  for (const auto& boundary : boundaries_) {
+  const std::size_t num_interfaces = settings_.interfaces.size();
+  for (std::size_t k = 0; k < num_interfaces; ++k) {
+    const auto& boundary = boundaries_[k];
     sent[boundary.name()] = boundary.forces_on_structure();
     report.interface_active |= boundary.can_touch();
     closed += boundary.num_closed();
     sliding += boundary.num_sliding();
     penetration = std::max(penetration, boundary.max_penetration());
   }
-  if (!boundaries_.empty()) {
+  if (num_interfaces > 0) {
     report.details = {
         {"closed_points", closed}, {"sliding_points", sliding}, {"max_penetration", penetration}};
   }
-  return report;
+  for (std::size_t k = num_interfaces; k < boundaries_.size(); ++k) {
+    const auto& wall = boundaries_[k];
+    report.details[wall.name() + ".closed_points"] = wall.num_closed();
+    report.details[wall.name() + ".sliding_points"] = wall.num_sliding();
+    report.details[wall.name() + ".max_penetration"] = wall.max_penetration();
+  }
 }
 
 template <int dim>
@@ -257,6 +289,13 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
     points_.energy[p] = trial_.energy[e];
     points_.J[p] *= trial_.J_ratio[e];
   }
+  wall_forces_.clear();
+  for (std::size_t k = settings_.interfaces.size(); k < boundaries_.size(); ++k) {
+    const auto [force, moment] = boundaries_[k].resultant();
+    wall_forces_.insert(wall_forces_.end(), force.data(), force.data() + force.size());
+    wall_forces_.insert(wall_forces_.end(), moment.data(), moment.data() + moment.size());
+  }
+  sum_over_ranks(comm_, std::span<double>(wall_forces_));  // the first rank has the contact
   for (auto& boundary : boundaries_) boundary.accept();
   locate_points(grid_, points_);
   dt_ = 0;
@@ -287,6 +326,12 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
   for (const auto& probe : settings_.probes) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
   }
+  for (const auto& wall : settings_.rigid_walls) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.f{}", wall.name, axes[d]));
+    for (int d = dim == 2 ? 2 : 0; d < 3; ++d) {
+      names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
+    }
+  }
   return names;
 }
 
@@ -302,6 +347,7 @@ std::vector<double> MpmSolver<dim>::probes() const {
   }
   sum_over_ranks(comm_, std::span<double>(motion));
   values.insert(values.end(), motion.begin(), motion.end());
+  values.insert(values.end(), wall_forces_.begin(), wall_forces_.end());
   return values;
 }
 

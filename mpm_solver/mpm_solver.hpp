@@ -44,6 +44,8 @@ class MpmSolver final : public Solver {
   void cure_small_cuts();
   void choose_guess();
   void receive(const InterfaceValues& received);
+  void move_rigid_walls(double time);
+  void report_contact(StepReport& report, InterfaceValues& sent) const;
   void find_probe_points();
   std::vector<std::int32_t> occupied_cells() const;
 
@@ -54,7 +56,8 @@ class MpmSolver final : public Solver {
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
   MaterialPoints<dim> points_;
-  std::vector<CouplingBoundary<dim>> boundaries_;
+  std::vector<CouplingBoundary<dim>> boundaries_;  // of the interfaces, then the rigid walls
+  std::vector<double> wall_forces_;                // force and moment of each rigid wall, accepted
   std::optional<GhostStiffness<dim>> ghost_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
