@@ -140,7 +140,7 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
 template <int dim>
 Material<dim> read_elastic_material(ConfigReader& in) {
   Material<dim> material = read_material<dim>(in.object("material"));
-  if (std::holds_alternative<MohrCoulomb<dim>>(material.law)) {
+  if (!is_elastic<dim>(material.law)) {
     in.fail("material/law",
             fmt::format("found \"{}\", allowed in a structure: linear_elastic, neo_hookean, "
                         "hencky_elastic",

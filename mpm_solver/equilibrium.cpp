@@ -14,6 +14,11 @@ namespace gabion::mpm {
 
 namespace {
 
+// A node that points hardly weigh on gets this share of the mean nodal mass: without it the matrix
+// is singular there once the soil around it has no stiffness. Small enough to be far below the
+// error of the scheme, large enough for double precision.
+constexpr double mass_floor = 1e-8;
+
 // Where soil flies freely no force is left to compare the residual with. The force that would stop
 // a node within the step counts by this share.
 constexpr double share_of_stopping = 1e-3;
@@ -25,13 +30,14 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
       internal_({parts.grid, parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
                 parts.cell_size, parts.same_strain),
-      inertia_m_(parts.nodes.m) {
+      m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
-  double total = 0;
-  for (const double mass : nodes.m) total += mass;
-  // Without a floor the matrix is singular where soil without stiffness hangs on a light node.
-  const double floor = parts_.mass_floor * total / std::max(1, nodes.size());
-  for (double& mass : inertia_m_) mass = std::max(mass, floor);
+  if (parts_.with_inertia) {
+    double total = 0;
+    for (const double mass : nodes.m) total += mass;
+    const double floor = mass_floor * total / std::max(1, nodes.size());
+    for (double& mass : m_) mass = std::max(mass, floor);
+  }
   v_.assign(nodes.v.empty() ? nullptr : nodes.v.front().data(),
             nodes.v.empty() ? nullptr : nodes.v.front().data() + nodes.v.size() * dim);
   a_.assign(nodes.a.empty() ? nullptr : nodes.a.front().data(),
@@ -81,7 +87,9 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
   if (!parts_.boundaries.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
-  const double external = add_body_forces(du, r, root ? K : nullptr);
+  double external = add_weight(r);
+  if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
   result.force_scale = std::max(norm_of(f_sum_), external);
@@ -90,30 +98,45 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   return result;
 }
 
-// Add f_ext - f_int - f_inertia to r and the inertia to K.
+// Add f_ext to r. @returns |f_ext|
 template <int dim>
-double Equilibrium<dim>::add_body_forces(std::span<const double> du, std::span<double> r,
-                                         BlockMatrix<dim>* K) const {
+double Equilibrium<dim>::add_weight(std::span<double> r) const {
+  double external = 0;
+  for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = static_cast<std::size_t>(i) * dim + d;
+      const double f_ext =
+          m_[i] * parts_.gravity[d] + (parts_.f_body.empty() ? 0 : parts_.f_body[k]);
+      r[k] += f_ext;
+      external += f_ext * f_ext;
+    }
+  }
+  return std::sqrt(external);
+}
+
+// Add -f_inertia to r and its slope to K.
+// @returns the larger one of |f_inertia| and what counts of the stopping force
+template <int dim>
+double Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double> r,
+                                     BlockMatrix<dim>* K) const {
   const double dt = parts_.dt;
   const NewmarkBossak& scheme = parts_.scheme;
   const double slope = scheme.inertia_slope(dt);
-  double external = 0, inertial = 0, stopping = 0;
+  double inertial = 0, stopping = 0;
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
-    const double mass = inertia_m_[i];
+    const double mass = m_[i];
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
       const double a_new = scheme.acceleration(du[k], v_[k], a_[k], dt);
       const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
-      const double f_ext = mass * parts_.gravity[d];
-      r[k] += f_ext - f_inertia - f_sum_[k];
-      external += f_ext * f_ext;
+      r[k] -= f_inertia;
       inertial += f_inertia * f_inertia;
       const double f_stop = share_of_stopping * mass * v_[k] / dt;
       stopping += f_stop * f_stop;
     }
     if (K) K->add_diagonal(i, mass * slope);
   }
-  return std::sqrt(std::max({external, inertial, stopping}));
+  return std::sqrt(std::max(inertial, stopping));
 }
 
 template <int dim>

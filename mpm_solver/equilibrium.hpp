@@ -18,10 +18,11 @@ namespace gabion::mpm {
 
 /// Balance of momentum of the active nodes at the end of a step,
 ///
-///     r_i = m_i g - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
+///     r_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
 ///     f_contact,i + f_ghost,i
 ///
 /// with P the first Piola-Kirchhoff stress relative to the configuration at the start of the step.
+/// In quasi-static analysis the bracket is left out: r_i = m_i g - sum_p ... + f_contact,i.
 /// Refers to the parts of a solver; valid for one step.
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
@@ -41,8 +42,9 @@ class Equilibrium final : public NewtonProblem<dim> {
     double cell_size;
     double same_strain;  ///< see InternalForces
     double dt;
+    bool with_inertia = true;             ///< false: quasi-static
+    std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
-    double mass_floor = 1e-8;  ///< least mass in inertia and weight, by the mean nodal mass
   };
   explicit Equilibrium(const Parts& parts);
 
@@ -62,14 +64,14 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_acceleration() const { return a_; }
 
  private:
-  double add_body_forces(std::span<const double> du, std::span<double> r,
-                         BlockMatrix<dim>* K) const;
+  double add_weight(std::span<double> r) const;
+  double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
 
   Parts parts_;
   InternalForces<dim> internal_;
-  std::vector<double> v_, a_;      // walls applied
-  std::vector<double> inertia_m_;  // mass with the floor for nearly weightless nodes
-  std::vector<double> f_sum_;      // internal forces of all ranks
+  std::vector<double> v_, a_;  // walls applied
+  std::vector<double> m_;      // nodal mass; with inertia not below the floor
+  std::vector<double> f_sum_;  // internal forces of all ranks
 };
 
 }  // namespace gabion::mpm

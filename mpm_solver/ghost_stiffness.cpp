@@ -18,12 +18,7 @@ template <int dim>
 double young_modulus(const MaterialLaw<dim>& law) {
   return std::visit(
       [](const auto& model) {
-        double mu;
-        if constexpr (requires { model.mu(); }) {
-          mu = model.mu();
-        } else {
-          mu = model.mu;
-        }
+        const double mu = model.shear_modulus();
         const double M = model.p_wave_modulus();
         return mu * (3 * M - 4 * mu) / (M - mu);
       },

@@ -51,22 +51,26 @@ std::vector<WallSettings> read_walls(ConfigReader& in) {
   return walls;
 }
 
-SmallCutSettings read_small_cuts(ConfigReader in) {
+SmallCutSettings read_small_cuts(ConfigReader in, bool dynamic) {
   static const std::map<std::string, SmallCutMethod> methods = {
       {"none", SmallCutMethod::none},
       {"ghost", SmallCutMethod::ghost},
       {"mass_cutoff", SmallCutMethod::mass_cutoff}};
   SmallCutSettings settings;
-  settings.method = methods.at(in.choice_or("method", {"none", "ghost", "mass_cutoff"}, "none"));
+  settings.method = methods.at(
+      in.choice_or("method", {"none", "ghost", "mass_cutoff"}, dynamic ? "none" : "ghost"));
   if (settings.method == SmallCutMethod::ghost) {
     settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
   } else if (in.has("ghost_factor")) {
     in.fail("ghost_factor", "allowed only with \"method\": \"ghost\"");
   }
-  const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
-  settings.mass_share = in.number_or(
-      "mass_share", settings.method == SmallCutMethod::mass_cutoff ? 1e-4 : settings.mass_share,
-      share);
+  if (!dynamic || settings.method == SmallCutMethod::mass_cutoff) {
+    const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
+    settings.mass_share = in.number_or("mass_share", 1e-4, share);
+  } else if (in.has("mass_share")) {
+    in.fail("mass_share",
+            "allowed only with \"method\": \"mass_cutoff\" or \"analysis\": \"quasi_static\"");
+  }
   in.finish();
   return settings;
 }
@@ -203,15 +207,19 @@ RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, dou
   return wall;
 }
 
-}  // namespace
-
 template <int dim>
-MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
-  MpmSettings<dim> settings;
-  settings.grid = read_mesh<dim>(scene, in.object("grid"));
-  settings.walls = read_walls(in);
-  read_bodies<dim>(scene, in, settings);
-  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"}, "dynamic") == "dynamic";
+  for (const char* key : {"time_integration", "transfer"}) {
+    if (!settings.dynamic && in.has(key)) {
+      in.fail(key, "has no meaning when \"analysis\" is \"quasi_static\"");
+    }
+  }
+  for (std::size_t b = 0; b < settings.layouts.size(); ++b) {
+    if (settings.dynamic || settings.layouts[b].velocity.isZero(0)) continue;
+    in.fail(fmt::format("bodies/{}/velocity", b),
+            "must be zero when \"analysis\" is \"quasi_static\"");
+  }
   if (auto item = in.optional_object("time_integration")) {
     settings.scheme = read_newmark_bossak(*item);
   } else {
@@ -221,7 +229,19 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
     item->finish();
   }
-  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"));
+}
+
+}  // namespace
+
+template <int dim>
+MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
+  MpmSettings<dim> settings;
+  settings.grid = read_mesh<dim>(scene, in.object("grid"));
+  settings.walls = read_walls(in);
+  read_bodies<dim>(scene, in, settings);
+  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+  read_dynamics(in, settings);
+  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings.dynamic);
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,11 @@ struct MpmSettings {
   std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body
+  bool dynamic = true;                    ///< false: quasi-static, inertia is left out
   Vector<dim> gravity = Vector<dim>::Zero();
+  /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
+  /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
+  std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   NewmarkBossak scheme;
   double pic_share = 0;
   SmallCutSettings small_cuts;

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/light_nodes.hpp"
 
 namespace gabion::mpm {
 
@@ -36,7 +38,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   }
   settings.layouts.clear();
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
-  std::fill(points.a.begin(), points.a.end(), settings.gravity);
+  if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
   return points;
@@ -112,23 +114,40 @@ std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
 
 template <int dim>
 void MpmSolver<dim>::cure_small_cuts() {
-  const SmallCutSettings& cuts = settings_.small_cuts;
-  if (cuts.method == SmallCutMethod::mass_cutoff) {
-    const auto dropped =
-        drop_light_nodes(comm_, grid_, weights_, cuts.mass_share, walls_.grid_nodes(), nodes_);
-    if (dropped > 0) points_to_grid(comm_, points_, weights_, nodes_);
-    dropped_nodes_ += dropped;
+  if (settings_.small_cuts.mass_share > 0) {
+    const auto joined = join_light_nodes(comm_, grid_, points_, weights_, walls_,
+                                         settings_.small_cuts.mass_share, nodes_);
+    if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
+    joined_nodes_ += joined;
   }
-  if (ghost_) {
-    ghost_->begin_step(comm_, grid_, points_, weights_, nodes_);
-    ghost_steps_ += ghost_->num_facets() > 0;
-    ghost_facets_ += ghost_->num_facets();
-  }
+  if (!ghost_) return;
+  ghost_->begin_step(comm_, grid_, points_, weights_, nodes_);
+  ghost_steps_ += ghost_->num_facets() > 0;
+  ghost_facets_ += ghost_->num_facets();
 }
 
 template <int dim>
-void MpmSolver<dim>::begin_step(double dt) {
-  dt_ = dt;
+void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a) {
+  require(v.size() == points_.v.size() && a.size() == points_.a.size(),
+          fmt::format("mpm_solver: found {} velocities and {} accelerations for {} points",
+                      v.size(), a.size(), points_.size()));
+  points_.v = std::move(v);
+  points_.a = std::move(a);
+}
+
+// Forces of the body acceleration at the end of the step, where momentum is balanced.
+template <int dim>
+void MpmSolver<dim>::add_body_acceleration(double time) {
+  if (!settings_.body_acceleration) return;
+  std::vector<Vector<dim>> b;
+  for (std::int32_t p = 0; p < points_.size(); ++p) {
+    b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
+  }
+  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
+}
+
+template <int dim>
+void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "search");
     evaluate_basis(grid_, points_, weights_);
@@ -140,41 +159,53 @@ void MpmSolver<dim>::begin_step(double dt) {
     cure_small_cuts();
     walls_.select(nodes_);
   }
-  const ScopedTimer timer(times_, "pattern");
-  if (!boundaries_.empty()) {
-    const auto occupied = occupied_cells();
-    for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
-  }
-  const SmallCutSettings& cuts = settings_.small_cuts;
-  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
-      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
-      settings_.scheme, settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt,
-      ghost_ && ghost_->num_facets() > 0 ? &*ghost_ : nullptr,
-      cuts.method == SmallCutMethod::mass_cutoff ? SmallCutSettings{}.mass_share
-                                                 : cuts.mass_share});
-  std::vector<std::int32_t> offsets, cell_nodes;
-  equilibrium_->pattern(offsets, cell_nodes);
-  K_.set_pattern(nodes_.size(), offsets, cell_nodes);
-  new_pattern_ = true;
+}
 
+template <int dim>
+LinearRegime MpmSolver<dim>::regime() const {
   bool symmetric = true;
   for (const auto& body : settings_.bodies) {
     symmetric &=
         std::visit([](const auto& law) { return law.symmetric_tangent(); }, body.material.law);
   }
-  for (const auto& boundary : boundaries_)
+  for (const auto& boundary : boundaries_) {
     symmetric &= !(boundary.can_touch() && boundary.has_friction());
-  linear_.set_regime({symmetric, wave_speed_ * dt / cell_size_}, nodes_.size());
+  }
+  const double courant = wave_speed_ * dt_ / cell_size_;
+  return {symmetric, settings_.dynamic ? courant : std::numeric_limits<double>::infinity()};
 }
 
-// Start Newton from free flight. Where elastic waves cross many cells in a step, flight and rest
-// are tried and the smaller residual wins: there the guess matters more than its cost.
+template <int dim>
+void MpmSolver<dim>::begin_step(double time, double dt) {
+  dt_ = dt;
+  map_to_nodes();
+  add_body_acceleration(time + dt);
+  const ScopedTimer timer(times_, "pattern");
+  if (!boundaries_.empty()) {
+    const auto occupied = occupied_cells();
+    for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
+  }
+  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
+      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
+      settings_.scheme, settings_.gravity, cell_size_,
+      same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_,
+      ghost_ && ghost_->num_facets() > 0 ? &*ghost_ : nullptr});
+  std::vector<std::int32_t> offsets, cell_nodes;
+  equilibrium_->pattern(offsets, cell_nodes);
+  K_.set_pattern(nodes_.size(), offsets, cell_nodes);
+  new_pattern_ = true;
+  linear_.set_regime(regime(), nodes_.size());
+}
+
+// Start Newton from free flight, quasi-static from rest. Where elastic waves cross many cells in a
+// step, flight and rest are tried and the smaller residual wins: there the guess matters more than
+// its cost.
 template <int dim>
 void MpmSolver<dim>::choose_guess() {
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
-  du_.resize(v.size());
+  du_.assign(v.size(), 0.0);
+  if (!settings_.dynamic) return;
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] = dt_ * (v[k] + 0.5 * dt_ * a[k]);
   if (wave_speed_ * dt_ <= flight_courant * cell_size_) return;
   const ScopedTimer timer(times_, "guess");
@@ -211,7 +242,7 @@ template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
   const bool begins = dt_ != request.dt;
-  if (begins) begin_step(request.dt);
+  if (begins) begin_step(request.time, request.dt);
   receive(received);
   move_rigid_walls(request.time + request.dt);
   if (begins || request.iteration == 0) {
@@ -262,26 +293,36 @@ void MpmSolver<dim>::report_contact(StepReport& report, InterfaceValues& sent) c
 }
 
 template <int dim>
-AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
-  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
-  const ScopedTimer timer(times_, "grid to points");
-  equilibrium_->internal_forces().finish(du_);
+NodalMotion<dim> MpmSolver<dim>::nodal_motion() const {
   const std::size_t n = nodes_.grid_node.size();
-  NodalMotion<dim> motion;
-  motion.du.resize(n);
-  motion.v_new.resize(n);
-  motion.a_new.resize(n);
   const auto& v = equilibrium_->start_velocity();
   const auto& a = equilibrium_->start_acceleration();
+  NodalMotion<dim> motion;
+  motion.du.resize(n);
+  motion.v_new.assign(n, Vector<dim>::Zero());
+  motion.a_new.assign(n, Vector<dim>::Zero());
   for (std::size_t i = 0; i < n; ++i) {
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = i * dim + d;
       motion.du[i][d] = du_[k];
+      if (!settings_.dynamic) continue;
       motion.a_new[i][d] = settings_.scheme.acceleration(du_[k], v[k], a[k], dt_);
       motion.v_new[i][d] = settings_.scheme.velocity(motion.a_new[i][d], v[k], a[k], dt_);
     }
   }
-  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
+  return motion;
+}
+
+template <int dim>
+AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
+  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  const ScopedTimer timer(times_, "grid to points");
+  equilibrium_->internal_forces().finish(du_);
+  grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
+  if (!settings_.dynamic) {
+    std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
+    std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
+  }
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
@@ -360,8 +401,9 @@ Json MpmSolver<dim>::summary() const {
     cuts["steps_with_ghost"] = ghost_steps_;
     cuts["facets"] = ghost_facets_;
   }
-  if (method == SmallCutMethod::mass_cutoff) cuts["dropped_nodes"] = dropped_nodes_;
-  return {{"linear_solver", linear_.method_name()},
+  return {{"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+          {"joined_nodes", joined_nodes_},
+          {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},
           {"linear_fallbacks", linear_.fallbacks()},
           {"solutions", solutions_},

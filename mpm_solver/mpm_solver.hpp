@@ -37,12 +37,19 @@ class MpmSolver final : public Solver {
   Json summary() const override;
 
   const MaterialPoints<dim>& points() const { return points_; }
+  /// Start from other velocities [m/s] and accelerations [m/s^2] of this rank's points, num_points
+  /// each, at time 0.
+  void set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a);
 
  private:
   /// Everything of a step that does not depend on the interface values.
-  void begin_step(double dt);
+  void begin_step(double time, double dt);
+  void map_to_nodes();
   void cure_small_cuts();
+  void add_body_acceleration(double time);
+  LinearRegime regime() const;
   void choose_guess();
+  NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
   void move_rigid_walls(double time);
   void report_contact(StepReport& report, InterfaceValues& sent) const;
@@ -67,19 +74,20 @@ class MpmSolver final : public Solver {
   double dt_ = 0;  // 0: none begun
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
+  std::vector<double> f_body_;  // empty without body acceleration
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
   bool new_pattern_ = true;
   std::vector<double> du_;
+  std::int64_t joined_nodes_ = 0;  // of all steps
 
   PhaseTimes times_;
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
-  std::int64_t ghost_steps_ = 0;    // steps in which a cell needed it
-  std::int64_t ghost_facets_ = 0;   // of all steps
-  std::int64_t dropped_nodes_ = 0;  // of all steps
+  std::int64_t ghost_steps_ = 0;   // steps in which a cell needed it
+  std::int64_t ghost_facets_ = 0;  // of all steps
 };
 
 }  // namespace gabion::mpm

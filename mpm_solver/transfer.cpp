@@ -82,6 +82,28 @@ void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
 }
 
 template <int dim>
+std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
+                                 const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                 std::span<const Vector<dim>> b) {
+  std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    nodes.list_active(weights.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{active[local[i]]} * dim);
+        f_i += N[i] * points.m[p] * b[p];
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(f));
+  return f;
+}
+
+template <int dim>
 void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
                     const PointWeights<dim>& weights, double pic_share,
                     MaterialPoints<dim>& points) {
@@ -115,6 +137,12 @@ template void points_to_grid<2>(MPI_Comm, const MaterialPoints<2>&, const PointW
                                 GridNodes<2>&);
 template void points_to_grid<3>(MPI_Comm, const MaterialPoints<3>&, const PointWeights<3>&,
                                 GridNodes<3>&);
+template std::vector<double> point_forces<2>(MPI_Comm, const MaterialPoints<2>&,
+                                             const PointWeights<2>&, const GridNodes<2>&,
+                                             std::span<const Vector<2>>);
+template std::vector<double> point_forces<3>(MPI_Comm, const MaterialPoints<3>&,
+                                             const PointWeights<3>&, const GridNodes<3>&,
+                                             std::span<const Vector<3>>);
 template void grid_to_points<2>(const GridNodes<2>&, const NodalMotion<2>&, const PointWeights<2>&,
                                 double, MaterialPoints<2>&);
 template void grid_to_points<3>(const GridNodes<3>&, const NodalMotion<3>&, const PointWeights<3>&,

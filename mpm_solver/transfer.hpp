@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <span>
+#include <vector>
 
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "mpm_solver/basis.hpp"
@@ -22,6 +23,15 @@ namespace gabion::mpm {
 template <int dim>
 void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
                     const PointWeights<dim>& weights, GridNodes<dim>& nodes);
+
+/// Nodal forces of an acceleration of each material point, f_i = sum_p N_ip m_p b_p.
+/// @param b  [m/s^2], num_points
+/// @returns  num_nodes x dim [N]
+/// @note Collective on comm.
+template <int dim>
+std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
+                                 const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                 std::span<const Vector<dim>> b);
 
 /// Motion of the active nodes in one step.
 template <int dim>

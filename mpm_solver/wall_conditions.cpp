@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/wall_conditions.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "common/mechanics/mesh/boundary.hpp"
@@ -45,6 +46,11 @@ WallConditions<dim>::WallConditions(const Mesh<dim>& grid, const std::vector<Wal
     grid_nodes_.push_back(node);
     grid_projectors_.push_back(Q);
   }
+}
+
+template <int dim>
+bool WallConditions<dim>::holds(std::int32_t grid_node) const {
+  return std::binary_search(grid_nodes_.begin(), grid_nodes_.end(), grid_node);
 }
 
 template <int dim>

@@ -22,11 +22,12 @@ class WallConditions {
  public:
   WallConditions(const Mesh<dim>& grid, const std::vector<WallSettings>& walls);
 
+  /// Whether a wall holds this node of the grid.
+  bool holds(std::int32_t grid_node) const;
+
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
 
-  /// All grid nodes on walls, ascending.
-  const std::vector<std::int32_t>& grid_nodes() const { return grid_nodes_; }
   const std::vector<std::int32_t>& constrained() const { return constrained_; }  ///< active numbers
   const std::vector<Matrix<dim>>& projectors() const { return projectors_; }
 

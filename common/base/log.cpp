@@ -12,16 +12,21 @@ namespace gabion::log {
 namespace {
 
 spdlog::logger& logger() {
-  static spdlog::logger instance("gabion", std::make_shared<spdlog::sinks::stderr_color_sink_st>());
+  // Heartbeats log from a thread of their own.
+  static spdlog::logger instance("gabion", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   return instance;
 }
 
 spdlog::level::level_enum to_spdlog(Level level) {
   switch (level) {
-    case Level::debug: return spdlog::level::debug;
-    case Level::info: return spdlog::level::info;
-    case Level::warn: return spdlog::level::warn;
-    case Level::error: return spdlog::level::err;
+    case Level::debug:
+      return spdlog::level::debug;
+    case Level::info:
+      return spdlog::level::info;
+    case Level::warn:
+      return spdlog::level::warn;
+    case Level::error:
+      return spdlog::level::err;
   }
   return spdlog::level::err;
 }
@@ -38,8 +43,8 @@ void start(std::string_view prefix, Level lowest, bool speaks) {
 }
 
 void also_to_file(const std::string& path) {
-  auto sink = std::make_shared<spdlog::sinks::basic_file_sink_st>(path, /*truncate=*/true);
-  sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l " + pattern);
+  auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, /*truncate=*/true);
+  sink->set_pattern("%Y-%m-%d %H:%M:%S.%e " + pattern);
   logger().sinks().push_back(std::move(sink));
 }
 

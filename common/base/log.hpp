@@ -15,7 +15,8 @@ enum class Level { debug, info, warn, error };
 /// speaks at all. Errors are shown on every rank.
 void start(std::string_view prefix, Level lowest, bool speaks);
 
-/// Also append every line to this file (flushed per line).
+/// Also write every line, with date and time in front, to this file (flushed per line; an earlier
+/// file is replaced). Call it before other threads log.
 void also_to_file(const std::string& path);
 
 /// Level from its name; throws ConfigError that lists the allowed names.

@@ -36,7 +36,7 @@ void run(benchmark::State& bench, const Law& law, double compression, bool with_
     plastic = 0;
     for (const auto& step : H) {
       law.update(step, state_n, out, with_tangent ? &A : nullptr);
-      plastic += out.plastic;
+      plastic += out.plastic();
       benchmark::DoNotOptimize(out);
       benchmark::DoNotOptimize(A);
     }

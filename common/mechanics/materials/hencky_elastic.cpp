@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/spectral.hpp"
 
 namespace gabion {
@@ -26,7 +26,7 @@ bool HenckyElastic<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& 
   out.state = {.e = e, .plastic_strain = state_n.plastic_strain};
   out.energy = 0.5 * lambda * volumetric * volumetric +
                mu * (eps[0] * eps[0] + eps[1] * eps[1] + eps[2] * eps[2]);
-  out.plastic = false;
+  out.region = YieldRegion::elastic;
   if (A) {
     spectral_tangent<dim>(hencky_moduli<dim>(lambda, mu, trial.value), tau, trial, F_inverse, *A);
   }

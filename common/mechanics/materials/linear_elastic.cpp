@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion {
@@ -15,7 +15,7 @@ bool LinearElastic<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& 
   out.P = in_plane<dim>(out.tau);
   out.state = {.e = epsilon, .plastic_strain = state_n.plastic_strain};
   out.energy = 0.5 * contract<dim>(out.tau, epsilon);
-  out.plastic = false;
+  out.region = YieldRegion::elastic;
   if (!A) return true;
 
   A->setZero();

@@ -2,24 +2,32 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+
+#include "common/mechanics/materials/stress_update.hpp"
 
 namespace gabion {
 
-/// Mohr-Coulomb in principal axes: elastic constants, k and m, apex strength 2 c sqrt(k).
+/// A state counts as elastic up to f = yield_tolerance times the size of the terms in f: some
+/// hundred roundings, so that a returned state which is not strained again stays as it is.
+inline constexpr double yield_tolerance = 1e-13;
+
+/// Mohr-Coulomb in principal axes: elastic constants, k and m, strength 2 c sqrt(k). Tresca is
+/// k = m = 1.
 struct PrincipalMohrCoulomb {
   double lambda;    ///< [Pa]
   double mu;        ///< [Pa]
-  double k;         ///< (1 + sin phi) / (1 - sin phi) > 1
+  double k;         ///< (1 + sin phi) / (1 - sin phi) >= 1
   double m;         ///< the same of psi, 1 <= m <= k
   double strength;  ///< 2 c sqrt(k) [Pa]
 };
 
-enum class YieldRegion { plane, edge_12, edge_23, apex };
+enum class YieldFace { plane, edge_12, edge_23, apex };
 
 /// State after the return; principal values sorted like the trial strains.
 struct PrincipalReturn {
-  YieldRegion region;
+  YieldFace face;
   Eigen::Vector3d eps_e;    ///< elastic Hencky strain
   Eigen::Vector3d plastic;  ///< plastic strain of this step, trial minus elastic
 };
@@ -28,7 +36,7 @@ struct PrincipalReturn {
 /// S = (a . tau_trial - strength) / (a . C c). An edge is the sum of its two planes; there, the two
 /// equal stresses are averaged.
 struct ActiveFace {
-  YieldRegion region;
+  YieldFace face;
   Eigen::Vector3d a;  ///< gradient of the (summed) yield function
   Eigen::Vector3d c;  ///< (averaged) flow direction
   double strength;    ///< [Pa]
@@ -41,25 +49,25 @@ struct ActiveFace {
   }
 };
 
-inline ActiveFace active_face(const PrincipalMohrCoulomb& law, YieldRegion region) {
-  switch (region) {
-    case YieldRegion::edge_12:
-      return {region, {law.k, law.k, -2}, {law.m / 2, law.m / 2, -1}, 2 * law.strength};
-    case YieldRegion::edge_23:
-      return {region, {2 * law.k, -1, -1}, {law.m, -0.5, -0.5}, 2 * law.strength};
+inline ActiveFace active_face(const PrincipalMohrCoulomb& law, YieldFace face) {
+  switch (face) {
+    case YieldFace::edge_12:
+      return {face, {law.k, law.k, -2}, {law.m / 2, law.m / 2, -1}, 2 * law.strength};
+    case YieldFace::edge_23:
+      return {face, {2 * law.k, -1, -1}, {law.m, -0.5, -0.5}, 2 * law.strength};
     default:
-      return {YieldRegion::plane, {law.k, 0, -1}, {law.m, 0, -1}, law.strength};
+      return {YieldFace::plane, {law.k, 0, -1}, {law.m, 0, -1}, law.strength};
   }
 }
 
 /// Whether the return gives the sorted principal values i and j the same stress.
-inline bool made_equal(YieldRegion region, int i, int j) {
-  switch (region) {
-    case YieldRegion::plane:
+inline bool made_equal(YieldFace face, int i, int j) {
+  switch (face) {
+    case YieldFace::plane:
       return false;
-    case YieldRegion::edge_12:
+    case YieldFace::edge_12:
       return i + j == 1;
-    case YieldRegion::edge_23:
+    case YieldFace::edge_23:
       return i + j == 3;
     default:
       return true;
@@ -67,12 +75,12 @@ inline bool made_equal(YieldRegion region, int i, int j) {
 }
 
 /// Replace the two strains that an edge makes equal by their mean.
-inline Eigen::Vector3d averaged(const Eigen::Vector3d& eps, YieldRegion region) {
-  if (region == YieldRegion::edge_12) {
+inline Eigen::Vector3d averaged(const Eigen::Vector3d& eps, YieldFace face) {
+  if (face == YieldFace::edge_12) {
     const double mean = 0.5 * (eps[0] + eps[1]);
     return {mean, mean, eps[2]};
   }
-  if (region == YieldRegion::edge_23) {
+  if (face == YieldFace::edge_23) {
     const double mean = 0.5 * (eps[1] + eps[2]);
     return {eps[0], mean, mean};
   }
@@ -92,34 +100,72 @@ inline Eigen::Vector3d averaged(const Eigen::Vector3d& eps, YieldRegion region) 
 inline PrincipalReturn return_to_surface(const PrincipalMohrCoulomb& law,
                                          const Eigen::Vector3d& eps,
                                          const Eigen::Vector3d& tau_trial) {
-  const ActiveFace plane = active_face(law, YieldRegion::plane);
+  const ActiveFace plane = active_face(law, YieldFace::plane);
   const Eigen::Vector3d plastic = plane.multiplier(law, tau_trial) * plane.c;
   const Eigen::Vector3d on_plane = eps - plastic;
   const bool breaks_12 = !(on_plane[0] > on_plane[1]);
   const bool breaks_23 = !(on_plane[1] > on_plane[2]);
-  if (!breaks_12 && !breaks_23) return {YieldRegion::plane, on_plane, plastic};
+  if (!breaks_12 && !breaks_23) return {YieldFace::plane, on_plane, plastic};
 
-  for (const YieldRegion region : {YieldRegion::edge_12, YieldRegion::edge_23}) {
-    if (!(region == YieldRegion::edge_12 ? breaks_12 : breaks_23)) continue;
-    const ActiveFace edge = active_face(law, region);
-    const Eigen::Vector3d eps_e = averaged(eps, region) - edge.multiplier(law, tau_trial) * edge.c;
-    if (eps_e[0] > eps_e[2]) return {region, eps_e, eps - eps_e};
+  for (const YieldFace face : {YieldFace::edge_12, YieldFace::edge_23}) {
+    if (!(face == YieldFace::edge_12 ? breaks_12 : breaks_23)) continue;
+    const ActiveFace edge = active_face(law, face);
+    const Eigen::Vector3d eps_e = averaged(eps, face) - edge.multiplier(law, tau_trial) * edge.c;
+    if (eps_e[0] > eps_e[2]) return {face, eps_e, eps - eps_e};
   }
   const double mean = law.strength / (law.k - 1) / (3 * law.lambda + 2 * law.mu);
   const Eigen::Vector3d eps_e = Eigen::Vector3d::Constant(mean);
-  return {YieldRegion::apex, eps_e, eps - eps_e};
+  return {YieldFace::apex, eps_e, eps - eps_e};
+}
+
+/// The same for k = m = 1 and strength > 0, which has no apex: the plane return breaks at most one
+/// of the two orders, and the edge returns keep tau_1 - tau_3 = strength.
+inline PrincipalReturn return_to_tresca(const PrincipalMohrCoulomb& law, const Eigen::Vector3d& eps,
+                                        const Eigen::Vector3d& tau_trial) {
+  const ActiveFace plane = active_face(law, YieldFace::plane);
+  const Eigen::Vector3d plastic = plane.multiplier(law, tau_trial) * plane.c;
+  const Eigen::Vector3d on_plane = eps - plastic;
+  const bool breaks_12 = !(on_plane[0] > on_plane[1]);
+  if (!breaks_12 && on_plane[1] > on_plane[2]) return {YieldFace::plane, on_plane, plastic};
+  const YieldFace face = breaks_12 ? YieldFace::edge_12 : YieldFace::edge_23;
+  const ActiveFace edge = active_face(law, face);
+  const Eigen::Vector3d eps_e = averaged(eps, face) - edge.multiplier(law, tau_trial) * edge.c;
+  return {face, eps_e, eps - eps_e};
 }
 
 /// d tau / d eps of the returned stress. At the apex, where the stress is constant, it is zero.
-inline Eigen::Matrix3d return_moduli(const PrincipalMohrCoulomb& law, YieldRegion region) {
-  if (region == YieldRegion::apex) return Eigen::Matrix3d::Zero();
-  const ActiveFace face = active_face(law, region);
-  const Eigen::Vector3d Ca = (law.lambda * face.a.sum() + 2 * law.mu * face.a.array()).matrix();
-  const Eigen::Vector3d Cc = (law.lambda * face.c.sum() + 2 * law.mu * face.c.array()).matrix();
-  Eigen::Matrix3d D = -Cc / face.stiffness(law) * Ca.transpose();
+inline Eigen::Matrix3d return_moduli(const PrincipalMohrCoulomb& law, YieldFace face) {
+  if (face == YieldFace::apex) return Eigen::Matrix3d::Zero();
+  const ActiveFace active = active_face(law, face);
+  const Eigen::Vector3d &a = active.a, &c = active.c;
+  const Eigen::Vector3d Ca = (law.lambda * a.sum() + 2 * law.mu * a.array()).matrix();
+  const Eigen::Vector3d Cc = (law.lambda * c.sum() + 2 * law.mu * c.array()).matrix();
+  Eigen::Matrix3d D = -Cc / active.stiffness(law) * Ca.transpose();
   D.array() += law.lambda;
-  for (int i = 0; i < 3; ++i) D.col(i) += 2 * law.mu * averaged(Eigen::Vector3d::Unit(i), region);
+  for (int i = 0; i < 3; ++i) D.col(i) += 2 * law.mu * averaged(Eigen::Vector3d::Unit(i), face);
   return D;
 }
+
+/// What Mohr-Coulomb and Tresca bring to principal_update().
+struct PrincipalSurface {
+  using Return = PrincipalReturn;
+  const PrincipalMohrCoulomb& law;
+
+  double lambda() const { return law.lambda; }
+  double mu() const { return law.mu; }
+  bool yields(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {
+    const double size =
+        (law.k + 1) * (law.lambda + 2 * law.mu) * std::max(std::abs(eps[0]), std::abs(eps[2]));
+    return law.k * tau_trial[0] - tau_trial[2] - law.strength > yield_tolerance * size;
+  }
+  YieldRegion region(const Return& returned) const {
+    return returned.face == YieldFace::apex ? YieldRegion::apex : YieldRegion::shear;
+  }
+  Eigen::Matrix3d moduli(const Return& returned) const { return return_moduli(law, returned.face); }
+  double shear_factor(const Return& returned, int s, int t, double G, double difference) const {
+    if (made_equal(returned.face, s, t)) return 0;
+    return G - 2 * law.mu * (returned.plastic[s] - returned.plastic[t]) / difference;
+  }
+};
 
 }  // namespace gabion

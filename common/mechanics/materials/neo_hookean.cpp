@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion {
@@ -35,7 +35,7 @@ bool NeoHookean<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& sta
   out.P = first_piola<dim>(out.tau, F_inverse);
   out.state = {.e = e, .plastic_strain = state_n.plastic_strain};
   out.energy = 0.5 * lambda * log_J * log_J + mu * (0.5 * trace<dim>(e) - log_J);
-  out.plastic = false;
+  out.region = YieldRegion::elastic;
   if (!A) return true;
 
   const Matrix<dim> b_n = Matrix<dim>::Identity() + in_plane<dim>(state_n.e);

@@ -31,8 +31,8 @@ MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elasti
   const double phi = in.number("friction_angle", friction_range);
   if (phi == 0) {
     in.fail("friction_angle",
-            "found 0, allowed: an angle in degrees, 0 < friction_angle < 90; a frictionless "
-            "(Tresca) branch is not offered yet");
+            "found 0, allowed: an angle in degrees, 0 < friction_angle < 90; soil without friction "
+            "is \"law\": \"tresca\"");
   }
   const Range dilation_range = {
       [phi](double x) { return 0 <= x && x <= phi; },
@@ -42,13 +42,18 @@ MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elasti
   return {elastic.lambda, elastic.mu, phi * degree, psi * degree, cohesion};
 }
 
+template <int dim>
+Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
+  return Tresca<dim>({elastic.lambda, elastic.mu, in.number("cohesion", positive())});
+}
+
 }  // namespace
 
 template <int dim>
 Material<dim> read_material(ConfigReader in) {
   Material<dim> material;
-  material.law_name =
-      in.choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb"});
+  material.law_name = in.choice(
+      "law", {"linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca"});
   material.density = in.number("density", positive());
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
@@ -57,6 +62,8 @@ Material<dim> read_material(ConfigReader in) {
     material.law = NeoHookean<dim>{elastic.lambda, elastic.mu};
   } else if (material.law_name == "hencky_elastic") {
     material.law = HenckyElastic<dim>{elastic.lambda, elastic.mu};
+  } else if (material.law_name == "tresca") {
+    material.law = read_tresca<dim>(in, elastic);
   } else {
     material.law = read_mohr_coulomb<dim>(in, elastic);
   }

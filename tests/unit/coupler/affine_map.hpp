@@ -9,47 +9,29 @@
 
 namespace gabion::test {
 
-/// Numbers in [-1, 1) that are the same everywhere (Weyl's sequence).
-class Sequence {
- public:
-  explicit Sequence(int seed) : value_(0.5 + 0.1 * seed) {}
-  double operator()() {
-    value_ += 0.6180339887498949;
-    value_ -= std::floor(value_);
-    double scrambled = value_ * 9973.37;
-    scrambled -= std::floor(scrambled);
-    return 2 * scrambled - 1;
-  }
-  Eigen::VectorXd vector(Eigen::Index n) {
-    Eigen::VectorXd v(n);
-    for (double& entry : v) entry = (*this)();
-    return v;
-  }
-
- private:
-  double value_;
-};
-
 /// x -> A x + b with A symmetric, eigenvalues -m/k, k = 1..n: the added-mass operator of a light
-/// structure. In the eigenvectors' basis b_k = cos(k/2 + 0.3 s) in step s = 0, 1, ...: two shapes
-/// that change their shares, as a load that moves along a wall.
+/// structure. Its eigenvectors are those of a string, sin(k pi y), and the load in step s = 0, 1,
+/// ... is b(y) = sin(pi y) + cos(y + s): a steady share, and one that moves along the string.
 class AffineMap {
  public:
-  explicit AffineMap(double m, Eigen::Index n = 50) {
-    Sequence sequence(3);
-    Eigen::MatrixXd random(n, n);
-    for (Eigen::Index j = 0; j < n; ++j) random.col(j) = sequence.vector(n);
-    q_ = Eigen::HouseholderQR<Eigen::MatrixXd>(random).householderQ();
+  explicit AffineMap(double m, Eigen::Index n = 50) : A_(n, n), b_(n) {
+    const double pi = std::acos(-1.0);
+    Eigen::MatrixXd modes(n, n);
     Eigen::VectorXd eigenvalues(n);
-    for (Eigen::Index k = 0; k < n; ++k) eigenvalues(k) = -m / static_cast<double>(k + 1);
-    A_ = q_ * eigenvalues.asDiagonal() * q_.transpose();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        modes(i, k) = std::sqrt(2.0 / double(n + 1)) * std::sin(pi * double(k + 1) * place(i));
+      }
+      eigenvalues(k) = -m / static_cast<double>(k + 1);
+    }
+    A_ = modes * eigenvalues.asDiagonal() * modes.transpose();
     set_step(0);
   }
 
   void set_step(int s) {
-    Eigen::VectorXd b(A_.rows());
-    for (Eigen::Index k = 0; k < b.size(); ++k) b(k) = std::cos(0.5 * double(k + 1) + 0.3 * s);
-    b_ = q_ * b;
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      b_(i) = std::sin(std::acos(-1.0) * place(i)) + std::cos(place(i) + s);
+    }
   }
   Eigen::Index size() const { return A_.rows(); }
   Eigen::VectorXd operator()(const Eigen::VectorXd& x) const { return A_ * x + b_; }
@@ -59,13 +41,14 @@ class AffineMap {
   }
 
  private:
-  Eigen::MatrixXd q_;
+  double place(Eigen::Index i) const { return double(i + 1) / double(size() + 1); }  // y in (0, 1)
+
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_;
 };
 
-/// Iterations that each of five steps needs until |r| <= 1e-8, starting from the solution of the
-/// step before; `limit` where it needs more.
+/// Iterations that each of five steps needs until |r| <= 1e-8 |x_tilde|, starting from the
+/// solution of the step before; `limit` where it needs more.
 inline std::vector<int> iteration_counts(AffineMap map, Acceleration& acceleration, int limit = 200,
                                          int steps = 5) {
   std::vector<int> counts;
@@ -75,7 +58,7 @@ inline std::vector<int> iteration_counts(AffineMap map, Acceleration& accelerati
     acceleration.begin_step();
     for (int k = 1;; ++k) {
       const Eigen::VectorXd x_tilde = map(x);
-      if ((x_tilde - x).norm() <= 1e-8 || k == limit) {
+      if ((x_tilde - x).norm() <= 1e-8 * x_tilde.norm() || k == limit) {
         acceleration.end_step(x, x_tilde);
         x = x_tilde;
         counts.push_back(k);

@@ -5,7 +5,7 @@
 
 #include "coupler/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
-#include "tests/unit/coupler/affine_map.hpp"
+#include "tests/unit/coupler/sequence.hpp"
 
 namespace gabion {
 namespace {

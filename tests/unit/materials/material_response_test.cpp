@@ -68,7 +68,7 @@ void expect_no_drift(double size) {
   Matrix<dim> H = Matrix<dim>::Zero();
   H(0, 1) = 15 * size;
   const auto yielded = stress<dim>(sand, H, state);
-  EXPECT_TRUE(yielded.plastic);
+  EXPECT_TRUE(yielded.plastic());
   EXPECT_LT(drift_of_a_full_turn<dim>(sand, yielded.state), 1e-10);
 }
 
@@ -158,26 +158,59 @@ TEST(MaterialResponse, InvertedOrUndefinedStepsAreRefused) {
   expect_refusal_of_inversion<3>();
 }
 
-TEST(MaterialResponse, PlaneStrainEqualsThreeDimensions) {
+/// One plastic path in plane strain and in three dimensions; returns the plastic strain.
+double expect_plane_strain_equals_3d(const auto& plane, const auto& solid) {
   Random random(47);
-  const MohrCoulomb<2> plane{lambda, mu, 30 * degree, 10 * degree, 1e4};
-  const MohrCoulomb<3> solid{lambda, mu, 30 * degree, 10 * degree, 1e4};
   MaterialState<2> state2;
   MaterialState<3> state3;
   for (int step = 0; step < 200; ++step) {
     const Matrix<2> H2 = random.matrix<2>(0.01) - 0.0005 * Matrix<2>::Identity();
     Matrix<3> H3 = Matrix<3>::Zero();
     H3.topLeftCorner<2, 2>() = H2;
-    const auto out2 = stress<2>(plane, H2, state2);
-    const auto out3 = stress<3>(solid, H3, state3);
-    ASSERT_EQ(out2.plastic, out3.plastic);
-    ASSERT_LT((out2.tau - out3.tau.head<4>()).norm(), 1e-11 * M) << "step " << step;
-    ASSERT_LT((out2.P - out3.P.topLeftCorner<2, 2>()).norm(), 1e-11 * M);
-    ASSERT_NEAR(out2.energy, out3.energy, 1e-11 * M);
+    const StressUpdate<2> out2 = stress<2>(plane, H2, state2);
+    const StressUpdate<3> out3 = stress<3>(solid, H3, state3);
+    EXPECT_EQ(out2.region, out3.region);
+    EXPECT_LT((out2.tau - out3.tau.head<4>()).norm(), 1e-11 * M) << "step " << step;
+    EXPECT_LT((out2.P - out3.P.topLeftCorner<2, 2>()).norm(), 1e-11 * M);
+    EXPECT_NEAR(out2.energy, out3.energy, 1e-11 * M);
     state2 = out2.state;
     state3 = out3.state;
   }
-  EXPECT_GT(state2.plastic_strain, 0.02);
+  return state2.plastic_strain;
+}
+
+TEST(MaterialResponse, PlaneStrainEqualsThreeDimensions) {
+  const MohrCoulombParameters sand{lambda, mu, 30 * degree, 10 * degree, 1e4};
+  EXPECT_GT(expect_plane_strain_equals_3d(MohrCoulomb<2>(sand), MohrCoulomb<3>(sand)), 0.02);
+  const TrescaParameters clay{lambda, mu, 1e4};
+  EXPECT_GT(expect_plane_strain_equals_3d(Tresca<2>(clay), Tresca<3>(clay)), 0.02);
+}
+
+/// Turning the frame of the step turns the stress, and changes nothing else.
+template <int dim>
+void expect_isotropy(const auto& law) {
+  Random random(61);
+  for (int sample = 0; sample < 200; ++sample) {
+    MaterialState<dim> state_n, turned_n;
+    state_n.e = random.elastic_strain<dim>(0.05, random.uniform(-0.1, 0.05));
+    const Matrix<dim> H = random.matrix<dim>(0.1), R = random.rotation<dim>();
+    turned_n.e = symmetric<dim>(R * in_plane<dim>(state_n.e) * R.transpose());
+    if constexpr (dim == 2) turned_n.e[2] = state_n.e[2];
+    const auto out = stress<dim>(law, H, state_n);
+    const auto turned = stress<dim>(law, R * H * R.transpose(), turned_n);
+    ASSERT_EQ(turned.region, out.region);
+    ASSERT_LT((turned.P - R * out.P * R.transpose()).norm(), 1e-13 * M);
+    ASSERT_NEAR(turned.state.plastic_strain, out.state.plastic_strain, 1e-13);
+  }
+}
+
+TEST(MaterialResponse, PlasticLawsAreIsotropic) {
+  const MohrCoulombParameters sand{lambda, mu, 30 * degree, 10 * degree, 1e4};
+  expect_isotropy<2>(MohrCoulomb<2>(sand));
+  expect_isotropy<3>(MohrCoulomb<3>(sand));
+  const TrescaParameters clay{lambda, mu, 1e4};
+  expect_isotropy<2>(Tresca<2>(clay));
+  expect_isotropy<3>(Tresca<3>(clay));
 }
 
 }  // namespace

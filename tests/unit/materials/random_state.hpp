@@ -77,26 +77,6 @@ Eigen::Vector3d principal(const Symmetric<dim>& s) {
   return ascending.reverse();
 }
 
-template <int dim>
-PrincipalMohrCoulomb principal_law(const MohrCoulomb<dim>& law) {
-  const auto ratio = [](double angle) { return (1 + std::sin(angle)) / (1 - std::sin(angle)); };
-  const double k = ratio(law.friction_angle());
-  return {law.lambda(), law.mu(), k, ratio(law.dilation_angle()),
-          2 * law.cohesion() * std::sqrt(k)};
-}
-
-/// -1 elastic, otherwise the YieldRegion of a step.
-template <int dim>
-int region_of(const MohrCoulomb<dim>& law, const Matrix<dim>& H,
-              const MaterialState<dim>& state_n) {
-  const auto constants = principal_law(law);
-  const Eigen::Vector3d e = principal<dim>(push_forward<dim>(H, state_n.e));
-  const Eigen::Vector3d eps = e.unaryExpr([](double x) { return 0.5 * std::log1p(x); });
-  const Eigen::Vector3d tau = (law.lambda() * eps.sum() + 2 * law.mu() * eps.array()).matrix();
-  if (constants.k * tau[0] - tau[2] <= constants.strength) return -1;
-  return static_cast<int>(return_to_surface(constants, eps, tau).region);
-}
-
 template <int dim, class Law>
 StressUpdate<dim> stress(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& state_n) {
   StressUpdate<dim> out;

@@ -36,11 +36,38 @@ TEST(ReadMaterial, MohrCoulomb) {
   EXPECT_EQ(material.density, 2650);
   const auto& law = std::get<MohrCoulomb<2>>(material.law);
   EXPECT_NEAR(law.p_wave_modulus(), 840e3 * 0.7 / (1.3 * 0.4), 1e-6);
-  EXPECT_NEAR(law.mu(), 840e3 / 2.6, 1e-6);
-  EXPECT_NEAR(law.friction_angle(), 19.8 * degree, 1e-15);
-  EXPECT_EQ(law.dilation_angle(), 0);
-  EXPECT_EQ(law.cohesion(), 10);
+  EXPECT_NEAR(law.parameters().mu, 840e3 / 2.6, 1e-6);
+  EXPECT_NEAR(law.parameters().friction_angle, 19.8 * degree, 1e-15);
+  EXPECT_EQ(law.parameters().dilation_angle, 0);
+  EXPECT_EQ(law.parameters().cohesion, 10);
   EXPECT_FALSE(law.symmetric_tangent());
+}
+
+Json clay() {
+  return {{"law", "tresca"},
+          {"density", 1800},
+          {"young_modulus", 5e6},
+          {"poisson_ratio", 0.45},
+          {"cohesion", 2e4}};
+}
+
+TEST(ReadMaterial, Tresca) {
+  const auto material = read_material<3>(ConfigReader(clay(), "mpm.json"));
+  const auto& law = std::get<Tresca<3>>(material.law);
+  EXPECT_NEAR(law.parameters().mu, 5e6 / 2.9, 1e-6);
+  EXPECT_EQ(law.parameters().cohesion, 2e4);
+  EXPECT_TRUE(law.symmetric_tangent());
+  EXPECT_FALSE(is_elastic<3>(material.law));
+
+  Json bad = clay();
+  bad["cohesion"] = 0;
+  EXPECT_THAT(message_of(bad), AllOf(HasSubstr("/cohesion"), HasSubstr("> 0")));
+  bad = clay();
+  bad.erase("cohesion");
+  EXPECT_THAT(message_of(bad), HasSubstr("cohesion"));
+  bad = clay();
+  bad["friction_angle"] = 10;
+  EXPECT_THAT(message_of(bad), HasSubstr("friction_angle"));
 }
 
 template <class Law>
@@ -49,6 +76,7 @@ void expect_elastic(const std::string& name) {
       {"law", name}, {"density", 1100}, {"young_modulus", 1e6}, {"poisson_ratio", 0}};
   const auto material = read_material<3>(ConfigReader(wall, "fem.json"));
   ASSERT_TRUE(std::holds_alternative<Law>(material.law)) << name;
+  EXPECT_TRUE(is_elastic<3>(material.law));
   EXPECT_EQ(std::get<Law>(material.law).lambda, 0);
   EXPECT_EQ(std::get<Law>(material.law).mu, 5e5);
 
@@ -82,7 +110,7 @@ TEST(ReadMaterial, ErrorsSayWhereWhatAndWhatIsAllowed) {
   EXPECT_THAT(message_with("poisson_ratio", -1), HasSubstr("/poisson_ratio"));
   EXPECT_THAT(message_with("young_modulus", 0), HasSubstr("/young_modulus"));
   EXPECT_THAT(message_with("friction_angle", 0),
-              AllOf(HasSubstr("/friction_angle"), HasSubstr("Tresca")));
+              AllOf(HasSubstr("/friction_angle"), HasSubstr("\"tresca\"")));
   EXPECT_THAT(message_with("friction_angle", 90), HasSubstr("/friction_angle"));
   EXPECT_THAT(message_with("dilation_angle", 25),
               AllOf(HasSubstr("/dilation_angle"), HasSubstr("19.8")));

@@ -8,11 +8,12 @@ namespace {
 
 /// Shear a point in plane strain, no strain along the shear plane, normal stress held at
 /// -sigma_n; returns the final tau_xy / sigma_n.
-double strength_in_simple_shear(const MohrCoulomb<2>& law, double sigma_n) {
+double strength_in_simple_shear(const auto& law, double sigma_n) {
+  const auto& p = law.parameters();
   constexpr int steps = 200, yy = 3;
-  const double dgamma = 0.2 * sigma_n / law.mu();
+  const double dgamma = 0.2 * sigma_n / p.mu;
   MaterialState<2> state;
-  state.e = std::expm1(-2 * sigma_n / (3 * law.lambda() + 2 * law.mu())) * Symmetric<2>{1, 1, 1, 0};
+  state.e = std::expm1(-2 * sigma_n / (3 * p.lambda + 2 * p.mu)) * Symmetric<2>{1, 1, 1, 0};
   StressUpdate<2> out;
   for (int step = 0; step < steps; ++step) {
     Matrix<2> H = Matrix<2>::Zero();

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <map>
-
-#include "tests/unit/materials/random_state.hpp"
+#include "tests/unit/materials/plastic_return.hpp"
+#include "tests/unit/materials/plastic_tangent.hpp"
 
 namespace gabion::testing {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, M = lambda + 2 * mu;
 constexpr double tolerance = 1e-7 * M;
-
-template <int dim>
-double asymmetry(const Tangent<dim>& A) {
-  return (A - A.transpose()).cwiseAbs().maxCoeff();
-}
 
 template <int dim>
 void expect_elastic_tangent(const auto& law, unsigned seed) {
@@ -84,57 +78,12 @@ struct Angles {
   double phi, psi;
 };
 
-/// Every difference step must stay in the region of its centre, where the law is smooth.
 template <int dim>
-bool smooth_about(const MohrCoulomb<dim>& law, const Matrix<dim>& H,
-                  const MaterialState<dim>& state_n, double step, int region) {
-  for (int i = 0; i < dim * dim; ++i) {
-    for (const double sign : {-1.0, 1.0}) {
-      Matrix<dim> moved = H;
-      moved(i / dim, i % dim) += sign * step;
-      if (region_of<dim>(law, moved, state_n) != region) return false;
-    }
-  }
-  return true;
-}
-
-/// Compare in every region with stresses of `size` M about the surface; returns samples per region.
-/// At the apex, take the known regularisation off first.
-template <int dim>
-std::map<int, int> compare_mohr_coulomb(const MohrCoulomb<dim>& law, double size, int samples) {
-  Random random(11);
-  std::map<int, int> count;
-  const double step = 1e-5 * size;
-  for (int sample = 0; sample < samples; ++sample) {
-    MaterialState<dim> state_n;
-    state_n.e = random.elastic_strain<dim>(size / 2, random.uniform(-1.5, 0.2) * size);
-    const Matrix<dim> H = random.matrix<dim>(random.uniform(0.3, 2.0) * size);
-    const int region = region_of<dim>(law, H, state_n);
-    if (!smooth_about<dim>(law, H, state_n, step, region)) continue;
-    ++count[region];
-    Tangent<dim> A = tangent<dim>(law, H, state_n);
-    if (region == static_cast<int>(YieldRegion::apex)) {
-      // elastic moduli: the Hencky tangent plus P_iL F^-1_Jk, symmetrised
-      const HenckyElastic<dim> elastic{law.lambda(), law.mu()};
-      const Matrix<dim> P = stress<dim>(elastic, H, state_n).P;
-      const Matrix<dim> F_inverse = (Matrix<dim>::Identity() + H).inverse();
-      Tangent<dim> moduli = tangent<dim>(elastic, H, state_n);
-      for (int i = 0; i < dim; ++i)
-        for (int J = 0; J < dim; ++J)
-          for (int k = 0; k < dim; ++k)
-            for (int L = 0; L < dim; ++L)
-              moduli(i * dim + J, k * dim + L) += P(i, L) * F_inverse(J, k);
-      A -= 0.5e-4 * (moduli + moduli.transpose());
-    }
-    const Tangent<dim> A_num = difference_tangent<dim>(law, H, state_n, step);
-    EXPECT_LT((A - A_num).cwiseAbs().maxCoeff(), tolerance)
-        << "sample " << sample << ", region " << region << ", size " << size;
-    if (law.symmetric_tangent()) {
-      EXPECT_LT(asymmetry<dim>(A), 1e-11 * M) << "region " << region;
-    }
-    if (::testing::Test::HasFailure()) break;
-  }
-  return count;
+std::map<int, int> compare(const auto& law, double size, int samples) {
+  const auto face = [&](const Matrix<dim>& H, const MaterialState<dim>& state_n) {
+    return face_of<dim>(law, H, state_n);
+  };
+  return compare_plastic_tangent<dim>(law, face, size, samples);
 }
 
 class MohrCoulombTangent : public ::testing::TestWithParam<Angles> {
@@ -144,25 +93,25 @@ class MohrCoulombTangent : public ::testing::TestWithParam<Angles> {
     return {lambda, mu, GetParam().phi * degree, GetParam().psi * degree, cohesion};
   }
   /// Elastic, plane, both edges and the apex must all have been met.
-  static void expect_all_regions(std::map<int, int> count) {
-    for (int region = -1; region <= 3; ++region) EXPECT_GE(count[region], 5) << region;
+  static void expect_all_faces(std::map<int, int> count) {
+    for (int face = -1; face <= 3; ++face) EXPECT_GE(count[face], 5) << face;
   }
 };
 
 TEST_P(MohrCoulombTangent, MatchesDifferences2d) {
   for (const double size : {0.15, 0.01})
-    expect_all_regions(compare_mohr_coulomb<2>(law<2>(0.1 * size * M), size, 2000));
-  expect_all_regions(compare_mohr_coulomb<2>(law<2>(0), 0.05, 2000));
+    expect_all_faces(compare<2>(law<2>(0.1 * size * M), size, 2000));
+  expect_all_faces(compare<2>(law<2>(0), 0.05, 2000));
 }
 
 TEST_P(MohrCoulombTangent, MatchesDifferences3d) {
-  expect_all_regions(compare_mohr_coulomb<3>(law<3>(0.1 * 0.15 * M), 0.15, 3000));
-  expect_all_regions(compare_mohr_coulomb<3>(law<3>(0), 0.05, 3000));
+  expect_all_faces(compare<3>(law<3>(0.1 * 0.15 * M), 0.15, 3000));
+  expect_all_faces(compare<3>(law<3>(0), 0.05, 3000));
 }
 
 TEST_P(MohrCoulombTangent, MatchesDifferencesAtTinyStrain) {
-  compare_mohr_coulomb<2>(law<2>(0), 1e-9, 500);
-  compare_mohr_coulomb<3>(law<3>(0), 1e-9, 200);
+  compare<2>(law<2>(0), 1e-9, 500);
+  compare<3>(law<3>(0), 1e-9, 200);
 }
 
 /// Axisymmetric trial states: the equal pair must land on an edge with zero shear factor.
@@ -174,21 +123,37 @@ TEST_P(MohrCoulombTangent, MatchesDifferencesAtEqualTrialValues) {
     state_n.e = compose<3>({odd, pair, pair}, random.rotation<3>());
     const MohrCoulomb<3> solid = law<3>(0);
     const Matrix<3> H = Matrix<3>::Zero();
-    const int edge = static_cast<int>(side > 0 ? YieldRegion::edge_23 : YieldRegion::edge_12);
-    ASSERT_EQ(region_of<3>(solid, H, state_n), edge);
+    const int edge = static_cast<int>(side > 0 ? YieldFace::edge_23 : YieldFace::edge_12);
+    ASSERT_EQ(face_of<3>(solid, H, state_n), edge);
     const Tangent<3> A_num = difference_tangent<3>(solid, H, state_n, 1e-6);
     EXPECT_LT((tangent<3>(solid, H, state_n) - A_num).cwiseAbs().maxCoeff(), tolerance);
 
     MaterialState<2> plane_state;  // the pair in the plane, the odd one out of it
     plane_state.e << pair, pair, odd, 0;
     const MohrCoulomb<2> plane_law = law<2>(0);
-    ASSERT_EQ(region_of<2>(plane_law, Matrix<2>::Zero(), plane_state), edge);
+    ASSERT_EQ(face_of<2>(plane_law, Matrix<2>::Zero(), plane_state), edge);
     const Tangent<2> A2_num =
         difference_tangent<2>(plane_law, Matrix<2>::Zero(), plane_state, 1e-6);
     EXPECT_LT(
         (tangent<2>(plane_law, Matrix<2>::Zero(), plane_state) - A2_num).cwiseAbs().maxCoeff(),
         tolerance);
   }
+}
+
+/// Elastic, plane and both edges must all have been met.
+void expect_tresca_faces(std::map<int, int> count) {
+  for (int face = -1; face <= 2; ++face) EXPECT_GE(count[face], 5) << face;
+  EXPECT_EQ(count[static_cast<int>(YieldFace::apex)], 0);
+}
+
+TEST(TrescaTangent, MatchesDifferencesAndIsSymmetric) {
+  for (const double size : {0.15, 1e-3}) {
+    const TrescaParameters clay{lambda, mu, 0.1 * size * M};
+    expect_tresca_faces(compare<2>(Tresca<2>(clay), size, 2000));
+    expect_tresca_faces(compare<3>(Tresca<3>(clay), size, 2000));
+  }
+  compare<2>(Tresca<2>({lambda, mu, 1e-10 * M}), 1e-9, 200);
+  compare<3>(Tresca<3>({lambda, mu, 1e-10 * M}), 1e-9, 200);
 }
 
 INSTANTIATE_TEST_SUITE_P(Angles, MohrCoulombTangent,

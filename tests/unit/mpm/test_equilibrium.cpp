@@ -33,6 +33,7 @@ struct Balance {
   void squeeze(double squeeze) {
     for (auto& history : soil.points.history) history.e.template head<3>().setConstant(-squeeze);
   }
+  bool with_inertia = true;
   double same_strain = 0;  ///< 0: every evaluation computes the stresses anew
   void start(const std::vector<mpm::WallSettings>& wall_settings = {}) {
     soil.to_grid();
@@ -54,6 +55,8 @@ struct Balance {
                                                       1.0 / 3,
                                                       same_strain,
                                                       0.1,
+                                                      with_inertia,
+                                                      {},
                                                       ghost ? &*ghost : nullptr};
     equilibrium.emplace(parts);
     std::vector<std::int32_t> offsets, nodes;
@@ -192,6 +195,23 @@ TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
       column[i * dim + blocked] = 0;
       EXPECT_EQ(column.norm(), 0);
     }
+  });
+}
+
+/// Without inertia the residual is weight minus internal force, whatever the points' motion is.
+TEST(EquilibriumTangent, quasi_static) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    balance.squeeze(0.05);
+    balance.with_inertia = false;
+    balance.start({{"bottom", true, "here"}});
+    const Eigen::VectorXd du = balance.random_du(0.01);
+    EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
+    const Eigen::VectorXd moving = balance.residual(du);
+    for (auto& v : balance.soil.points.v) v.setZero();
+    for (auto& a : balance.soil.points.a) a.setZero();
+    balance.start({{"bottom", true, "here"}});
+    EXPECT_EQ(moving, balance.residual(du)) << name(type);
   });
 }
 

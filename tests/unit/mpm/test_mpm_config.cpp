@@ -117,6 +117,8 @@ TEST(MpmConfig, small_cuts) {
   expect_error(json, {"/small_cuts/ghost_factor", "ghost"});
   json["small_cuts"] = {{"method", "mass_cutoff"}, {"mass_share", 0.1}};
   expect_error(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
+  json["small_cuts"] = {{"method", "ghost"}, {"mass_share", 1e-4}};
+  expect_error(json, {"/small_cuts/mass_share", "mass_cutoff", "quasi_static"});
   json["small_cuts"] = {{"factor", 1}};
   expect_error(json, {"/small_cuts/factor", "unknown"});
 }
@@ -225,6 +227,22 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   make_mpm_solver(scene, in, comm(), "", &alone);
   EXPECT_EQ(alone.time.dt, 0.1);
   EXPECT_EQ(alone.output_interval, 0.5);
+}
+
+TEST(MpmConfig, what_has_no_meaning_without_inertia) {
+  Json json = valid();
+  json["analysis"] = "static";
+  expect_error(json, {"/analysis", "\"static\"", "dynamic, quasi_static"});
+  json["analysis"] = "quasi_static";
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"] = {{"scheme", "newmark"}};
+  expect_error(json, {"/time_integration", "no meaning", "quasi_static"});
+  json.erase("time_integration");
+  json["transfer"] = {{"pic_share", 0.1}};
+  expect_error(json, {"/transfer", "no meaning", "quasi_static"});
+  json.erase("transfer");
+  json["bodies"][0]["velocity"] = {0, 1};
+  expect_error(json, {"/bodies/0/velocity", "zero", "quasi_static"});
 }
 
 TEST(MpmConfig, probe_columns) {

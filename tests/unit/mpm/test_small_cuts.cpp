@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <numeric>
 
 #include "mpm_solver/ghost_stiffness.hpp"
-#include "mpm_solver/small_cuts.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
@@ -200,33 +198,6 @@ TEST(GhostStiffness, condition_number_stays_bounded_while_a_point_is_swept_throu
   }
 }
 
-TEST(DropLightNodes, mass_moves_to_the_nearest_kept_node) {
-  SoilPatch<2> soil(CellType::quad4, 4);
-  soil.fill(4);
-  for (auto& x : soil.points.x) x = Vector<2>(0.5 * x[0], 0.5 * x[1]);
-  soil.add({0.62, 0.5 + 1e-7});  // only just in the cell above the soil, nodes at y = 0.75
-  soil.to_grid();
-  const std::int32_t before = soil.nodes.size();
-  const double mass = std::accumulate(soil.nodes.m.begin(), soil.nodes.m.end(), 0.0);
-  const std::int32_t kept_wall[] = {18};  // (0.75, 0.75)
-  EXPECT_EQ(drop_light_nodes(comm(), soil.grid, soil.weights, 1e-4, kept_wall, soil.nodes), 1);
-  points_to_grid(comm(), soil.points, soil.weights, soil.nodes);
-  EXPECT_EQ(soil.nodes.size(), before - 1);
-  EXPECT_NEAR(std::accumulate(soil.nodes.m.begin(), soil.nodes.m.end(), 0.0), mass, 1e-13 * mass);
-  EXPECT_EQ(soil.nodes.active[17], soil.nodes.active[12]);  // (0.5, 0.75) follows (0.5, 0.5)
-  EXPECT_NE(soil.nodes.active[18], soil.nodes.active[13]);
-}
-
-/// Light bodies beside a heavy one are solved for, however light.
-TEST(DropLightNodes, a_body_of_light_nodes_stays) {
-  SoilPatch<2> soil(CellType::quad4, 4);
-  soil.add({0.1, 0.1});
-  soil.add({0.9, 0.9});
-  soil.points.m.back() = 1e-9;
-  soil.to_grid();
-  EXPECT_EQ(drop_light_nodes(comm(), soil.grid, soil.weights, 1e-4, {}, soil.nodes), 0);
-}
-
 /// Two blocks that meet obliquely across cells.
 Json cut_collision(const Json& small_cuts) {
   const Json soft = elastic_soil("neo_hookean", 1e3, 0.2, 1);
@@ -255,9 +226,7 @@ TEST(SmallCuts, every_method_conserves_momentum_and_makes_no_energy) {
     if (summary.contains("facets")) {
       EXPECT_GT(summary.at("facets"), 100);
     }
-    if (summary.contains("dropped_nodes")) {
-      EXPECT_GT(summary.at("dropped_nodes"), 10);
-    }
+    EXPECT_EQ(solver->summary().at("joined_nodes") > 10, summary.at("method") == "mass_cutoff");
   }
 }
 

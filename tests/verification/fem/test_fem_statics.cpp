@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
 #include "tests/support/convergence_rate.hpp"
+#include "tests/support/verification_row.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
 namespace gabion::test {
@@ -58,15 +60,22 @@ void elastica(double alpha, double down, double inward) {
   const Refinement horizontal(tips[0].inward, tips[1].inward, tips[2].inward);
   EXPECT_NEAR(vertical.order, 2, 0.2);
   EXPECT_NEAR(horizontal.order, 2, 0.2);
-  EXPECT_NEAR(vertical.limit / length, down, 0.005 * down);
-  EXPECT_NEAR(horizontal.limit / length, inward, 0.01 * inward);
+  const auto row = [&](const std::string& what, double computed, double exact, double bound) {
+    verify({.id = "V6",
+            .what = fmt::format("elastica, alpha = {}, {} / L, h to 0, FEM quad4", alpha, what),
+            .exact = exact,
+            .computed = computed,
+            .bound = bound});
+  };
+  row("deflection", vertical.limit / length, down, 0.005);
+  row("shortening", horizontal.limit / length, inward, 0.01);
 }
 
-TEST(Cantilever, elastica_alpha_1) { elastica(1, 0.30172, 0.05643); }
-TEST(Cantilever, elastica_alpha_2) { elastica(2, 0.49346, 0.16064); }
+TEST(V6_Cantilever, elastica_alpha_1) { elastica(1, 0.30172, 0.05643); }
+TEST(V6_Cantilever, elastica_alpha_2) { elastica(2, 0.49346, 0.16064); }
 
 /// Small load in plane strain: P L^3 / 3 E' I with E' = E / (1 - nu^2).
-TEST(Cantilever, plane_strain_stiffness) {
+TEST(V6_Cantilever, plane_strain_stiffness) {
   const double nu = 0.3, force = 1e-3;
   const double inertia = std::pow(thickness, 3) / 12;
   const double exact = force * std::pow(length, 3) * (1 - nu * nu) / (3 * E * inertia);
@@ -76,7 +85,12 @@ TEST(Cantilever, plane_strain_stiffness) {
   }
   const Refinement bending(tips[0], tips[1], tips[2]);
   EXPECT_NEAR(bending.order, 2, 0.25);
-  EXPECT_NEAR(bending.limit, exact, 0.005 * exact);
+  verify({.id = "V6",
+          .what = "small deflection in plane strain, nu = 0.3, h to 0, FEM quad4",
+          .exact = exact,
+          .computed = bending.limit,
+          .bound = 0.005,
+          .unit = "m"});
 }
 
 constexpr double rho = 1000, g = 9.81, height = 2;
@@ -94,16 +108,21 @@ Json column_2d(const std::string& type, int across, int along) {
 
 /// A column under its weight without lateral strain: u(y) = -rho g (h y - y^2 / 2) / E, exact at the
 /// nodes of quad4.
-TEST(Column, own_weight_is_exact_at_the_nodes) {
+TEST(V2_Column, own_weight_is_exact_at_the_nodes) {
   const auto solver = fem_solver<2>(column_2d("quad4", 2, 8));
-  EXPECT_NEAR(probe(*solver, "top.uy"), -rho * g * height * height / (2 * E), 1e-12);
+  verify({.id = "V2",
+          .what = "settlement of a linear column, FEM quad4",
+          .exact = -rho * g * height * height / (2 * E),
+          .computed = probe(*solver, "top.uy"),
+          .bound = 1e-10,
+          .unit = "m"});
   EXPECT_NEAR(probe(*solver, "low.uy"), -rho * g * height * height * (0.25 - 1.0 / 32) / E, 1e-12);
   EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), rho * g * 0.4 * height, 1e-8);
   EXPECT_NEAR(probe(*solver, "reaction_bottom_x"), 0, 1e-8);
 }
 
 /// Triangles share the weight of a layer unevenly: second order instead of exactness.
-TEST(Column, triangles_converge_and_carry_the_weight) {
+TEST(V2_Column, triangles_converge_and_carry_the_weight) {
   std::vector<double> sizes, errors;
   for (const int n : {1, 2, 4}) {
     const auto solver = fem_solver<2>(column_2d("tri3", 2 * n, 8 * n));
@@ -114,10 +133,15 @@ TEST(Column, triangles_converge_and_carry_the_weight) {
         std::abs(probe(*solver, "low.uy") +
                  rho * g * height * height * (0.25 - 1.0 / 32) / E));
   }
-  EXPECT_GT(last_rate(sizes, errors), 1.7);
+  verify({.id = "V2",
+          .what = "order of displacement in h, linear column, FEM tri3",
+          .exact = 2,
+          .computed = last_rate(sizes, errors),
+          .measure = Measure::order,
+          .bound = 1.7});
 }
 
-TEST(Column, own_weight_in_3d) {
+TEST(V2_Column, own_weight_in_3d) {
   for (const std::string type : {"hex8", "tet4"}) {
     const Json json = {{"dimension", 3},
                        {"mesh", box_3d({0.4, 0.4, height}, {1, 1, 6}, type)},
@@ -128,7 +152,12 @@ TEST(Column, own_weight_in_3d) {
                        {"probes", {{{"name", "top"}, {"point", {0.4, 0.4, height}}}}}};
     const auto solver = fem_solver<3>(json);
     run_steps(*solver, 1, 1);
-    EXPECT_NEAR(probe(*solver, "reaction_bottom_z"), rho * g * 0.16 * height, 1e-8) << type;
+    verify({.id = "V2",
+            .what = "reaction below a linear column, FEM " + type,
+            .exact = rho * g * 0.16 * height,
+            .computed = probe(*solver, "reaction_bottom_z"),
+            .bound = 1e-11,
+            .unit = "N"});
     if (type == "hex8") {
       EXPECT_NEAR(probe(*solver, "top.uz"), -rho * g * height * height / (2 * E), 1e-12);
     }
@@ -137,7 +166,7 @@ TEST(Column, own_weight_in_3d) {
 
 /// Uniaxial strain to a stretch of 0.75, Hencky elastic with nu = 0: force per area of the
 /// reference face = Kirchhoff stress / stretch = E ln(0.75) / 0.75.
-TEST(Column, large_compression) {
+TEST(V19_Compression, to_three_quarters) {
   const Json json = {{"dimension", 2},
                      {"mesh", box_2d({1, 1}, {3, 3})},
                      {"material", elastic("hencky_elastic", E, 0, 1)},
@@ -149,7 +178,12 @@ TEST(Column, large_compression) {
                      {"prescribed", {{{"group", "top"}, {"component", "y"}, {"rate", -0.25}}}}};
   const auto solver = fem_solver<2>(json);
   run_steps(*solver, 0.25, 4);
-  EXPECT_NEAR(probe(*solver, "reaction_bottom_y"), -E * std::log(0.75) / 0.75, 1e-8 * E);
+  verify({.id = "V19",
+          .what = "force at a stretch of 0.75, sides held, Hencky, FEM quad4",
+          .exact = -E * std::log(0.75) / 0.75,
+          .computed = probe(*solver, "reaction_bottom_y"),
+          .bound = 1e-8,
+          .unit = "N/m"});
 }
 
 }  // namespace

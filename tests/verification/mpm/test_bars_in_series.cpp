@@ -6,6 +6,7 @@
 
 #include "coupler/coupling_loop.hpp"
 #include "fem_solver/fem_solver.hpp"
+#include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {
@@ -122,13 +123,19 @@ Pressed press(const std::string& type, int steps, const std::string& acceleratio
   return result;
 }
 
-TEST(BarsInSeries, force_is_that_of_three_springs) {
+TEST(V20_BarsInSeries, force_is_that_of_three_springs) {
   const double M1 = E1 * (1 - nu1) / ((1 + nu1) * (1 - 2 * nu1));
   const double F = total / (L1 / (M1 * A) + L2 / (E2 * A) + 1 / (eps * A));
   for (const std::string type : {"quad4", "tri3"}) {
     for (const int steps : {1, 4}) {
       const Pressed pressed = press(type, steps, "iqn_ils");
-      EXPECT_NEAR(pressed.force[0], F, 1e-7 * F) << type << ", " << steps << " steps";
+      verify({.id = "V20",
+              .what = "force on bars in series, MPM " + type + " and FEM, " +
+                      std::to_string(steps) + (steps == 1 ? " step" : " steps"),
+              .exact = F,
+              .computed = pressed.force[0],
+              .bound = 1e-7,
+              .unit = "N/m"});
       EXPECT_NEAR(pressed.force[1], 0, 1e-6 * F);
       EXPECT_NEAR(pressed.displacement, -total + F * L2 / (E2 * A), 1e-6 * total);
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/support/convergence_rate.hpp"
+#include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {
@@ -96,9 +97,18 @@ void check_columns(const std::vector<std::string>& types) {
   const Column settled{.g = 10}, hardly_strained{.g = 0.1};  // q = 1e-2 and 1e-4
   for (const std::string& type : types) {
     const ColumnErrors coarse = settle<dim>(type, 8, settled);
-    EXPECT_LT(coarse.settlement, 0.012) << type;
-    EXPECT_LT(coarse.base_stress, 0.01) << type;
-    EXPECT_LT(coarse.stress, 0.055) << type;  // one value a cell: 0.29 h / L and a lumped end
+    const auto row = [&](const std::string& what, double error, double bound) {
+      verify({.id = "V2",
+              .what = what + ", 8 cells, MPM " + type,
+              .exact = 0,
+              .computed = error,
+              .measure = Measure::absolute_error,
+              .bound = bound});
+    };
+    row("relative error of settlement at 1 % strain", coarse.settlement, 0.012);
+    row("relative error of base stress at 1 % strain", coarse.base_stress, 0.01);
+    // one value a cell: 0.29 h / L and a lumped end
+    row("largest stress error by rho g L at 1 % strain", coarse.stress, 0.055);
     std::vector<double> sizes, errors;
     for (const int cells : {4, 8, 16}) {
       const ColumnErrors fine = settle<dim>(type, cells, hardly_strained);
@@ -107,15 +117,20 @@ void check_columns(const std::vector<std::string>& types) {
       errors.push_back(fine.settlement);
     }
     EXPECT_LT(errors.back(), 1.5e-3) << type;
-    EXPECT_GT(last_rate(sizes, errors), 1.7) << type;
+    verify({.id = "V2",
+            .what = "order of settlement in h at 0.01 % strain, MPM " + type,
+            .exact = 2,
+            .computed = last_rate(sizes, errors),
+            .measure = Measure::order,
+            .bound = 1.7});
   }
 }
 
-TEST(SelfWeight, column_in_plane_strain) {
+TEST(V2_SelfWeight, column_in_plane_strain) {
   check_columns<2>({"quad4", "tri3"});
 }
 
-TEST(SelfWeight, column_in_3d) {
+TEST(V2_SelfWeight, column_in_3d) {
   check_columns<3>({"hex8", "tet4"});
 }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/mechanics/materials/mohr_coulomb_return.hpp"
+#include "common/mechanics/materials/stress_update.hpp"
+
+namespace gabion {
+
+struct MohrCoulombParameters {
+  double lambda = 0;          ///< [Pa]
+  double mu = 0;              ///< [Pa]
+  double friction_angle = 0;  ///< phi [rad], 0 < phi < pi/2
+  double dilation_angle = 0;  ///< psi [rad], 0 <= psi <= phi
+  double cohesion = 0;        ///< c [Pa], >= 0
+};
+
+/// Hencky elasticity with non-associated Mohr-Coulomb plasticity in principal Kirchhoff stresses,
+/// tension positive: f = k t1 - t3 - 2 c sqrt(k), k = (1 + sin phi) / (1 - sin phi).
+template <int dim>
+class MohrCoulomb {
+ public:
+  explicit MohrCoulomb(const MohrCoulombParameters& parameters);
+  MohrCoulomb(double lambda, double mu, double friction_angle, double dilation_angle,
+              double cohesion)
+      : MohrCoulomb(MohrCoulombParameters{lambda, mu, friction_angle, dilation_angle, cohesion}) {}
+
+  bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
+              Tangent<dim>* A) const;
+  bool symmetric_tangent() const {
+    return parameters_.dilation_angle == parameters_.friction_angle;
+  }
+  double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
+  double shear_modulus() const { return parameters_.mu; }
+
+  const MohrCoulombParameters& parameters() const { return parameters_; }
+  const PrincipalMohrCoulomb& principal() const { return principal_; }
+
+ private:
+  MohrCoulombParameters parameters_;
+  PrincipalMohrCoulomb principal_;
+};
+
+}  // namespace gabion

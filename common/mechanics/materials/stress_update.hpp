@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+
+#include "common/mechanics/tensor.hpp"
+
+namespace gabion {
+
+/// History of one material point. Finite-strain laws keep e = b_e - 1 (b_e elastic left
+/// Cauchy-Green tensor), which resolves strains far below 1e-8; the small-strain law keeps the
+/// accumulated strain in `e`.
+template <int dim>
+struct MaterialState {
+  Symmetric<dim> e = Symmetric<dim>::Zero();
+  double plastic_strain = 0;  ///< accumulated norm of the plastic Hencky strain increments
+};
+
+/// What holds a point at the end of a step.
+enum class YieldRegion {
+  elastic,
+  shear,              ///< friction and cohesion: planes and edges, or the cone
+  tension,            ///< one or two principal stresses at the tension cut-off
+  shear_and_tension,  ///< both at once
+  apex                ///< the isotropic tension that the material can bear
+};
+
+/// Word for tables and log lines, such as "shear and tension".
+constexpr std::string_view region_name(YieldRegion region) {
+  switch (region) {
+    case YieldRegion::shear:
+      return "shear";
+    case YieldRegion::tension:
+      return "tension";
+    case YieldRegion::shear_and_tension:
+      return "shear and tension";
+    case YieldRegion::apex:
+      return "apex";
+    default:
+      return "elastic";
+  }
+}
+
+/// Result of one stress update.
+template <int dim>
+struct StressUpdate {
+  /// First Piola-Kirchhoff stress with respect to the configuration of `state_n`, per unit of the
+  /// volume in which the material is free of stress: P = tau (1 + H)^-T  [Pa].
+  Matrix<dim> P;
+  Symmetric<dim> tau;  ///< Kirchhoff stress [Pa]
+  MaterialState<dim> state;
+  double J = 1;       ///< det(1 + H), volume ratio of this step
+  double energy = 0;  ///< elastic energy per unit of stress-free volume [J/m^3]
+  YieldRegion region = YieldRegion::elastic;
+
+  bool plastic() const { return region != YieldRegion::elastic; }
+};
+
+// Contract of a material law (a value: parameters and one const update):
+//
+//   /// @param H        displacement gradient of the step, du_i / dX_J, X at state_n
+//   /// @param state_n  accepted history
+//   /// @param out      filled
+//   /// @param A        null, or filled with the exact consistent dP/dH
+//   /// @returns false when det(1 + H) <= 0 (out is then undefined)
+//   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
+//               Tangent<dim>* A) const;
+//   bool symmetric_tangent() const;      // A(iJ,kL) == A(kL,iJ) for every state
+//   double p_wave_modulus() const;       // M = lambda + 2 mu at zero strain [Pa]
+//   double shear_modulus() const;        // mu at zero strain [Pa]
+//
+// For a total Lagrangian solver state_n is the virgin state and H the total displacement gradient.
+
+}  // namespace gabion

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/mechanics/materials/mohr_coulomb_return.hpp"
+#include "common/mechanics/materials/stress_update.hpp"
+
+namespace gabion {
+
+struct TrescaParameters {
+  double lambda = 0;    ///< [Pa]
+  double mu = 0;        ///< [Pa]
+  double cohesion = 0;  ///< undrained shear strength c [Pa], > 0
+};
+
+/// Hencky elasticity with associated Tresca plasticity in principal Kirchhoff stresses:
+/// f = t1 - t3 - 2 c. Plastic flow is isochoric and there is no apex.
+template <int dim>
+class Tresca {
+ public:
+  explicit Tresca(const TrescaParameters& parameters)
+      : parameters_(parameters),
+        principal_{parameters.lambda, parameters.mu, 1, 1, 2 * parameters.cohesion} {}
+
+  bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
+              Tangent<dim>* A) const;
+  bool symmetric_tangent() const { return true; }
+  double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
+  double shear_modulus() const { return parameters_.mu; }
+
+  const TrescaParameters& parameters() const { return parameters_; }
+  const PrincipalMohrCoulomb& principal() const { return principal_; }
+
+ private:
+  TrescaParameters parameters_;
+  PrincipalMohrCoulomb principal_;
+};
+
+}  // namespace gabion

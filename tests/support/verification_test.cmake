@@ -1,0 +1,20 @@
+# gabion_verification(name LIBS lib... SOURCES file... [LONG] [TIMEOUT 120]): a program of verification
+# problems. scripts/verify runs all of them; CTest runs those that are not LONG.
+include_guard(GLOBAL)
+include(${CMAKE_SOURCE_DIR}/tests/support/mpi_test.cmake)
+
+function(gabion_verification name)
+  cmake_parse_arguments(arg "LONG" "TIMEOUT" "LIBS;SOURCES" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  if(arg_LONG)
+    add_executable(${name} ${arg_SOURCES})
+    target_link_libraries(${name} PRIVATE ${arg_LIBS} gabion_test_support)
+  else()
+    gabion_mpi_test(${name} NUM_RANKS 1 LIBS ${arg_LIBS} LABEL verification TIMEOUT ${arg_TIMEOUT}
+                    SOURCES ${arg_SOURCES})
+  endif()
+  add_dependencies(verification ${name})
+  set_property(GLOBAL APPEND PROPERTY gabion_verification_programs $<TARGET_FILE:${name}>)
+endfunction()

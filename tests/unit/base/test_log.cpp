@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "common/base/log.hpp"
+
+namespace gabion {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  fs::remove(path);  // the name; the sink lives as long as the process
+  return lines;
+}
+
+TEST(Log, lines_of_the_file_carry_time_prefix_and_level_once) {
+  const fs::path path =
+      fs::temp_directory_path() / ("gabion_log_" + std::to_string(getpid()) + ".log");
+  log::start("cpl", log::Level::info, true);
+  log::also_to_file(path.string());
+  log::info("step {}", 1);
+  log::debug("not shown");
+  log::warn("dt cut");
+  log::error("lost");
+  const auto lines = lines_of(path);
+  ASSERT_EQ(lines.size(), 3u);
+  const std::string time = R"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3} )";
+  EXPECT_TRUE(std::regex_match(lines[0], std::regex(time + R"(\[cpl\] step 1)"))) << lines[0];
+  EXPECT_TRUE(std::regex_match(lines[1], std::regex(time + R"(\[cpl\] warning: dt cut)")))
+      << lines[1];
+  EXPECT_TRUE(std::regex_match(lines[2], std::regex(time + R"(\[cpl\] error: lost)"))) << lines[2];
+}
+
+}  // namespace
+}  // namespace gabion

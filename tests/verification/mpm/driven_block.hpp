@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mpm_solver/internal_forces.hpp"
+#include "tests/unit/mpm/soil_patch.hpp"
+
+namespace gabion::test {
+
+/// Material points in a unit box whose grid nodes are moved as a test says, without inertia.
+template <int dim>
+struct DrivenBlock {
+  SoilPatch<dim> soil;
+  std::vector<double> f_int;  ///< of the last move, active nodes x dim [N]
+
+  /// @param low, high  corners of the body, laid out with `cells` cells in each direction
+  DrivenBlock(CellType type, int grid_cells, const MaterialLaw<dim>& law, const Vector<dim>& low,
+              const Vector<dim>& high, int cells, int points_per_cell)
+      : soil(type, grid_cells), cell_size_(1.0 / grid_cells) {
+    soil.bodies = {{"block", {"", 1, law}}};
+    const auto count = Eigen::Matrix<int, dim, 1>::Constant(cells);
+    lay_points<dim>({box_mesh<dim>(low, high, count, type), points_per_cell, Vector<dim>::Zero()},
+                    1, 0, 0, 1, soil.points);
+  }
+
+  /// One step in which each node moves by H (x - centre).
+  void move(const Matrix<dim>& H, const Vector<dim>& centre) {
+    soil.to_grid();
+    mpm::NodalMotion<dim> motion;
+    std::vector<double> du;
+    for (std::int32_t i = 0; i < soil.nodes.size(); ++i) {
+      motion.du.push_back(H * (soil.node(i) - centre));
+      du.insert(du.end(), motion.du.back().data(), motion.du.back().data() + dim);
+    }
+    motion.v_new.assign(motion.du.size(), Vector<dim>::Zero());
+    motion.a_new = motion.v_new;
+    mpm::TrialPoints<dim> trial;
+    mpm::InternalForces<dim> internal(
+        {soil.grid, soil.bodies, soil.points, soil.weights, soil.nodes, trial}, cell_size_, 0);
+    std::int32_t worst = -1;
+    require(internal.evaluate(du, nullptr, worst), "driven block: inadmissible move");
+    internal.finish(du);
+    f_int = internal.forces();
+    grid_to_points(soil.nodes, motion, soil.weights, 0, soil.points);
+    accept(trial);
+  }
+
+ private:
+  void accept(const mpm::TrialPoints<dim>& trial) {
+    for (std::int32_t e = 0; e < soil.points.size(); ++e) {
+      const std::int32_t p = soil.weights.point[e];
+      soil.points.history[p] = trial.history[e];
+      soil.points.tau[p] = trial.tau[e];
+      soil.points.energy[p] = trial.energy[e];
+      soil.points.J[p] *= trial.J_ratio[e];
+    }
+  }
+
+  double cell_size_;
+};
+
+}  // namespace gabion::test
