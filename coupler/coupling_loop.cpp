@@ -36,7 +36,7 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
   for (const ParticipantRole& entry : settings_.participants) {
     Solver& solver = find_solver(participants, entry.name);
     meshes[entry.name] = solver.interfaces();
-    (entry.sends_force ? soils_ : structures_).push_back({entry.name, solver, {}, false, false});
+    (entry.sends_force ? soils_ : structures_).emplace_back(entry.name, solver);
   }
   map_ = std::make_unique<InterfaceMap>(settings_.interfaces, meshes, settings_.coupling.mapping);
   record_ = std::make_unique<CouplingRecord>(files_, map_->dim());
@@ -65,10 +65,10 @@ void CouplingLoop::run_steps() {
   std::vector<std::string> probe_names;
   std::vector<double> probes;
   for (Side* side : sides()) {
-    for (const auto& name : side->solver.probe_names()) {
-      probe_names.push_back(side->name + "." + name);
+    for (const auto& name : side->solver().probe_names()) {
+      probe_names.push_back(side->name() + "." + name);
     }
-    const std::vector<double> values = side->solver.probes();
+    const std::vector<double> values = side->solver().probes();
     probes.insert(probes.end(), values.begin(), values.end());
   }
   record_->start(probe_names);
@@ -82,6 +82,7 @@ void CouplingLoop::run_steps() {
 void CouplingLoop::advance() {
   const Stopwatch watch;
   const int cuts_before = steps_.cuts();
+  for (Side* side : sides()) side->begin_step();
   for (;;) {
     const Attempt attempt = try_step({steps_.step(), 0, steps_.time(), steps_.dt()});
     if (attempt.failure.empty()) return accept(attempt, steps_.cuts() - cuts_before, watch);
@@ -104,6 +105,7 @@ CouplingLoop::Attempt CouplingLoop::try_step(const StepRequest& request) {
 /// The method: x is the displacement of the structures' wet surfaces.
 CouplingLoop::Attempt CouplingLoop::iterate(StepRequest request) {
   Attempt now;
+  for (Side* side : sides()) side->begin_solution();
   acceleration_->begin_step();
   convergence_.begin_step();
   now.x = predictor_.predict(request.time + request.dt);
@@ -137,19 +139,20 @@ CouplingLoop::Attempt CouplingLoop::iterate(StepRequest request) {
 void CouplingLoop::solve_soils(Attempt& now) {
   const Stopwatch watch;
   now.force = Eigen::VectorXd::Zero(map_->size());
+  now.soil_forces.clear();
   now.row.soil = {};
   now.row.soil_newton = 0;
   for (Side& soil : soils_) {
-    const ScopedTimer timer(phases_, soil.name);
-    const InterfaceValues displacement = map_->soil_displacement(soil.name, now.x);
+    const ScopedTimer timer(phases_, soil.name());
+    const InterfaceValues displacement = map_->soil_displacement(soil.name(), now.x);
     InterfaceValues sent;
-    soil.report = soil.solver.solve_step(now.row.request, displacement, sent);
-    soil.solved = true;
-    map_->add_soil_force(soil.name, sent, now.force);
-    const Resultant resultant = map_->soil_resultant(soil.name, displacement, sent);
+    soil.solve(now.row.request, displacement, sent);
+    map_->add_soil_force(soil.name(), sent, now.force);
+    const Resultant resultant = map_->soil_resultant(soil.name(), displacement, sent);
     now.row.soil.force += resultant.force;
     now.row.soil.moment += resultant.moment;
-    now.row.soil_newton += soil.report.newton_iterations;
+    now.row.soil_newton += soil.report().newton_iterations;
+    now.soil_forces.push_back(std::move(sent));
   }
   now.row.structure = map_->structure_resultant(now.x, now.force);
   now.soil_newton += now.row.soil_newton;
@@ -161,15 +164,15 @@ void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
   now.x_tilde = accepted_x_;
   now.row.structure_newton = 0;
   for (Side& structure : structures_) {
-    structure.report = {};
-    structure.solved = !(may_sleep && structure.may_sleep);
-    if (!structure.solved) continue;
-    const ScopedTimer timer(phases_, structure.name);
+    if (may_sleep && structure.may_sleep) {
+      structure.skip();
+      continue;
+    }
+    const ScopedTimer timer(phases_, structure.name());
     InterfaceValues sent;
-    structure.report = structure.solver.solve_step(
-        now.row.request, map_->structure_values(structure.name, now.force), sent);
-    map_->put_structure_values(structure.name, sent, now.x_tilde);
-    now.row.structure_newton += structure.report.newton_iterations;
+    structure.solve(now.row.request, map_->structure_values(structure.name(), now.force), sent);
+    map_->put_structure_values(structure.name(), sent, now.x_tilde);
+    now.row.structure_newton += structure.report().newton_iterations;
   }
   now.structure_newton += now.row.structure_newton;
   now.row.structure_seconds = watch.seconds();
@@ -177,7 +180,7 @@ void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
 
 bool CouplingLoop::contact_possible(const Attempt& now) const {
   const bool active = std::any_of(soils_.begin(), soils_.end(),
-                                  [](const Side& soil) { return soil.report.interface_active; });
+                                  [](const Side& soil) { return soil.report().interface_active; });
   require(active || now.force.isZero(0),
           fmt::format("step {}: the soil sends a force (largest component {} N) and says that its "
                       "interfaces are not active",
@@ -190,7 +193,7 @@ void CouplingLoop::check_one_pass(Attempt& now) const {
   if (now.row.state.verdict == Verdict::not_finite) now.failure = "values are not finite";
   if (now.status != "inactive") return;
   const bool slept = std::any_of(structures_.begin(), structures_.end(),
-                                 [](const Side& structure) { return !structure.solved; });
+                                 [](const Side& structure) { return !structure.solved(); });
   now.skipped = slept ? "structure" : "acceleration";
 }
 
@@ -234,7 +237,7 @@ std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& propo
   const ScopedTimer timer(phases_, "accept");
   std::vector<double> probes;
   for (Side* side : sides()) {
-    const AcceptReport report = side->solver.accept_step(now.row.request, side->solved);
+    const AcceptReport report = side->accept(now.row.request);
     probes.insert(probes.end(), report.probes.begin(), report.probes.end());
     if (report.proposed_dt > 0) {
       proposed_dt =
@@ -243,7 +246,7 @@ std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& propo
     side->may_sleep = report.at_rest;
   }
   for (Side& structure : structures_) {
-    for (const auto& [name, values] : map_->structure_values(structure.name, now.force)) {
+    for (const auto& [name, values] : map_->structure_values(structure.name(), now.force)) {
       const bool zero = std::all_of(values.begin(), values.end(), [](double f) { return f == 0; });
       structure.may_sleep = structure.may_sleep && zero;
     }
@@ -262,14 +265,18 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   steps_.accept(proposed_dt);
   predictor_.accept(steps_.time(), accepted_x_);
 
-  StepRow row{now.row,        steps_.time(),   now.row.request.iteration + 1, now.status,
-              now.skipped,    now.soil_newton, now.structure_newton,          cuts,
-              Json::object(), watch.seconds()};
-  for (const Side* side : sides()) {
-    for (const auto& item : side->report.details.items()) {
-      row.details[side->name + "." + item.key()] = item.value();
-    }
-  }
+  StepRow row;
+  row.last = now.row;
+  row.time = steps_.time();
+  row.iterations = now.row.request.iteration + 1;
+  row.status = now.status;
+  row.skipped = now.skipped;
+  row.soil_newton = now.soil_newton;
+  row.structure_newton = now.structure_newton;
+  row.cuts = cuts;
+  add_work(now, row);
+  row.wall_seconds = watch.seconds();
+  for (const Side* side : sides()) side->add_details(row.wall_seconds, row.details);
   record_->step(row);
   record_->probes(row.time, probes);
   counts_.add_step(row.iterations, now.skipped == "none");
@@ -279,8 +286,23 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   if (clock_.due(row.time)) write_output();
 }
 
+void CouplingLoop::add_work(const Attempt& now, StepRow& row) {
+  std::vector<double> u, f;
+  for (std::size_t k = 0; k < soils_.size(); ++k) {
+    for (const auto& [name, values] : map_->soil_displacement(soils_[k].name(), now.x)) {
+      const std::vector<double>& force = now.soil_forces[k].at(name);
+      u.insert(u.end(), values.begin(), values.end());
+      f.insert(f.end(), force.begin(), force.end());
+    }
+  }
+  const auto size = static_cast<Eigen::Index>(u.size());
+  const Eigen::Map<const Eigen::VectorXd> soil_u(u.data(), size), soil_f(f.data(), size);
+  row.soil_work = soil_work_.accept(soil_u, -soil_f);
+  row.structure_work = structure_work_.accept(now.x_tilde, now.force);
+}
+
 void CouplingLoop::reject(const Attempt& now) {
-  for (Side* side : sides()) side->solver.reject_step();
+  for (Side* side : sides()) side->reject();
   acceleration_->discard_step();
   const StepRequest& request = now.row.request;
   if (settings_.coupling.on_limit == OnLimit::stop && !now.solver_failed) {
@@ -295,11 +317,11 @@ void CouplingLoop::reject(const Attempt& now) {
 void CouplingLoop::write_output() {
   if (written_ == steps_.time()) return;
   const ScopedTimer timer(phases_, "output");
-  for (Side* side : sides()) side->solver.write_output(steps_.time());
+  for (Side* side : sides()) side->solver().write_output(steps_.time());
   written_ = steps_.time();
 }
 
-std::vector<CouplingLoop::Side*> CouplingLoop::sides() {
+std::vector<Side*> CouplingLoop::sides() {
   std::vector<Side*> all;
   for (Side& soil : soils_) all.push_back(&soil);
   for (Side& structure : structures_) all.push_back(&structure);
@@ -308,7 +330,7 @@ std::vector<CouplingLoop::Side*> CouplingLoop::sides() {
 
 std::vector<StepReport> CouplingLoop::soil_reports() const {
   std::vector<StepReport> reports;
-  for (const Side& soil : soils_) reports.push_back(soil.report);
+  for (const Side& soil : soils_) reports.push_back(soil.report());
   return reports;
 }
 
@@ -328,7 +350,7 @@ Json CouplingLoop::summary(bool participants_answer) {
   result["wall_seconds"] = phases_.seconds();
   result["wall_seconds"]["total"] = watch_.seconds();
   if (!participants_answer) return result;
-  for (Side* side : sides()) result["participants"][side->name] = side->solver.summary();
+  for (Side* side : sides()) result["participants"][side->name()] = side->solver().summary();
   return result;
 }
 

@@ -17,7 +17,9 @@
 #include "coupler/coupling_counts.hpp"
 #include "coupler/coupling_record.hpp"
 #include "coupler/interface_map.hpp"
+#include "coupler/interface_work.hpp"
 #include "coupler/predictor.hpp"
+#include "coupler/side.hpp"
 
 namespace gabion {
 
@@ -41,19 +43,12 @@ class CouplingLoop {
   void run();
 
  private:
-  /// A participant and what became of it in the step under way.
-  struct Side {
-    std::string name;
-    Solver& solver;
-    StepReport report;       // of the last solution
-    bool solved = false;     // in the step under way
-    bool may_sleep = false;  // after the last accepted step: at rest, and no force was on it
-  };
   /// One try to solve a step; row.request is its last request.
   struct Attempt {
-    Eigen::VectorXd x;        // given to the soils
-    Eigen::VectorXd force;    // on the structures
-    Eigen::VectorXd x_tilde;  // answered by the structures
+    Eigen::VectorXd x;                         // given to the soils
+    Eigen::VectorXd force;                     // on the structures
+    Eigen::VectorXd x_tilde;                   // answered by the structures
+    std::vector<InterfaceValues> soil_forces;  // as each soil sent them
     IterationRow row;
     std::string status;
     std::string skipped = "none";
@@ -76,6 +71,7 @@ class CouplingLoop {
   void accept(const Attempt& now, int cuts, const Stopwatch& watch);
   std::vector<double> accept_sides(const Attempt& now, double& proposed_dt);
   void reject(const Attempt& now);
+  void add_work(const Attempt& now, StepRow& row);
   void write_output();
   std::vector<Side*> sides();
   std::vector<StepReport> soil_reports() const;
@@ -95,6 +91,8 @@ class CouplingLoop {
   RunRecord& files_;
   std::unique_ptr<CouplingRecord> record_;
   Eigen::VectorXd accepted_x_;
+  InterfaceWork soil_work_;
+  InterfaceWork structure_work_;
   double written_ = -1;  // [s] time of the last frame
 
   CouplingCounts counts_;

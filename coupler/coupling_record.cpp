@@ -87,7 +87,8 @@ void CouplingRecord::start_steps(const Json& details) {
       "step",          "time", "dt", "iterations", "status", "skipped", "displacement_residual",
       "force_residual"};
   append(columns, force_columns("f"));
-  append(columns, {"soil_newton", "structure_newton", "cuts"});
+  append(columns,
+         {"soil_work", "structure_work", "work_sum", "soil_newton", "structure_newton", "cuts"});
   append(columns, details_.names());
   columns.push_back("wall_seconds");
   files_.open_table("steps.csv", columns);
@@ -104,6 +105,9 @@ void CouplingRecord::step(const StepRow& row) {
                  row.last.state.displacement_residual,
                  optional_cell(row.last.state.force_residual)};
   append_force(cells, row.last.structure.force, dim_);
+  cells.emplace_back(row.soil_work);
+  cells.emplace_back(row.structure_work);
+  cells.emplace_back(row.soil_work + row.structure_work);
   cells.push_back(cell(row.soil_newton));
   cells.push_back(cell(row.structure_newton));
   cells.push_back(cell(row.cuts));

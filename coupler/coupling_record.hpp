@@ -35,6 +35,8 @@ struct StepRow {
   std::string skipped;  ///< none, acceleration, structure
   int soil_newton = 0;  ///< all iterations of the accepted solution
   int structure_newton = 0;
+  double soil_work = 0;       ///< [J] of the interface forces on the soils, in this step
+  double structure_work = 0;  ///< [J] on the structures
   int cuts = 0;
   Json details = Json::object();  ///< "participant.name": number
   double wall_seconds = 0;

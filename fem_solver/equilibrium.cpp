@@ -53,9 +53,12 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
 
 template <int dim>
 void Equilibrium<dim>::begin_step(const NodalMotion& motion_n, std::span<const double> f_ext,
-                                  double dt, bool with_inertia) {
+                                  std::span<const double> f_start, double dt, bool with_inertia) {
   motion_n_ = &motion_n;
   f_ext_.assign(f_ext.begin(), f_ext.end());
+  for (std::size_t i = 0; i < f_start.size(); ++i) {
+    f_ext_[i] += scheme_.force_memory() * f_start[i];
+  }
   dt_ = dt;
   with_inertia_ = with_inertia;
 }

@@ -32,15 +32,15 @@ struct TangentPoint {
 /// Forces of a state, num_nodes x dim each.
 struct NodalForces {
   std::vector<double> internal;  ///< [N]
-  std::vector<double> inertia;   ///< [N], averaged over the step as the scheme says
+  std::vector<double> inertia;   ///< [N], averaged and scaled as NewmarkBossak::inertia says
   double elastic_energy = 0;     ///< [J]
 };
 
 /// Balance of forces of one step (README.md, equation 3):
 ///
-///     r(du) = f_ext' - f_int(u + du) - M [(1 - alpha_B) a' + alpha_B a]
+///     r(du) = f' + force_memory f - M inertia(a', a) ,   f = f_ext - f_int
 ///
-/// without the last term in statics. Rows of constrained components are zero.
+/// with the weights of NewmarkBossak; in statics f' alone. Rows of constrained components are zero.
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
@@ -48,9 +48,11 @@ class Equilibrium final : public NewtonProblem<dim> {
               MPI_Comm comm);
 
   /// Set the step that `evaluate` is about. The motion must outlive its evaluations.
-  /// @param f_ext  loads at the end of the step [N]
-  void begin_step(const NodalMotion& motion_n, std::span<const double> f_ext, double dt,
-                  bool with_inertia);
+  /// @param f_ext    loads at the end of the step [N]
+  /// @param f_start  loads minus internal forces at its start [N]; empty where the scheme has no
+  ///                 force_memory, and in statics
+  void begin_step(const NodalMotion& motion_n, std::span<const double> f_ext,
+                  std::span<const double> f_start, double dt, bool with_inertia);
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
@@ -80,6 +82,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const TangentPoint& last_tangent() const { return last_tangent_; }
 
   const CellIntegrals<dim>& cells() const { return cells_; }
+  const NewmarkBossak& scheme() const { return scheme_; }
   std::size_t num_dofs() const { return num_dofs_; }
   bool symmetric() const { return symmetric_; }
   double wave_speed() const { return wave_speed_; }  ///< of P waves [m/s]
@@ -100,7 +103,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<char> constrained_;  // by dof
 
   const NodalMotion* motion_n_ = nullptr;
-  std::vector<double> f_ext_;
+  std::vector<double> f_ext_;      // with the share of the forces at the start of the step
   double dt_ = 0;
   bool with_inertia_ = false;
   NodalForces forces_;

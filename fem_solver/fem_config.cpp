@@ -200,6 +200,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   s.gravity = read_vector_or_zero<dim>(in, "gravity");
   read_dynamics(in, s);
   read_conditions(in, s);
+  if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
   if (auto newton = in.optional_object("newton")) {
     s.newton = read_newton_settings(*newton, s.newton);
   }

@@ -81,7 +81,7 @@ FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
   }
   const std::vector<double> no_increment(equilibrium_.num_dofs(), 0.0);
   std::vector<double> r(equilibrium_.num_dofs());
-  equilibrium_.begin_step(state.motion, state.f_ext, 1, /*with_inertia=*/false);
+  equilibrium_.begin_step(state.motion, state.f_ext, {}, 1, /*with_inertia=*/false);
   const Evaluation start = equilibrium_.evaluate(no_increment, r, nullptr);
   require<ConvergenceError>(start.admissible, "initial state: " + start.reason);
   state.reactions.assign(equilibrium_.num_dofs(), 0.0);
@@ -90,6 +90,7 @@ FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
     state.reactions[dof] =
         equilibrium_.forces().internal[dof] + inertia[dof] - state.f_ext[dof];
   }
+  state.f_int = equilibrium_.forces().internal;
   state.elastic_energy = equilibrium_.forces().elastic_energy;
   if (!dynamic_) {
     state.balanced = std::all_of(r.begin(), r.end(), [](double x) { return x == 0; });
@@ -105,6 +106,7 @@ FemState FemStep<dim>::initial_state() {
 
   FemState reference;
   reference.motion = {u, u, u};
+  reference.f_int = u;
   reference.f_ext = external_forces(0, {});
   reference.reactions.assign(u.size(), 0.0);
   FemState state;
@@ -121,6 +123,15 @@ FemState FemStep<dim>::initial_state() {
   state.external_work = 0;
   state.tangent.reset();
   return state;
+}
+
+/// What the balance needs of the state at the start of the step, see NewmarkBossak.
+template <int dim>
+std::vector<double> FemStep<dim>::start_forces(const FemState& state_n, bool with_inertia) const {
+  if (!with_inertia || equilibrium_.scheme().force_memory() == 0) return {};
+  std::vector<double> f = state_n.f_ext;
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] -= state_n.f_int[i];
+  return f;
 }
 
 template <int dim>
@@ -177,7 +188,8 @@ NewtonReport FemStep<dim>::solve_balance(const FemState& state_n, std::span<cons
                                          double dt, bool with_inertia, std::vector<double>& du) {
   NewtonMemory memory{.matrix_is_usable = prepare_matrix(state_n, dt, with_inertia)};
   if (!memory.matrix_is_usable) held_tangent_.reset();
-  equilibrium_.begin_step(state_n.motion, f_ext, dt, with_inertia);
+  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
+                          with_inertia);
   try {
     const NewtonReport report = solve_newton<dim>(equilibrium_, K_, new_pattern_, linear_, newton_,
                                                   du, times_, &memory);
@@ -203,18 +215,33 @@ void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext
   trial.motion = equilibrium_.motion_after(du);
   trial.balanced = true;
   trial.elastic_energy = forces.elastic_energy;
+  trial.f_int = forces.internal;
   trial.reactions.assign(f_ext.size(), 0.0);
+  const bool with_inertia = dynamic_ && dt > 0;
+  const std::vector<double> f_start = start_forces(state_n, with_inertia);
+  const double memory = f_start.empty() ? 0 : equilibrium_.scheme().force_memory();
   for (const auto dof : conditions_.constrained_dofs()) {
-    trial.reactions[dof] = forces.internal[dof] + forces.inertia[dof] - f_ext[dof];
+    const double missing = forces.internal[dof] + forces.inertia[dof] - f_ext[dof];
+    trial.reactions[dof] =
+        f_start.empty() ? missing : (missing - memory * f_start[dof]) / (1 + memory);
   }
   trial.f_ext = std::move(f_ext);
-  trial.external_work = state_n.external_work;
-  for (std::size_t i = 0; i < du.size(); ++i) {
-    trial.external_work += 0.5 * du[i] *
-                           (state_n.f_ext[i] + state_n.reactions[i] + trial.f_ext[i] +
-                            trial.reactions[i]);
-  }
+  trial.external_work = state_n.external_work + work(state_n, trial, du);
   trial.tangent = held_tangent_;
+}
+
+/// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the instants
+/// that the steps balance, alpha_f dt before their ends.
+template <int dim>
+double FemStep<dim>::work(const FemState& state_n, const FemState& trial,
+                          std::span<const double> du) const {
+  const double later = 0.5 + equilibrium_.scheme().alpha_f;
+  double sum = 0;
+  for (std::size_t i = 0; i < du.size(); ++i) {
+    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) +
+                    (1 - later) * state_n.reactions[i] + later * trial.reactions[i]);
+  }
+  return sum;
 }
 
 template <int dim>

@@ -18,7 +18,10 @@ struct FemState {
   double time = 0;  ///< [s]
   NodalMotion motion;
   std::vector<double> f_ext;      ///< loads and interface forces, num_nodes x dim [N]
-  std::vector<double> reactions;  ///< of the supports on the structure, num_nodes x dim [N]
+  std::vector<double> f_int;      ///< internal forces, num_nodes x dim [N]
+  /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
+  /// [N].
+  std::vector<double> reactions;
   bool balanced = false;          ///< the motion solves the equations under f_ext
   double elastic_energy = 0;      ///< [J]
   double external_work = 0;       ///< of loads, interface forces and reactions since time 0 [J]
@@ -70,6 +73,8 @@ class FemStep {
     StepReport report;
   };
   std::vector<double> external_forces(double time, std::span<const double> f_interface) const;
+  std::vector<double> start_forces(const FemState& state_n, bool with_inertia) const;
+  double work(const FemState& state_n, const FemState& trial, std::span<const double> du) const;
   bool nothing_changes(const FemState& state_n, std::span<const double> f_ext,
                        std::span<const double> constrained_u) const;
   std::vector<double> first_guess(const FemState& state_n, double dt) const;

@@ -8,8 +8,20 @@
 
 #include "common/base/error.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "mpm_solver/box_basis.hpp"
 
 namespace gabion::mpm {
+
+const char* basis_name(Basis basis) {
+  return basis == Basis::linear ? "linear" : basis == Basis::gimp ? "gimp" : "bspline";
+}
+
+template <int dim>
+BackgroundGrid<dim>::BackgroundGrid(Mesh<dim> mesh_, Basis basis_)
+    : mesh(std::move(mesh_)), locator(mesh), box(box_grid(mesh)), basis(basis_) {
+  require(basis == Basis::linear || box,
+          "mpm_solver: a basis other than linear needs equal cells in rows");
+}
 
 template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh) {
@@ -30,7 +42,8 @@ double mean_cell_size(const Mesh<dim>& mesh) {
 template <int dim>
 void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    points.cell[p] = grid.locator.locate(points.x[p], points.cell[p]);
+    points.cell[p] =
+        grid.box ? grid.box->locate(points.x[p]) : grid.locator.locate(points.x[p], points.cell[p]);
     if (points.cell[p] >= 0) continue;
     std::string position;
     for (int d = 0; d < dim; ++d) position += fmt::format("{}{}", d ? ", " : "", points.x[p][d]);
@@ -68,15 +81,13 @@ void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
   }
 }
 
-}  // namespace
-
 template <int dim>
-void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
-                    PointWeights<dim>& weights) {
+void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
+                           PointWeights<dim>& weights) {
   const Mesh<dim>& mesh = grid.mesh;
   const int n = mesh.nodes_per_cell();
   weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
-  sort_by_cell(mesh.num_cells(), points, weights);
+  weights.num_capped = 0;
   weights.N.resize(static_cast<std::size_t>(points.size()) * n);
   weights.grad_N.resize(weights.N.size());
   weights.local.resize(weights.N.size());
@@ -108,8 +119,23 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
   }
 }
 
+}  // namespace
+
+template <int dim>
+void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
+                    PointWeights<dim>& weights) {
+  sort_by_cell(grid.mesh.num_cells(), points, weights);
+  if (grid.basis == Basis::linear) {
+    evaluate_linear_basis(grid, points, weights);
+  } else {
+    evaluate_box_basis(grid, points, weights);
+  }
+}
+
 template double mean_cell_size<2>(const Mesh<2>&);
 template double mean_cell_size<3>(const Mesh<3>&);
+template struct BackgroundGrid<2>;
+template struct BackgroundGrid<3>;
 template void locate_points<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
 template void locate_points<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
 template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,

@@ -2,19 +2,27 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/mechanics/mesh/box_grid.hpp"
 #include "common/mechanics/mesh/cell_locator.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "mpm_solver/material_points.hpp"
 
 namespace gabion::mpm {
 
-/// The background grid: a mesh that stays where it is, and where a position lies in it.
+/// Functions of the grid nodes that carry the points: linear on any mesh; on a BoxGrid also those
+/// of axis_basis.hpp.
+enum class Basis { linear, gimp, bspline };
+const char* basis_name(Basis basis);
+
+/// The background grid: a mesh that stays where it is, its basis, and where a position lies in it.
 template <int dim>
 struct BackgroundGrid {
-  explicit BackgroundGrid(Mesh<dim> mesh_) : mesh(std::move(mesh_)), locator(mesh) {}
+  /// @throws Error  gimp or bspline on a mesh that is no BoxGrid
+  explicit BackgroundGrid(Mesh<dim> mesh_, Basis basis_ = Basis::linear);
   BackgroundGrid(const BackgroundGrid&) = delete;  // locator refers to mesh
   BackgroundGrid& operator=(const BackgroundGrid&) = delete;
   BackgroundGrid(BackgroundGrid&&) = delete;
@@ -23,13 +31,16 @@ struct BackgroundGrid {
 
   Mesh<dim> mesh;
   CellLocator<dim> locator;
+  std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
+  Basis basis;
 };
 
 /// Mean over the cells of the shortest distance between two nodes of a cell [m].
 template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh);
 
-/// Largest number of nodes that act on the points of one cell: splines of a cell's two halves.
+/// Largest number of nodes that act on the points of one cell: splines of a cell's two halves,
+/// or domains that reach into the cells on both sides.
 template <int dim>
 inline constexpr int max_group_nodes = dim == 2 ? 16 : 64;
 
@@ -60,6 +71,7 @@ struct PointWeights {
   std::vector<CellGroup> groups;
   std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
+  std::int32_t num_capped = 0;            ///< gimp: points whose domain would be wider than a cell
 
   int num_nodes(std::int32_t entry) const { return starts[entry + 1] - starts[entry]; }
   const std::uint8_t* local_of(std::int32_t entry) const { return local.data() + starts[entry]; }
@@ -71,6 +83,7 @@ struct PointWeights {
 };
 
 /// Find the cell of each point (starting from the cell it was in) and evaluate the basis there.
+/// @pre gimp: the points have domains
 /// @throws Error  a point lies outside the grid; names id and position of the first one
 template <int dim>
 void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);

@@ -256,6 +256,20 @@ typename CouplingBoundary<dim>::Resultant CouplingBoundary<dim>::resultant() con
 }
 
 template <int dim>
+double CouplingBoundary<dim>::work_on_soil(std::span<const double> du) const {
+  double work = 0;
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    Vector<dim> motion = Vector<dim>::Zero();
+    for (int i = 0; i < nodes_per_cell_; ++i) {
+      motion += b.N[i] * Eigen::Map<const Vector<dim>>(du.data() + b.nodes[i] * dim);
+    }
+    work += 0.5 * motion.dot(b.force + b.area * (b.frame * b.traction));
+  }
+  return work;
+}
+
+template <int dim>
 int CouplingBoundary<dim>::num_closed() const {
   return static_cast<int>(std::count_if(touching_.begin(), touching_.end(),
                                         [this](std::int32_t k) { return points_[k].closed; }));
@@ -278,7 +292,10 @@ double CouplingBoundary<dim>::max_penetration() const {
 
 template <int dim>
 void CouplingBoundary<dim>::accept() {
-  for (Point& b : points_) b.x = position(b);
+  for (Point& b : points_) {
+    b.x = position(b);
+    b.force = b.area * (b.frame * b.traction);
+  }
   if (settings_.memory == GapMemory::step) return;
   for (const std::int32_t k : touching_) {
     Point& b = points_[k];

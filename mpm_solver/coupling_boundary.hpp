@@ -88,6 +88,9 @@ class CouplingBoundary {
     Vector<dim == 2 ? 1 : 3> moment = Vector < dim == 2 ? 1 : 3 > ::Zero();  ///< [N m]
   };
   Resultant resultant() const;
+  /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
+  /// and those of the last add_forces [J].
+  double work_on_soil(std::span<const double> du) const;
   int num_closed() const;
   int num_sliding() const;
   double max_penetration() const;  ///< [m]
@@ -97,11 +100,12 @@ class CouplingBoundary {
  private:
   struct Point {
     std::int32_t facet = 0;
-    double phi[4] = {};                     // weights of the facet's vertices
-    double area = 0;                        // share of the reference surface [m^2] (2D: m)
-    Vector<dim> x = Vector<dim>::Zero();    // accepted position
-    std::int32_t cell = -1;                 // of the grid, hint for the next search
-    Vector<dim> gap = Vector<dim>::Zero();  // accepted, in the facet's frame (normal first)
+    double phi[4] = {};                       // weights of the facet's vertices
+    double area = 0;                          // share of the reference surface [m^2] (2D: m)
+    Vector<dim> x = Vector<dim>::Zero();      // accepted position
+    std::int32_t cell = -1;                   // of the grid, hint for the next search
+    Vector<dim> gap = Vector<dim>::Zero();    // accepted, in the facet's frame (normal first)
+    Vector<dim> force = Vector<dim>::Zero();  // accepted, on the soil [N]
     // of the step under way
     std::int32_t nodes[max_cell_nodes] = {};
     double N[max_cell_nodes] = {};

@@ -44,6 +44,20 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
             nodes.a.empty() ? nullptr : nodes.a.front().data() + nodes.a.size() * dim);
   parts_.walls.project(v_);
   parts_.walls.project(a_);
+  if (parts_.scheme.force_memory() != 0) remember_start_forces();
+}
+
+template <int dim>
+void Equilibrium<dim>::remember_start_forces() {
+  require(parts_.boundaries.empty(), "mpm_solver: averaged forces at an interface");
+  f_start_ = internal_.start_forces();
+  sum_over_ranks(parts_.comm, std::span<double>(f_start_));
+  const double memory = parts_.scheme.force_memory();
+  for (std::size_t k = 0; k < f_start_.size(); ++k) {
+    double f_ext = m_[k / dim] * parts_.gravity[k % dim];
+    if (!parts_.f_body_start.empty()) f_ext += parts_.f_body_start[k];
+    f_start_[k] = memory * (f_ext - f_start_[k]);
+  }
 }
 
 template <int dim>
@@ -90,6 +104,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   double external = add_weight(r);
   if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
+  for (std::size_t k = 0; k < f_start_.size(); ++k) r[k] += f_start_[k];
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
   result.force_scale = std::max(norm_of(f_sum_), external);

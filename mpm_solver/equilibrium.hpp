@@ -18,12 +18,14 @@ namespace gabion::mpm {
 
 /// Balance of momentum of the active nodes at the end of a step,
 ///
-///     r_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip - m_i [(1 - alpha_B) a'_i + alpha_B a_i] +
-///     f_contact,i + f_ghost,i
+///     r_i = f'_i + force_memory f_i - m_i inertia(a'_i, a_i) ,
+///     f'_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip + f_contact,i +
+///            f_ghost,i
 ///
-/// with P the first Piola-Kirchhoff stress relative to the configuration at the start of the step.
-/// In quasi-static analysis the bracket is left out: r_i = m_i g - sum_p ... + f_contact,i.
-/// Refers to the parts of a solver; valid for one step.
+/// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
+/// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
+/// this step; it is evaluated only where it has a weight. In quasi-static analysis inertia is left
+/// out: r_i = f'_i. Refers to the parts of a solver; valid for one step.
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
@@ -44,6 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double dt;
     bool with_inertia = true;             ///< false: quasi-static
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
+    std::span<const double> f_body_start = {};   ///< the same at the start of the step
     const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
   };
   explicit Equilibrium(const Parts& parts);
@@ -54,6 +57,10 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::string describe_node(std::size_t i) const override;
 
   InternalForces<dim>& internal_forces() { return internal_; }
+  const InternalForces<dim>& internal_forces() const { return internal_; }
+  const Parts& parts() const { return parts_; }
+  /// Mass that inertia and gravity act on [kg], num_nodes: the lumped one with the floor.
+  const std::vector<double>& inertia_mass() const { return m_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
   /// the cells of boundary points, then the facets of the ghost stiffness.
@@ -64,14 +71,16 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_acceleration() const { return a_; }
 
  private:
+  void remember_start_forces();
   double add_weight(std::span<double> r) const;
   double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
 
   Parts parts_;
   InternalForces<dim> internal_;
-  std::vector<double> v_, a_;  // walls applied
-  std::vector<double> m_;      // nodal mass; with inertia not below the floor
-  std::vector<double> f_sum_;  // internal forces of all ranks
+  std::vector<double> v_, a_;    // walls applied
+  std::vector<double> m_;        // nodal mass; with inertia not below the floor
+  std::vector<double> f_sum_;    // internal forces of all ranks
+  std::vector<double> f_start_;  // force_memory f, empty where it is 0
 };
 
 }  // namespace gabion::mpm

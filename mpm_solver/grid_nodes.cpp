@@ -16,11 +16,13 @@ bool activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
 
   std::vector<std::int32_t> before = std::move(nodes.grid_node);
   nodes.grid_node.clear();
+  nodes.x.clear();
   nodes.active.assign(mark.size(), -1);
   for (std::size_t i = 0; i < mark.size(); ++i) {
     if (mark[i] == 0) continue;
     nodes.active[i] = nodes.size();
     nodes.grid_node.push_back(static_cast<std::int32_t>(i));
+    nodes.x.push_back(grid.mesh.nodes[i]);
   }
   return before != nodes.grid_node;
 }

@@ -17,6 +17,7 @@ template <int dim>
 struct GridNodes {
   std::vector<std::int32_t> grid_node;  ///< of each active node
   std::vector<std::int32_t> active;     ///< of each grid node; -1 = not active
+  std::vector<Vector<dim>> x;           ///< position [m]
   std::vector<double> m;                ///< mass [kg]
   std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s], before the walls act
   std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]

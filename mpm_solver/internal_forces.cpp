@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/base/error.hpp"
+#include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::mpm {
 
@@ -70,6 +71,7 @@ bool InternalForces<dim>::point_stress(const Law& law, std::int32_t entry, const
   parts_.trial.tau[entry] = stress.tau;
   parts_.trial.J_ratio[entry] = stress.J;
   parts_.trial.energy[entry] = stress.energy;
+  parts_.trial.dissipation[entry] = stress.dissipation;
   return true;
 }
 
@@ -195,6 +197,32 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
     K_int_.assign(K->values().begin(), K->values().end());
   }
   return true;
+}
+
+template <int dim>
+std::vector<double> InternalForces<dim>::start_forces() const {
+  const auto& weights = parts_.weights;
+  std::vector<double> f(f_int_.size(), 0.0);
+  CellForces<dim> sum;
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    sum.set_zero(group.num_nodes, false);
+    Matrix<dim> P = Matrix<dim>::Zero();
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      P += parts_.points.V0[p] * in_plane<dim>(parts_.points.tau[p]);
+      if (weights.constant_gradient && e + 1 < group.last) continue;
+      const std::int32_t row = weights.constant_gradient ? group.first : e;
+      sum.add_stress(weights.num_nodes(row), weights.local_of(row), P, weights.grad_of(row));
+      P.setZero();
+    }
+    for (int i = 0; i < group.num_nodes; ++i) {
+      double* f_i = f.data() + static_cast<std::ptrdiff_t>(active[i]) * dim;
+      for (int a = 0; a < dim; ++a) f_i[a] += sum.f[i * dim + a];
+    }
+  }
+  return f;
 }
 
 template <int dim>

@@ -19,11 +19,13 @@ struct TrialPoints {
   std::vector<Symmetric<dim>> tau;
   std::vector<double> J_ratio;  ///< det(1 + H) of the step
   std::vector<double> energy;
+  std::vector<double> dissipation;  ///< plastic work of the step [J/m^3]
   void resize(std::size_t n) {
     history.resize(n);
     tau.resize(n);
     J_ratio.resize(n);
     energy.resize(n);
+    dissipation.resize(n);
   }
 };
 
@@ -57,6 +59,9 @@ class InternalForces {
   /// @returns false when a point would be squeezed below min_J_ratio of its volume
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
   const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
+  /// Forces of the accepted stresses on the nodes of this step, those of du = 0: num_nodes x dim
+  /// [N].
+  std::vector<double> start_forces() const;
 
   /// A new solution with other interface values begins: its first evaluation may take the matrix
   /// from the neighbouring state where the last solution left it.

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/material_points.hpp"
 
-#include "common/mechanics/elements/shape_functions.hpp"
+#include <cmath>
 
 namespace gabion::mpm {
+
+template <int dim>
+Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
+  const Vector<dim> reach = jacobian.cwiseAbs().rowwise().sum();
+  return reach * (0.5 * std::pow(volume / reach.prod(), 1.0 / dim));
+}
 
 template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
                         int part, int num_parts, MaterialPoints<dim>& points) {
   const Mesh<dim>& mesh = layout.mesh;
-  const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell);
+  const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell, layout.placement);
   const auto rule_size = static_cast<std::int64_t>(rule.size());
   const std::int64_t total = mesh.num_cells() * rule_size;
   const std::int64_t first = total * part / num_parts;
@@ -24,7 +30,11 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int
     for (std::size_t i = 0; i < nodes.size(); ++i) corners[i] = mesh.nodes[nodes[i]];
     shape_functions<dim>(mesh.cell_type, q.xi, shape);
     Vector<dim> x = Vector<dim>::Zero();
-    for (std::size_t i = 0; i < nodes.size(); ++i) x += shape.N[i] * corners[i];
+    Matrix<dim> jacobian = Matrix<dim>::Zero();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      x += shape.N[i] * corners[i];
+      jacobian += corners[i] * shape.dN[i].transpose();
+    }
     const double volume = q.weight * map_gradients<dim>(mesh.cell_type, corners, shape);
 
     points.x.push_back(x);
@@ -39,11 +49,24 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int
     points.history.emplace_back();
     points.cell.push_back(-1);
     points.id.push_back(first_id + k);
+    if (!layout.with_domains) continue;
+    points.half_length.push_back(point_domain<dim>(jacobian, volume));
+    points.F.push_back(Matrix<dim>::Identity());
   }
   points.body_starts.push_back(points.size());
   return total;
 }
 
+template Vector<2> point_domain<2>(const Matrix<2>&, double);
+template Vector<3> point_domain<3>(const Matrix<3>&, double);
+template <int dim>
+void add_gradients(MaterialPoints<dim>& points) {
+  points.grad_v.assign(points.x.size(), Matrix<dim>::Zero());
+  points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
+}
+
+template void add_gradients<2>(MaterialPoints<2>&);
+template void add_gradients<3>(MaterialPoints<3>&);
 template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,
                                     MaterialPoints<2>&);
 template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,

@@ -51,14 +51,19 @@ std::vector<WallSettings> read_walls(ConfigReader& in) {
   return walls;
 }
 
-SmallCutSettings read_small_cuts(ConfigReader in, bool dynamic) {
+SmallCutSettings read_small_cuts(ConfigReader in, bool dynamic, Basis basis) {
   static const std::map<std::string, SmallCutMethod> methods = {
       {"none", SmallCutMethod::none},
       {"ghost", SmallCutMethod::ghost},
       {"mass_cutoff", SmallCutMethod::mass_cutoff}};
   SmallCutSettings settings;
-  settings.method = methods.at(
-      in.choice_or("method", {"none", "ghost", "mass_cutoff"}, dynamic ? "none" : "ghost"));
+  settings.method = methods.at(in.choice_or("method", {"none", "ghost", "mass_cutoff"},
+                                            dynamic || basis != Basis::linear ? "none" : "ghost"));
+  if (settings.method == SmallCutMethod::ghost && basis != Basis::linear) {
+    in.fail("method",
+            fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
+                        basis_name(basis)));
+  }
   if (settings.method == SmallCutMethod::ghost) {
     settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
   } else if (in.has("ghost_factor")) {
@@ -75,6 +80,52 @@ SmallCutSettings read_small_cuts(ConfigReader in, bool dynamic) {
   return settings;
 }
 
+// Basis of the grid; only cells in rows have a choice.
+template <int dim>
+Basis read_basis(ConfigReader& in, const Mesh<dim>& grid) {
+  static const std::map<std::string, Basis> bases = {
+      {"linear", Basis::linear}, {"gimp", Basis::gimp}, {"bspline", Basis::bspline}};
+  const bool in_rows = box_grid(grid).has_value();
+  const std::string name = in.choice_or("basis", {"linear", "gimp", "bspline"}, "linear");
+  if (name != "linear" && !in_rows) {
+    in.fail("basis",
+            fmt::format("found \"{}\" on a grid that is not a \"box\" of {}, allowed: linear", name,
+                        dim == 2 ? "quad4" : "hex8"));
+  }
+  return bases.at(name);
+}
+
+// How the points of a body lie. Domains fill the body only around regular points.
+template <int dim>
+PointPlacement read_placement(ConfigReader& in, const Mesh<dim>& mesh, Basis basis) {
+  const bool is_brick = mesh.cell_type == CellType::quad4 || mesh.cell_type == CellType::hex8;
+  const bool regular =
+      in.choice_or("point_placement", {"gauss", "regular"},
+                   is_brick && basis == Basis::gimp ? "regular" : "gauss") == "regular";
+  if (regular && !is_brick) {
+    in.fail("point_placement", fmt::format("found \"regular\" on cells of type {}, allowed: gauss",
+                                           name(mesh.cell_type)));
+  }
+  return regular ? PointPlacement::regular : PointPlacement::gauss;
+}
+
+// Domains wider than a cell of the grid would be cut at once and leave gaps between the points.
+template <int dim>
+void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
+                   const Vector<dim>& spacing) {
+  MaterialPoints<dim> points;
+  lay_points<dim>(layout, 1, 0, 0, 1, points);
+  double widest = 0;  // by the spacing
+  for (const Vector<dim>& half : points.half_length) {
+    widest = std::max(widest, 2 * half.cwiseQuotient(spacing).maxCoeff());
+  }
+  if (widest <= 1 + 1e-9) return;
+  in.fail("points_per_cell",
+          fmt::format("found points {:.3g} grid cells wide, allowed with \"basis\": \"gimp\": at "
+                      "most 1; give the body more points or smaller cells",
+                      widest));
+}
+
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   auto items = in.objects("bodies");
@@ -86,6 +137,9 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.mesh = read_mesh<dim>(scene, item.object("mesh"));
     layout.points_per_cell = item.integer("points_per_cell", at_least(1));
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
+    layout.placement = read_placement(item, layout.mesh, settings.basis);
+    layout.with_domains = settings.basis == Basis::gimp;
+    if (layout.with_domains) check_domains(item, layout, box_grid(settings.grid)->spacing);
     layout.velocity =
         to_vector<dim>(item.numbers_or("velocity", std::vector<double>(dim, 0.0), dim));
     body.material = read_material<dim>(item.object("material"));
@@ -208,6 +262,18 @@ RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, dou
 }
 
 template <int dim>
+void read_transfer(ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.tpic = in.choice_or("method", {"flip", "tpic"}, "flip") == "tpic";
+  if (settings.tpic && in.has("pic_share")) {
+    in.fail("pic_share",
+            "allowed only with \"method\": \"flip\"; tpic takes the whole velocity "
+            "from the grid");
+  }
+  settings.pic_share = settings.tpic ? 1 : in.number_or("pic_share", 0, between(0, 1));
+  in.finish();
+}
+
+template <int dim>
 void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
   settings.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"}, "dynamic") == "dynamic";
   for (const char* key : {"time_integration", "transfer"}) {
@@ -226,8 +292,7 @@ void read_dynamics(ConfigReader& in, MpmSettings<dim>& settings) {
     settings.scheme = NewmarkBossak::bossak(-0.1);
   }
   if (auto item = in.optional_object("transfer")) {
-    settings.pic_share = item->number_or("pic_share", 0, between(0, 1));
-    item->finish();
+    read_transfer(*item, settings);
   }
 }
 
@@ -237,11 +302,13 @@ template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
   MpmSettings<dim> settings;
   settings.grid = read_mesh<dim>(scene, in.object("grid"));
+  settings.basis = read_basis(in, settings.grid);
   settings.walls = read_walls(in);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
   read_dynamics(in, settings);
-  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings.dynamic);
+  settings.small_cuts =
+      read_small_cuts(in.object_or_empty("small_cuts"), settings.dynamic, settings.basis);
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }
@@ -261,6 +328,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   for (auto& item : in.objects_or_none("rigid_walls")) {
     settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.rigid_walls);
+  }
+  if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
+    require_balance_at_end_of_step(in, settings.scheme);
   }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});

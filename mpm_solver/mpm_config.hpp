@@ -37,6 +37,7 @@ struct RigidWallSettings {
 template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
+  Basis basis = Basis::linear;
   std::vector<WallSettings> walls;
   std::vector<Body<dim>> bodies;
   std::vector<PointLayout<dim>> layouts;  ///< of each body
@@ -46,7 +47,8 @@ struct MpmSettings {
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   NewmarkBossak scheme;
-  double pic_share = 0;
+  double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
+  bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
   SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};

@@ -12,6 +12,7 @@
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/light_nodes.hpp"
+#include "mpm_solver/point_domains.hpp"
 
 namespace gabion::mpm {
 
@@ -37,6 +38,7 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
                              rank_of(comm), num_ranks(comm), points);
   }
   settings.layouts.clear();
+  if (settings.tpic) add_gradients(points);
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
   if (settings.dynamic) std::fill(points.a.begin(), points.a.end(), settings.gravity);
   log::info("{} material points in {} {}", total, settings.bodies.size(),
@@ -51,12 +53,13 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                           const std::string& output_folder)
     : comm_(comm),
       settings_(std::move(settings)),
-      grid_(std::move(settings_.grid)),
+      grid_(std::move(settings_.grid), settings_.basis),
       walls_(grid_.mesh, settings_.walls),
       cell_size_(mean_cell_size(grid_.mesh)),
       points_(lay_all_points(comm, settings_)),
       linear_(comm, settings_.linear_solver),
-      output_(comm, output_folder) {
+      output_(comm, output_folder),
+      ledger_(comm) {
   for (const auto& body : settings_.bodies) {
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
@@ -70,9 +73,20 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   }
   find_probe_points();
   locate_points(grid_, points_);
+  ledger_.start(points_);
+  evaluate_basis(grid_, points_, weights_);
+  log_grid();
+}
+
+template <int dim>
+void MpmSolver<dim>::log_grid() const {
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       grid_.mesh.num_cells(), grid_.mesh.num_nodes_total(), cell_size_, wave_speed_);
+  std::vector<double> counts = {static_cast<double>(points_.size()),
+                                static_cast<double>(weights_.N.size())};
+  sum_over_ranks(comm_, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(grid_.basis), counts[1] / counts[0]);
 }
 
 template <int dim>
@@ -133,17 +147,18 @@ void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<d
                       v.size(), a.size(), points_.size()));
   points_.v = std::move(v);
   points_.a = std::move(a);
+  ledger_.start(points_);
 }
 
-// Forces of the body acceleration at the end of the step, where momentum is balanced.
+// Nodal forces of the body acceleration at a time, empty when there is none.
 template <int dim>
-void MpmSolver<dim>::add_body_acceleration(double time) {
-  if (!settings_.body_acceleration) return;
+std::vector<double> MpmSolver<dim>::body_forces(double time) const {
+  if (!settings_.body_acceleration) return {};
   std::vector<Vector<dim>> b;
   for (std::int32_t p = 0; p < points_.size(); ++p) {
     b.push_back(settings_.body_acceleration(points_.x[p] - points_.u[p], time));
   }
-  f_body_ = point_forces<dim>(comm_, points_, weights_, nodes_, b);
+  return point_forces<dim>(comm_, points_, weights_, nodes_, b);
 }
 
 template <int dim>
@@ -179,7 +194,9 @@ template <int dim>
 void MpmSolver<dim>::begin_step(double time, double dt) {
   dt_ = dt;
   map_to_nodes();
-  add_body_acceleration(time + dt);
+  f_body_ = body_forces(time + dt);
+  f_body_start_.clear();
+  if (settings_.scheme.force_memory() != 0) f_body_start_ = body_forces(time);
   const ScopedTimer timer(times_, "pattern");
   if (!boundaries_.empty()) {
     const auto occupied = occupied_cells();
@@ -189,7 +206,7 @@ void MpmSolver<dim>::begin_step(double time, double dt) {
       comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls_, boundaries_, trial_,
       settings_.scheme, settings_.gravity, cell_size_,
       same_strain_share * settings_.newton.residual_tolerance, dt, settings_.dynamic, f_body_,
-      ghost_ && ghost_->num_facets() > 0 ? &*ghost_ : nullptr});
+      f_body_start_, ghost_ && ghost_->num_facets() > 0 ? &*ghost_ : nullptr});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -318,17 +335,24 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
   equilibrium_->internal_forces().finish(du_);
-  grid_to_points(nodes_, nodal_motion(), weights_, settings_.pic_share, points_);
+  const NodalMotion<dim> motion = nodal_motion();
+  const StepBalance<dim> balance =
+      step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  deform_points<dim>(nodes_, du_, weights_, points_);
+  capped_domains_ += weights_.num_capped;
+  grid_to_points(nodes_, motion, weights_, settings_.pic_share, points_);
   if (!settings_.dynamic) {
     std::fill(points_.v.begin(), points_.v.end(), Vector<dim>::Zero());
     std::fill(points_.a.begin(), points_.a.end(), Vector<dim>::Zero());
   }
+  double dissipated = 0;
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
     points_.history[p] = trial_.history[e];
     points_.tau[p] = trial_.tau[e];
     points_.energy[p] = trial_.energy[e];
     points_.J[p] *= trial_.J_ratio[e];
+    dissipated += points_.V0[p] * trial_.dissipation[e];
   }
   wall_forces_.clear();
   for (std::size_t k = settings_.interfaces.size(); k < boundaries_.size(); ++k) {
@@ -337,12 +361,27 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
     wall_forces_.insert(wall_forces_.end(), moment.data(), moment.data() + moment.size());
   }
   sum_over_ranks(comm_, std::span<double>(wall_forces_));  // the first rank has the contact
+  ledger_.add_step(balance, settings_.scheme, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();
+  const std::vector<std::int32_t> cell_n = points_.cell;
   locate_points(grid_, points_);
   dt_ = 0;
   AcceptReport report;
   report.probes = probes();
+  report.details = accepted_details(cell_n);
   return report;
+}
+
+template <int dim>
+Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double J_ratio : trial_.J_ratio) smallest = std::min(smallest, J_ratio);
+  std::int32_t moved = 0;
+  for (std::size_t p = 0; p < cell_n.size(); ++p) moved += points_.cell[p] != cell_n[p];
+  sum_over_ranks(comm_, std::span<std::int32_t>(&moved, 1));
+  return {{"min_J_ratio", -max_over_ranks(comm_, -smallest)},
+          {"active_nodes", nodes_.size()},
+          {"points_changed_cell", moved}};
 }
 
 template <int dim>
@@ -364,6 +403,7 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
   for (const auto& body : settings_.bodies) {
     names.push_back(settings_.bodies.size() == 1 ? "front" : "front_" + body.name);
   }
+  for (const auto& name : Ledger<dim>::names()) names.push_back(name);
   for (const auto& probe : settings_.probes) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
   }
@@ -378,10 +418,12 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
 
 template <int dim>
 std::vector<double> MpmSolver<dim>::probes() const {
-  const auto totals = point_totals(comm_, points_);
+  const PointTotals<dim>& totals = ledger_.totals();
   std::vector<double> values = {totals.mass, totals.kinetic_energy, totals.elastic_energy};
   values.insert(values.end(), totals.momentum.data(), totals.momentum.data() + dim);
   values.insert(values.end(), totals.front.begin(), totals.front.end());
+  const auto balance = ledger_.values();
+  values.insert(values.end(), balance.begin(), balance.end());
   std::vector<double> motion;
   for (const std::int32_t p : probe_points_) {
     for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : points_.u[p][d]);
@@ -401,7 +443,11 @@ Json MpmSolver<dim>::summary() const {
     cuts["steps_with_ghost"] = ghost_steps_;
     cuts["facets"] = ghost_facets_;
   }
-  return {{"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
+  std::vector<double> capped = {static_cast<double>(capped_domains_)};
+  sum_over_ranks(comm_, std::span<double>(capped));
+  return {{"basis", basis_name(grid_.basis)},
+          {"capped_domains", static_cast<std::int64_t>(capped[0])},
+          {"analysis", settings_.dynamic ? "dynamic" : "quasi_static"},
           {"joined_nodes", joined_nodes_},
           {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},

@@ -5,10 +5,12 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
 #include "mpm_solver/equilibrium.hpp"
+#include "mpm_solver/ledger.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_output.hpp"
 #include "mpm_solver/transfer.hpp"
@@ -46,7 +48,7 @@ class MpmSolver final : public Solver {
   void begin_step(double time, double dt);
   void map_to_nodes();
   void cure_small_cuts();
-  void add_body_acceleration(double time);
+  std::vector<double> body_forces(double time) const;
   LinearRegime regime() const;
   void choose_guess();
   NodalMotion<dim> nodal_motion() const;
@@ -54,7 +56,10 @@ class MpmSolver final : public Solver {
   void move_rigid_walls(double time);
   void report_contact(StepReport& report, InterfaceValues& sent) const;
   void find_probe_points();
+  void log_grid() const;
   std::vector<std::int32_t> occupied_cells() const;
+  /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
+  Json accepted_details(std::span<const std::int32_t> cell_n) const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
@@ -68,13 +73,14 @@ class MpmSolver final : public Solver {
   std::optional<GhostStiffness<dim>> ghost_;
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
+  Ledger<dim> ledger_;
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
 
   // the step under way
   double dt_ = 0;  // 0: none begun
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
-  std::vector<double> f_body_;  // empty without body acceleration
+  std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
@@ -86,8 +92,9 @@ class MpmSolver final : public Solver {
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
-  std::int64_t ghost_steps_ = 0;   // steps in which a cell needed it
-  std::int64_t ghost_facets_ = 0;  // of all steps
+  std::int64_t ghost_steps_ = 0;     // steps in which a cell needed it
+  std::int64_t ghost_facets_ = 0;    // of all steps
+  std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps
 };
 
 }  // namespace gabion::mpm

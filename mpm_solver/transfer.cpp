@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/transfer.hpp"
 
+#include <Eigen/LU>
+
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -9,6 +11,18 @@ namespace {
 
 // Below this share of the mean nodal mass a mapped velocity is a quotient of rounding errors.
 constexpr double weightless = 1e-14;
+
+// Velocity of a point continued to a node at the distance `arm`.
+template <int dim>
+Vector<dim> velocity_at(const MaterialPoints<dim>& points, std::int32_t p, const Vector<dim>& arm) {
+  return points.v[p] + points.grad_v[p] * arm;
+}
+
+template <int dim>
+Vector<dim> acceleration_at(const MaterialPoints<dim>& points, std::int32_t p,
+                            const Vector<dim>& arm) {
+  return points.a[p] + points.grad_a[p] * arm;
+}
 
 // Mean velocity and acceleration of the points of the adjacent cells, for nodes without weight.
 template <int dim>
@@ -22,9 +36,15 @@ void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
       const std::int32_t i = nodes.active[grid_node];
       if (nodes.m[i] > limit) continue;
       for (std::int32_t e = group.first; e < group.last; ++e) {
+        const std::int32_t p = weights.point[e];
         count[i] += 1;
-        v[i] += points.v[weights.point[e]];
-        a[i] += points.a[weights.point[e]];
+        if (points.has_gradients()) {
+          v[i] += velocity_at<dim>(points, p, nodes.x[i] - points.x[p]);
+          a[i] += acceleration_at<dim>(points, p, nodes.x[i] - points.x[p]);
+        } else {
+          v[i] += points.v[p];
+          a[i] += points.a[p];
+        }
       }
     }
   }
@@ -36,6 +56,43 @@ void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
     nodes.v[i] = v[i] / count[i];
     nodes.a[i] = a[i] / count[i];
   }
+}
+
+// What the motion of a point adds to the momenta of its nodes beyond m_p v_p and m_p a_p.
+template <int dim>
+void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                           std::int32_t entry, const std::int32_t* active, GridNodes<dim>& nodes) {
+  const std::int32_t p = weights.point[entry];
+  const double* N = weights.N_of(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::int32_t node = active[local[i]];
+    const Vector<dim> moment = N[i] * points.m[p] * (nodes.x[node] - points.x[p]);
+    nodes.v[node] += points.grad_v[p] * moment;
+    nodes.a[node] += points.grad_a[p] * moment;
+  }
+}
+
+// Gradients of velocity and acceleration at the new position of a point.
+template <int dim>
+void update_gradients(const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
+                      const CellGroup& group, std::int32_t entry, const std::int32_t* active,
+                      MaterialPoints<dim>& points) {
+  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  Matrix<dim> F = Matrix<dim>::Identity();
+  Matrix<dim> grad_v = Matrix<dim>::Zero();
+  Matrix<dim> grad_a = Matrix<dim>::Zero();
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::int32_t node = active[local[i]];
+    F += motion.du[node] * grad[i].transpose();
+    grad_v += motion.v_new[node] * grad[i].transpose();
+    grad_a += motion.a_new[node] * grad[i].transpose();
+  }
+  const std::int32_t p = weights.point[entry];
+  const Matrix<dim> F_inverse = F.inverse();
+  points.grad_v[p] = grad_v * F_inverse;
+  points.grad_a[p] = grad_a * F_inverse;
 }
 
 }  // namespace
@@ -60,6 +117,7 @@ void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
         nodes.v[active[local[i]]] += weight * points.v[p];
         nodes.a[active[local[i]]] += weight * points.a[p];
       }
+      if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
     }
   }
   sum_over_ranks(comm, std::span<double>(nodes.m));
@@ -125,6 +183,7 @@ void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
         v_grid += N[i] * motion.v_new[active[local[i]]];
         a_grid += N[i] * motion.a_new[active[local[i]]];
       }
+      if (points.has_gradients()) update_gradients(motion, weights, group, e, active, points);
       points.x[p] += du;
       points.u[p] += du;
       points.v[p] = (1 - pic_share) * (points.v[p] + dv) + pic_share * v_grid;

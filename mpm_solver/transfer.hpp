@@ -17,6 +17,9 @@ namespace gabion::mpm {
 ///
 ///     m_i = sum_p N_ip m_p ,  v_i = sum_p N_ip m_p v_p / m_i ,  a_i likewise
 ///
+/// Where the points carry gradients (TPIC), v_p is continued to the node: v_p + grad v_p (x_i -
+/// x_p), a_p likewise.
+///
 /// A node that no point weighs on (m_i = 0 to rounding: a point on the opposite face of its cell)
 /// takes the mean velocity and acceleration of the points of its cells.
 /// @note Collective on comm.
@@ -47,7 +50,15 @@ struct NodalMotion {
 ///
 /// v_i is the velocity mapped from the points, before the walls act: the wall's impulse reaches the
 /// points. The velocity is then blended with eta parts of sum_i N_i v'_i (PIC).
+///
+/// Where the points carry gradients (TPIC, with eta = 1), those of the new positions replace them,
+///
+///     grad v = [sum_i v'_i (x) grad N_i] (1 + H)^-1 ,  H = sum_i du_i (x) grad N_i ,  grad a
+///     likewise
+///
+/// so that the velocity of a rigid rotation, of any angle in the step, is kept.
 /// @param pic_share  eta, 0 = FLIP, 1 = PIC
+/// @see Brackbill and Ruppel (1986) for FLIP; Nakamura, Matsumura, Mizutani (2023) for TPIC
 template <int dim>
 void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
                     const PointWeights<dim>& weights, double pic_share,

@@ -56,6 +56,7 @@ StepReport read_step_report(const Message& message) {
 void put(Message& message, const AcceptReport& report) {
   message.fields["at_rest"] = report.at_rest;
   message.fields["proposed_dt"] = report.proposed_dt;
+  message.fields["details"] = report.details;
   message.add("probes", {static_cast<std::int64_t>(report.probes.size())}, report.probes);
 }
 
@@ -67,6 +68,7 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes) 
   require<ProtocolError>(report.proposed_dt >= 0,
                          fmt::format("message \"{}\": expected proposed_dt >= 0, found {}",
                                      message.type, report.proposed_dt));
+  report.details = message.field("details");
   return report;
 }
 

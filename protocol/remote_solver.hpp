@@ -44,6 +44,7 @@ class RemoteSolver : public Solver {
   std::vector<double> probes() const override { return probes_; }
   /// Asks the participant: call it before Server::finish.
   Json summary() const override;
+  std::optional<double> last_busy_seconds() const override { return last_call_.busy_seconds; }
 
   /// Accept, then write the accepted state at this time, in one message.
   AcceptReport accept_and_write(const StepRequest& request, bool solved, double output_time);

@@ -63,6 +63,7 @@ class LoneRun {
     steps_.accept(accepted.proposed_dt);
     newton_iterations_ += report.newton_iterations;
     linear_iterations_ += report.linear_iterations;
+    report.details.update(accepted.details);
     probe_row(accepted.probes);
     step_row(request, report, steps_.cuts() - cuts_before, watch);
     write_output_if(clock_.due(steps_.time()));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,12 @@ namespace gabion {
 
 /// The surface of a solver through which it is coupled, in its reference configuration.
 struct InterfaceMesh {
-  std::string name;                  ///< of the interface, such as "wall"; equal on both sides
-  int dim = 0;                       ///< 2 or 3
-  std::vector<double> coordinates;   ///< [m], num_vertices x dim, row-major
-  int vertices_per_facet = 0;        ///< 2 (segments), 3 or 4; 0 for bare points
-  std::vector<std::int64_t> facets;  ///< num_facets x vertices_per_facet; normals point out of the structure
+  std::string name;                 ///< of the interface, such as "wall"; equal on both sides
+  int dim = 0;                      ///< 2 or 3
+  std::vector<double> coordinates;  ///< [m], num_vertices x dim, row-major
+  int vertices_per_facet = 0;       ///< 2 (segments), 3 or 4; 0 for bare points
+  std::vector<std::int64_t>
+      facets;  ///< num_facets x vertices_per_facet; normals point out of the structure
   std::int64_t num_vertices() const { return static_cast<std::int64_t>(coordinates.size()) / dim; }
 };
 
@@ -47,8 +49,10 @@ struct StepReport {
 /// What a solver says when a step was accepted.
 struct AcceptReport {
   std::vector<double> probes;  ///< values in the order of probe_names()
-  bool at_rest = false;        ///< nothing moves and the load is balanced: the next step without new load may be skipped
-  double proposed_dt = 0;      ///< [s], 0 = no opinion
+  bool at_rest = false;  ///< nothing moves and the load is balanced: the next step without new load
+                         ///< may be skipped
+  double proposed_dt = 0;         ///< [s], 0 = no opinion
+  Json details = Json::object();  ///< numbers of the accepted step for the log, by name
 };
 
 /// A time-stepping solver as seen from outside. A step is a function of the accepted state:
@@ -82,6 +86,10 @@ class Solver {
 
   /// Methods that ran ("linear_solver", ...), counts, and wall seconds by phase, for summary.json.
   virtual Json summary() const = 0;
+
+  /// [s] wall time that the last call kept the solver busy, by its own clock. Empty for a solver of
+  /// this process, which is busy as long as the call lasts.
+  virtual std::optional<double> last_busy_seconds() const { return std::nullopt; }
 };
 
 }  // namespace gabion

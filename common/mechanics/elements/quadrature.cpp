@@ -38,10 +38,17 @@ Rule<1> gauss_legendre(int n) {
   return rule;
 }
 
-/// Product rule of the line, quad or hex; the first coordinate runs fastest.
+/// Centres of n equal parts of [-1, 1].
+Rule<1> equal_parts(int n) {
+  Rule<1> rule;
+  for (int k = 0; k < n; ++k) rule.push_back({Vector<1>((2 * k + 1.0) / n - 1), 2.0 / n});
+  return rule;
+}
+
+/// Product of rules of the line, for quads or hexes; the first coordinate runs fastest.
 template <int dim>
-Rule<dim> product_rule(int n) {
-  const Rule<1> line = gauss_legendre(n);
+Rule<dim> product_rule(const Rule<1>& line) {
+  const int n = static_cast<int>(line.size());
   int count = 1;
   for (int i = 0; i < dim; ++i) count *= n;
   Rule<dim> rule(count);
@@ -172,11 +179,12 @@ std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree) {
   if constexpr (dim == 3) {
     if (type == CellType::tet4) return tetrahedron_rule(degree);
   }
-  return product_rule<dim>(degree / 2 + 1);
+  return product_rule<dim>(gauss_legendre(degree / 2 + 1));
 }
 
 template <int dim>
-std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points) {
+std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points,
+                                             PointPlacement placement) {
   assert(dimension(type) == dim);
   if constexpr (dim == 2) {
     if (type == CellType::tri3) {
@@ -205,7 +213,9 @@ std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points) {
     }
   }
   for (int n = 1; n <= (dim == 2 ? 4 : 3); ++n) {
-    if (num_points == (dim == 2 ? n * n : n * n * n)) return product_rule<dim>(n);
+    if (num_points != (dim == 2 ? n * n : n * n * n)) continue;
+    return product_rule<dim>(placement == PointPlacement::gauss ? gauss_legendre(n)
+                                                                : equal_parts(n));
   }
   refuse_count(type, num_points);
 }
@@ -213,7 +223,7 @@ std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points) {
 template std::vector<QuadraturePoint<1>> gauss_rule(CellType, int);
 template std::vector<QuadraturePoint<2>> gauss_rule(CellType, int);
 template std::vector<QuadraturePoint<3>> gauss_rule(CellType, int);
-template std::vector<QuadraturePoint<2>> point_rule(CellType, int);
-template std::vector<QuadraturePoint<3>> point_rule(CellType, int);
+template std::vector<QuadraturePoint<2>> point_rule(CellType, int, PointPlacement);
+template std::vector<QuadraturePoint<3>> point_rule(CellType, int, PointPlacement);
 
 }  // namespace gabion

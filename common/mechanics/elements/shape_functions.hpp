@@ -70,10 +70,15 @@ struct QuadraturePoint {
 template <int dim>
 std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree);
 
+/// Where the points of a quad or hex lie: at the points of the Gauss rule, or at the centres of
+/// equal parts, which then fill the cell without overlap. Triangles and tetrahedra know one way.
+enum class PointPlacement { gauss, regular };
+
 /// Rule with this many points of positive weight inside the cell, for laying material points:
 /// tri3 1, 3, 4, 6, 12, 16; quad4 1, 4, 9, 16; tet4 1, 4; hex8 1, 8, 27.
 /// @throws ConfigError  names the counts allowed for this cell
 template <int dim>
-std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points);
+std::vector<QuadraturePoint<dim>> point_rule(CellType type, int num_points,
+                                             PointPlacement placement = PointPlacement::gauss);
 
 }  // namespace gabion

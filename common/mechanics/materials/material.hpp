@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "common/base/config_reader.hpp"
+#include "common/mechanics/materials/drucker_prager.hpp"
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
 #include "common/mechanics/materials/tresca.hpp"
@@ -13,7 +14,7 @@ namespace gabion {
 
 template <int dim>
 using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
-                                 MohrCoulomb<dim>, Tresca<dim>>;
+                                 MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>>;
 
 template <int dim>
 struct Material {
@@ -37,9 +38,9 @@ bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialSta
   return std::visit([&](const auto& model) { return model.update(H, state_n, out, A); }, law);
 }
 
-/// Read "law" ("linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca"),
-/// "density", "young_modulus", "poisson_ratio" and the strength keys of the law; angles in degrees.
-/// README.md lists them.
+/// Read "law" ("linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca",
+/// "drucker_prager"), "density", "young_modulus", "poisson_ratio" and the strength keys of the law;
+/// angles in degrees. README.md lists them.
 template <int dim>
 Material<dim> read_material(ConfigReader in);
 

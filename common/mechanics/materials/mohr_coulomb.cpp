@@ -31,7 +31,7 @@ MohrCoulomb<dim>::MohrCoulomb(const MohrCoulombParameters& parameters)
 template <int dim>
 bool MohrCoulomb<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& state_n,
                               StressUpdate<dim>& out, Tangent<dim>* A) const {
-  return principal_update<dim>(Surface{principal_}, H, state_n, out, A);
+  return principal_update<dim>(Surface{{principal_, parameters_.apex_volume}}, H, state_n, out, A);
 }
 
 template class MohrCoulomb<2>;

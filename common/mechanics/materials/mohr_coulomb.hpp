@@ -12,6 +12,7 @@ struct MohrCoulombParameters {
   double friction_angle = 0;  ///< phi [rad], 0 < phi < pi/2
   double dilation_angle = 0;  ///< psi [rad], 0 <= psi <= phi
   double cohesion = 0;        ///< c [Pa], >= 0
+  ApexVolume apex_volume = ApexVolume::gap;
 };
 
 /// Hencky elasticity with non-associated Mohr-Coulomb plasticity in principal Kirchhoff stresses,
@@ -22,7 +23,11 @@ class MohrCoulomb {
   explicit MohrCoulomb(const MohrCoulombParameters& parameters);
   MohrCoulomb(double lambda, double mu, double friction_angle, double dilation_angle,
               double cohesion)
-      : MohrCoulomb(MohrCoulombParameters{lambda, mu, friction_angle, dilation_angle, cohesion}) {}
+      : MohrCoulomb(MohrCoulombParameters{.lambda = lambda,
+                                          .mu = mu,
+                                          .friction_angle = friction_angle,
+                                          .dilation_angle = dilation_angle,
+                                          .cohesion = cohesion}) {}
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/mechanics/materials/apex_volume.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
+#include "common/mechanics/materials/yield_tolerance.hpp"
 
 namespace gabion {
-
-/// A state counts as elastic up to f = yield_tolerance times the size of the terms in f: some
-/// hundred roundings, so that a returned state which is not strained again stays as it is.
-inline constexpr double yield_tolerance = 1e-13;
 
 /// Mohr-Coulomb in principal axes: elastic constants, k and m, strength 2 c sqrt(k). Tresca is
 /// k = m = 1.
@@ -150,7 +148,9 @@ inline Eigen::Matrix3d return_moduli(const PrincipalMohrCoulomb& law, YieldFace 
 struct PrincipalSurface {
   using Return = PrincipalReturn;
   const PrincipalMohrCoulomb& law;
+  ApexVolume apex_volume;
 
+  bool keeps_gap() const { return apex_volume == ApexVolume::gap; }
   double lambda() const { return law.lambda; }
   double mu() const { return law.mu; }
   bool yields(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {

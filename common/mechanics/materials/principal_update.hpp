@@ -57,6 +57,7 @@ void make_plastic(const Surface& surface, const typename Surface::Return& return
 ///
 ///   struct Return;                       // at least eps_e and plastic, elastic and plastic strain
 ///   double lambda() const, mu() const;   // [Pa]
+///   bool keeps_gap() const;              // see MaterialState::gap
 ///   bool yields(eps, tau_trial) const;
 ///   Return return_to_surface(eps, tau_trial) const;                // if it yields
 ///   YieldRegion region(returned) const;
@@ -65,7 +66,13 @@ void make_plastic(const Surface& surface, const typename Surface::Return& return
 ///
 /// with G the elastic shear factor and difference = b_s - b_t, both of the trial state.
 ///
-/// @see de Souza Neto, Peric and Owen (2008), chapters 8 and 14
+/// A gap g is part of the trial strain, eps + g/3: a state that returns to the apex keeps all
+/// volume beyond it as the new gap; any other state has closed it. Within one step this is the
+/// backward Euler return like any other, so that the moduli need no case of their own: g is a
+/// constant of the step, and equal shifts of all strains leave the shear factors.
+///
+/// @see de Souza Neto, Peric and Owen (2008), chapters 8 and 14; for the gap, the volume correction
+///      of Tampubolon et al. (2017), here undone exactly as it was opened
 template <int dim, class Surface>
 bool principal_update(const Surface& surface, const Matrix<dim>& H,
                       const MaterialState<dim>& state_n, StressUpdate<dim>& out, Tangent<dim>* A) {
@@ -77,6 +84,8 @@ bool principal_update(const Surface& surface, const Matrix<dim>& H,
   if (!(trial.value[order[2]] > -1)) return false;
   Eigen::Vector3d eps;
   for (int s = 0; s < 3; ++s) eps[s] = hencky_strain(trial.value[order[s]]);
+  const bool gap_was_open = state_n.gap != 0;
+  if (gap_was_open) eps.array() += state_n.gap / 3;
 
   const double lambda = surface.lambda(), mu = surface.mu();
   const Eigen::Vector3d tau_trial = hencky_stress(lambda, mu, eps);
@@ -88,15 +97,23 @@ bool principal_update(const Surface& surface, const Matrix<dim>& H,
   if (plastic) {
     returned = surface.return_to_surface(eps, tau_trial);
     eps_e = returned.eps_e;
+    out.region = surface.region(returned);
+    Eigen::Vector3d increment = returned.plastic;
+    if (surface.keeps_gap() && out.region == YieldRegion::apex) {
+      out.state.gap = increment.sum();
+      increment.array() -= out.state.gap / 3;
+    }
+    out.state.plastic_strain += increment.norm();
+  }
+  if (plastic || gap_was_open) {
     std::array<double, 3> e_principal;
     for (int s = 0; s < 3; ++s) e_principal[order[s]] = strain_from_hencky(eps_e[s]);
     out.state.e = compose<dim>(e_principal, trial.n);
-    out.state.plastic_strain += returned.plastic.norm();
-    out.region = surface.region(returned);
   }
   const double volumetric = eps_e.sum();
   std::array<double, 3> tau;
   for (int s = 0; s < 3; ++s) tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
+  out.dissipation = plastic ? hencky_stress(lambda, mu, eps_e).dot(returned.plastic) : 0;
   const Matrix<dim> F = Matrix<dim>::Identity() + H;
   const Matrix<dim> F_inverse = F.inverse();
   out.tau = compose<dim>(tau, trial.n);

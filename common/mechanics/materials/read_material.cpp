@@ -23,8 +23,11 @@ LameConstants read_elasticity(ConfigReader& in) {
   return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
 }
 
-template <int dim>
-MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
+struct Friction {
+  double friction_angle, dilation_angle, cohesion;  // [rad], [rad], [Pa]
+};
+
+Friction read_friction(ConfigReader& in) {
   constexpr double degree = std::numbers::pi / 180;
   const Range friction_range = {[](double x) { return 0 <= x && x < 90; },
                                 "an angle in degrees, 0 < friction_angle < 90"};
@@ -38,8 +41,39 @@ MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elasti
       [phi](double x) { return 0 <= x && x <= phi; },
       fmt::format("an angle in degrees from 0 to friction_angle = {}", phi)};
   const double psi = in.number_or("dilation_angle", 0, dilation_range);
-  const double cohesion = in.number_or("cohesion", 0, non_negative());
-  return {elastic.lambda, elastic.mu, phi * degree, psi * degree, cohesion};
+  return {phi * degree, psi * degree, in.number_or("cohesion", 0, non_negative())};
+}
+
+ApexVolume read_apex_volume(ConfigReader& in) {
+  const std::string word = in.choice_or("apex_volume", {"gap", "forget"}, "gap");
+  return word == "gap" ? ApexVolume::gap : ApexVolume::forget;
+}
+
+template <int dim>
+MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
+  const Friction friction = read_friction(in);
+  return MohrCoulomb<dim>({.lambda = elastic.lambda,
+                           .mu = elastic.mu,
+                           .friction_angle = friction.friction_angle,
+                           .dilation_angle = friction.dilation_angle,
+                           .cohesion = friction.cohesion,
+                           .apex_volume = read_apex_volume(in)});
+}
+
+template <int dim>
+DruckerPrager<dim> read_drucker_prager(ConfigReader& in, const LameConstants& elastic) {
+  const Friction friction = read_friction(in);
+  const std::string match =
+      in.choice_or("match", {"plane_strain", "compression", "extension"}, "plane_strain");
+  return DruckerPrager<dim>({.lambda = elastic.lambda,
+                             .mu = elastic.mu,
+                             .friction_angle = friction.friction_angle,
+                             .dilation_angle = friction.dilation_angle,
+                             .cohesion = friction.cohesion,
+                             .match = match == "plane_strain"  ? ConeMatch::plane_strain
+                                      : match == "compression" ? ConeMatch::compression
+                                                               : ConeMatch::extension,
+                             .apex_volume = read_apex_volume(in)});
 }
 
 template <int dim>
@@ -52,8 +86,8 @@ Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
 template <int dim>
 Material<dim> read_material(ConfigReader in) {
   Material<dim> material;
-  material.law_name = in.choice(
-      "law", {"linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca"});
+  material.law_name = in.choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic",
+                                        "mohr_coulomb", "tresca", "drucker_prager"});
   material.density = in.number("density", positive());
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
@@ -64,6 +98,8 @@ Material<dim> read_material(ConfigReader in) {
     material.law = HenckyElastic<dim>{elastic.lambda, elastic.mu};
   } else if (material.law_name == "tresca") {
     material.law = read_tresca<dim>(in, elastic);
+  } else if (material.law_name == "drucker_prager") {
+    material.law = read_drucker_prager<dim>(in, elastic);
   } else {
     material.law = read_mohr_coulomb<dim>(in, elastic);
   }

@@ -13,7 +13,11 @@ namespace gabion {
 template <int dim>
 struct MaterialState {
   Symmetric<dim> e = Symmetric<dim>::Zero();
-  double plastic_strain = 0;  ///< accumulated norm of the plastic Hencky strain increments
+  /// Accumulated norm of the plastic Hencky strain increments, without the volume in `gap`.
+  double plastic_strain = 0;
+  /// Volumetric Hencky strain opened at the apex and not yet closed, >= 0 to rounding; stays 0
+  /// for laws that do not keep it.
+  double gap = 0;
 };
 
 /// What holds a point at the end of a step.
@@ -49,8 +53,9 @@ struct StressUpdate {
   Matrix<dim> P;
   Symmetric<dim> tau;  ///< Kirchhoff stress [Pa]
   MaterialState<dim> state;
-  double J = 1;       ///< det(1 + H), volume ratio of this step
-  double energy = 0;  ///< elastic energy per unit of stress-free volume [J/m^3]
+  double J = 1;            ///< det(1 + H), volume ratio of this step
+  double energy = 0;       ///< elastic energy per unit of stress-free volume [J/m^3]
+  double dissipation = 0;  ///< tau : plastic strain of the step, per stress-free volume [J/m^3]
   YieldRegion region = YieldRegion::elastic;
 
   bool plastic() const { return region != YieldRegion::elastic; }

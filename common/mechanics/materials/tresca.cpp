@@ -17,7 +17,7 @@ struct Surface : PrincipalSurface {
 template <int dim>
 bool Tresca<dim>::update(const Matrix<dim>& H, const MaterialState<dim>& state_n,
                          StressUpdate<dim>& out, Tangent<dim>* A) const {
-  return principal_update<dim>(Surface{principal_}, H, state_n, out, A);
+  return principal_update<dim>(Surface{{principal_, ApexVolume::forget}}, H, state_n, out, A);
 }
 
 template class Tresca<2>;

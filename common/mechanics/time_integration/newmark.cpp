@@ -8,17 +8,41 @@ namespace gabion {
 NewmarkBossak NewmarkBossak::bossak(double alpha) {
   require<ConfigError>(alpha >= -1.0 / 3 && alpha <= 0,
                        "Bossak's alpha: found " + std::to_string(alpha) + ", allowed: -1/3 to 0");
-  return {.alpha_bossak = alpha, .beta = 0.25 * (1 - alpha) * (1 - alpha), .gamma = 0.5 - alpha};
+  return {.alpha_m = alpha, .beta = 0.25 * (1 - alpha) * (1 - alpha), .gamma = 0.5 - alpha};
+}
+
+NewmarkBossak NewmarkBossak::generalized_alpha(double rho_inf) {
+  require<ConfigError>(rho_inf >= 0 && rho_inf <= 1,
+                       "rho_inf: found " + std::to_string(rho_inf) + ", allowed: 0 to 1");
+  const double alpha_m = (2 * rho_inf - 1) / (rho_inf + 1);
+  const double alpha_f = rho_inf / (rho_inf + 1);
+  const double lead = 1 - alpha_m + alpha_f;
+  return {.alpha_m = alpha_m,
+          .alpha_f = alpha_f,
+          .beta = 0.25 * lead * lead,
+          .gamma = 0.5 - alpha_m + alpha_f};
 }
 
 NewmarkBossak read_newmark_bossak(ConfigReader in) {
   NewmarkBossak scheme;
-  if (in.choice_or("scheme", {"newmark", "bossak"}, "newmark") == "bossak") {
+  const std::string name =
+      in.choice_or("scheme", {"newmark", "bossak", "generalized_alpha"}, "newmark");
+  if (name == "bossak") {
     const Range range{[](double x) { return x >= -1.0 / 3 && x <= 0; }, "a number in [-1/3, 0]"};
     scheme = NewmarkBossak::bossak(in.number_or("alpha", -0.1, range));
+  } else if (name == "generalized_alpha") {
+    scheme = NewmarkBossak::generalized_alpha(in.number_or("rho_inf", 0.8, between(0, 1)));
   }
   in.finish();
   return scheme;
+}
+
+void require_balance_at_end_of_step(const ConfigReader& in, const NewmarkBossak& scheme) {
+  if (scheme.alpha_f == 0) return;
+  in.fail("time_integration",
+          "found generalized_alpha with forces averaged over the step, allowed with interfaces: "
+          "newmark, bossak, or rho_inf 0; both sides of an interface have to balance its forces at "
+          "the end of the step");
 }
 
 }  // namespace gabion

@@ -59,7 +59,7 @@ class ClockSolver : public Solver {
   }
   AcceptReport accept_step(const StepRequest&, bool) override {
     value_ = trial_;
-    return {{value_}, false, 0};
+    return {{value_}, false, 0, {{"moved", 4}}};
   }
   void reject_step() override { ++rejected; }
   void write_output(double time) override { frames.push_back(time); }
@@ -84,9 +84,9 @@ TEST(RunAlone, steps_probes_frames_and_summary) {
   const auto steps = lines(temp / "out/steps.csv");
   ASSERT_EQ(steps.size(), 6u);
   EXPECT_EQ(steps[0],
-            "step,time,dt,newton_iterations,linear_iterations,cuts,points,work,solve_seconds,"
+            "step,time,dt,newton_iterations,linear_iterations,cuts,moved,points,work,solve_seconds,"
             "wall_seconds");
-  EXPECT_EQ(steps[1].find("1,0.2,0.2,3,0,0,7,2.5,0.5,"), 0u) << steps[1];
+  EXPECT_EQ(steps[1].find("1,0.2,0.2,3,0,0,4,7,2.5,0.5,"), 0u) << steps[1];
   EXPECT_EQ(steps[5].find("5,0.9,"), 0u) << steps[5];
   const auto probes = lines(temp / "out/probes.csv");
   ASSERT_EQ(probes.size(), 7u);

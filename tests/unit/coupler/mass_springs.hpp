@@ -37,8 +37,8 @@ class MassSprings : public Solver {
         load_(u_) {}
 
   std::vector<InterfaceMesh> interfaces() const override { return {mesh_}; }
-  std::vector<std::string> probe_names() const override { return {"u"}; }
-  std::vector<double> probes() const override { return {u_(0)}; }
+  std::vector<std::string> probe_names() const override { return {"u", "energy"}; }
+  std::vector<double> probes() const override { return {u_(0), energy()}; }
   void reject_step() override { ++rejected; }
   void write_output(double time) override { written.push_back(time); }
   Json summary() const override { return {{"linear_solver", "none"}}; }
@@ -51,7 +51,7 @@ class MassSprings : public Solver {
     v_ = v_trial_;
     a_ = a_trial_;
     ++accepted;
-    return {probes(), v_.isZero(0) && a_.isZero(0), 0};
+    return {probes(), v_.isZero(0) && a_.isZero(0), 0, {{"accepted_steps", accepted}}};
   }
 
   std::function<void(const StepRequest&)> on_solve;  // may throw
@@ -64,6 +64,14 @@ class MassSprings : public Solver {
 
  protected:
   double factor(Eigen::Index i) const { return 1 + scatter * double(i / 2) / double(u_.size()); }
+  /// Kinetic and elastic [J].
+  double energy() const {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < u_.size(); ++i) {
+      sum += 0.5 * factor(i) * (mass_ * v_(i) * v_(i) + stiffness_ * u_(i) * u_(i));
+    }
+    return sum;
+  }
   void set_trial(const Eigen::VectorXd& u, double dt) {
     const NewmarkBossak newmark;
     u_trial_ = u;
@@ -78,6 +86,7 @@ class MassSprings : public Solver {
     if (on_solve) on_solve(request);
     StepReport report;
     report.newton_iterations = 2;
+    report.linear_iterations = 7;
     report.details = {{"work", 1.5 * double(request.step)}};
     return report;
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <fmt/ranges.h>
 #include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -150,6 +152,99 @@ TEST(CouplingLoop, force_balance_is_logged_at_round_off) {
   }
   EXPECT_GT(std::abs(std::stod(run.column("steps.csv", "fx")[3])), 0.1);
   EXPECT_EQ(run.column("steps.csv", "soil.work")[3], "6");
+}
+
+TEST(CouplingLoop, interface_work_is_the_energy_of_the_structure_and_cancels) {
+  CoupledRun run("work");
+  run.go();
+  const auto energy = run.column("probes.csv", "structure.energy");
+  const auto structure = run.column("steps.csv", "structure_work");
+  const auto soil = run.column("steps.csv", "soil_work");
+  const auto sum = run.column("steps.csv", "work_sum");
+  double largest = 0;
+  for (const auto& cell : structure) largest = std::max(largest, std::abs(std::stod(cell)));
+  EXPECT_GT(largest, 0.01);
+  for (std::size_t n = 0; n < 20; ++n) {
+    const double gain = std::stod(energy[n + 1]) - std::stod(energy[n]);
+    EXPECT_NEAR(std::stod(structure[n]), gain, 1e-12 * largest) << "step " << n;
+    EXPECT_NEAR(std::stod(soil[n]), -gain, 1e-7 * largest) << "step " << n;
+    EXPECT_EQ(std::stod(sum[n]), std::stod(soil[n]) + std::stod(structure[n]));
+  }
+}
+
+TEST(CouplingLoop, the_explicit_scheme_makes_work) {
+  CoupledRun run("lag");
+  run.settings.coupling.scheme = Scheme::explicit_;
+  run.settings.time.end = 0.05;
+  run.go();
+  double largest = 0;
+  for (const auto& cell : run.column("steps.csv", "work_sum")) {
+    largest = std::max(largest, std::abs(std::stod(cell)));
+  }
+  EXPECT_GT(largest, 1e-5);
+}
+
+TEST(CouplingLoop, numbers_of_solution_and_acceptance_are_in_the_steps) {
+  CoupledRun run("numbers");
+  run.soil.load = [](double t) { return t > 0.055 ? 5.0 : 0.0; };
+  run.structure.on_solve = [](const StepRequest& request) {
+    if (request.step == 9 && request.dt > 0.006) throw ConvergenceError("too large");
+  };
+  run.go();
+  const auto iterations = run.column("steps.csv", "iterations");
+  const auto skipped = run.column("steps.csv", "skipped");
+  const auto soil = run.column("steps.csv", "soil.linear_iterations");
+  const auto structure = run.column("steps.csv", "structure.linear_iterations");
+  const auto accepted = run.column("steps.csv", "structure.accepted_steps");
+  int solved = 0;
+  for (std::size_t n = 0; n < iterations.size(); ++n) {
+    const int count = std::stoi(iterations[n]);
+    const bool slept = skipped[n] == "structure";
+    EXPECT_EQ(std::stoi(soil[n]), 7 * count);
+    EXPECT_EQ(std::stoi(structure[n]), slept ? 0 : 7 * count);
+    EXPECT_EQ(accepted[n], slept ? "" : std::to_string(++solved));
+  }
+  EXPECT_GT(solved, 10);
+}
+
+TEST(CouplingLoop, wall_times_of_a_step_add_up) {
+  CoupledRun run("seconds");
+  run.settings.time.end = 0.05;
+  run.structure.on_solve = [](const StepRequest& request) {
+    if (request.step != 4 || request.dt < 0.006) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    throw ConvergenceError("too large");  // its time counts
+  };
+  run.go();
+  std::ifstream in(run.folder / "steps.csv");
+  const std::vector<std::string> last = {"soil.busy_seconds",
+                                         "soil.message_seconds",
+                                         "soil.waiting_seconds",
+                                         "structure.busy_seconds",
+                                         "structure.message_seconds",
+                                         "structure.waiting_seconds",
+                                         "wall_seconds"};
+  std::string line;
+  std::getline(in, line);
+  EXPECT_TRUE(line.ends_with(fmt::format(",{}", fmt::join(last, ",")))) << line;
+  for (int step = 1; std::getline(in, line); ++step) {
+    std::vector<double> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) {
+      cells.push_back(cell.find_first_not_of("0123456789.e+-") == cell.npos ? std::atof(cell.data())
+                                                                            : 0);
+    }
+    const double* t = cells.data() + cells.size() - 7;
+    EXPECT_NEAR(t[0] + t[1] + t[2], t[6], 1e-12);
+    EXPECT_NEAR(t[3] + t[4] + t[5], t[6], 1e-12);
+    EXPECT_EQ(t[1], 0);  // no messages
+    EXPECT_GT(t[0], 0);
+    EXPECT_GT(t[2], 0);
+    EXPECT_LE(t[0] + t[3], t[6]);
+    if (step == 4) {
+      EXPECT_GE(t[3], 0.02);
+    }
+  }
 }
 
 TEST(CouplingLoop, two_runs_write_the_same_tables) {

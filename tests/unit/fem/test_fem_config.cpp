@@ -30,6 +30,17 @@ void expect_error(const Json& json, const std::vector<std::string>& parts) {
   }
 }
 
+TEST(FemConfig, averaged_forces_at_an_interface) {
+  Json json = valid();
+  json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
+  expect_error(json, {"/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  json["time_integration"]["rho_inf"] = 0;
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"]["rho_inf"] = 0.8;
+  json.erase("interfaces");
+  EXPECT_EQ(error_of(json), "no error");
+}
+
 TEST(FemConfig, defaults) {
   const auto settings = fem_settings<2>(valid());
   EXPECT_TRUE(settings.dynamic);

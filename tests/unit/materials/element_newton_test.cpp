@@ -73,8 +73,17 @@ void expect_quadratic_elements(const auto& parameters) {
 
 TEST(ElementNewton, ConvergesQuadraticallyOnPlasticElements) {
   for (const double psi : {0., 10., 30.})
-    expect_quadratic_elements<MohrCoulomb>(
-        MohrCoulombParameters{lambda, mu, 30 * degree, psi * degree, 1e4});
+    expect_quadratic_elements<MohrCoulomb>(MohrCoulombParameters{.lambda = lambda,
+                                                                 .mu = mu,
+                                                                 .friction_angle = 30 * degree,
+                                                                 .dilation_angle = psi * degree,
+                                                                 .cohesion = 1e4});
+  for (const double psi : {0., 10., 30.})
+    expect_quadratic_elements<DruckerPrager>(DruckerPragerParameters{.lambda = lambda,
+                                                                     .mu = mu,
+                                                                     .friction_angle = 30 * degree,
+                                                                     .dilation_angle = psi * degree,
+                                                                     .cohesion = 1e4});
   expect_quadratic_elements<Tresca>(TrescaParameters{lambda, mu, 0.01 * M});
 }
 

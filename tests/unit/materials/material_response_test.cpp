@@ -180,9 +180,20 @@ double expect_plane_strain_equals_3d(const auto& plane, const auto& solid) {
 }
 
 TEST(MaterialResponse, PlaneStrainEqualsThreeDimensions) {
-  const MohrCoulombParameters sand{lambda, mu, 30 * degree, 10 * degree, 1e4};
+  const MohrCoulombParameters sand{.lambda = lambda,
+                                   .mu = mu,
+                                   .friction_angle = 30 * degree,
+                                   .dilation_angle = 10 * degree,
+                                   .cohesion = 1e4};
+  const DruckerPragerParameters gravel{.lambda = lambda,
+                                       .mu = mu,
+                                       .friction_angle = 30 * degree,
+                                       .dilation_angle = 10 * degree,
+                                       .cohesion = 1e4};
   EXPECT_GT(expect_plane_strain_equals_3d(MohrCoulomb<2>(sand), MohrCoulomb<3>(sand)), 0.02);
   const TrescaParameters clay{lambda, mu, 1e4};
+  EXPECT_GT(expect_plane_strain_equals_3d(DruckerPrager<2>(gravel), DruckerPrager<3>(gravel)),
+            0.02);
   EXPECT_GT(expect_plane_strain_equals_3d(Tresca<2>(clay), Tresca<3>(clay)), 0.02);
 }
 
@@ -205,10 +216,21 @@ void expect_isotropy(const auto& law) {
 }
 
 TEST(MaterialResponse, PlasticLawsAreIsotropic) {
-  const MohrCoulombParameters sand{lambda, mu, 30 * degree, 10 * degree, 1e4};
+  const MohrCoulombParameters sand{.lambda = lambda,
+                                   .mu = mu,
+                                   .friction_angle = 30 * degree,
+                                   .dilation_angle = 10 * degree,
+                                   .cohesion = 1e4};
+  const DruckerPragerParameters gravel{.lambda = lambda,
+                                       .mu = mu,
+                                       .friction_angle = 30 * degree,
+                                       .dilation_angle = 10 * degree,
+                                       .cohesion = 1e4};
   expect_isotropy<2>(MohrCoulomb<2>(sand));
   expect_isotropy<3>(MohrCoulomb<3>(sand));
   const TrescaParameters clay{lambda, mu, 1e4};
+  expect_isotropy<2>(DruckerPrager<2>(gravel));
+  expect_isotropy<3>(DruckerPrager<3>(gravel));
   expect_isotropy<2>(Tresca<2>(clay));
   expect_isotropy<3>(Tresca<3>(clay));
 }

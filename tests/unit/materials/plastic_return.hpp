@@ -36,7 +36,7 @@ PrincipalReturn principal_return(const Tresca<dim>& law, const Eigen::Vector3d& 
   return return_to_tresca(principal_law(law), eps, tau);
 }
 
-inline Eigen::Vector3d stress_of(const PrincipalMohrCoulomb& law, const Eigen::Vector3d& eps) {
+inline Eigen::Vector3d stress_of(const auto& law, const Eigen::Vector3d& eps) {
   return (law.lambda * eps.sum() + 2 * law.mu * eps.array()).matrix();
 }
 
@@ -44,11 +44,11 @@ inline bool yields(const PrincipalMohrCoulomb& law, const Eigen::Vector3d& tau) 
   return law.k * tau[0] - tau[2] > law.strength;
 }
 
-/// Sorted trial Hencky strains of a step.
+/// Sorted trial Hencky strains of a step; an open gap counts as volumetric strain.
 template <int dim>
 Eigen::Vector3d trial_strain(const Matrix<dim>& H, const MaterialState<dim>& state_n) {
   const Eigen::Vector3d e = principal<dim>(push_forward<dim>(H, state_n.e));
-  return e.unaryExpr([](double x) { return 0.5 * std::log1p(x); });
+  return e.unaryExpr([&](double x) { return 0.5 * std::log1p(x) + state_n.gap / 3; });
 }
 
 /// -1 elastic, otherwise the YieldFace of a step.
@@ -59,6 +59,18 @@ int face_of(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& stat
   const Eigen::Vector3d tau = stress_of(constants, eps);
   if (!yields(constants, tau)) return -1;
   return static_cast<int>(principal_return(law, eps, tau).face);
+}
+
+/// The same of a cone: -1 elastic, otherwise the YieldRegion.
+template <int dim>
+int face_of(const DruckerPrager<dim>& law, const Matrix<dim>& H,
+            const MaterialState<dim>& state_n) {
+  const auto& cone = law.cone();
+  const Eigen::Vector3d eps = trial_strain<dim>(H, state_n);
+  const Eigen::Vector3d tau = stress_of(cone, eps);
+  const double p = tau.mean();
+  if (shear_size((tau.array() - p).matrix()) + cone.eta * p <= cone.strength) return -1;
+  return static_cast<int>(return_to_cone(cone, eps, tau).region);
 }
 
 /// A plane a . tau = strength of unsorted principal stresses with flow direction b.

@@ -49,9 +49,10 @@ bool smooth_about(const auto& face, const Matrix<dim>& H, const MaterialState<di
 /// Compare the tangent with central differences at random states and steps with stresses of `size`
 /// M about the surface, to 1e-7 M; returns samples per face. Off the apex the tangent is compared
 /// as it is, at the apex without its known regularisation.
+/// @param largest_gap  every third state has a gap, up to this volumetric strain
 template <int dim>
 std::map<int, int> compare_plastic_tangent(const auto& law, const auto& face, double size,
-                                           int samples) {
+                                           int samples, double largest_gap) {
   Random random(11);
   std::map<int, int> count;
   const double step = 1e-5 * size, M = law.p_wave_modulus();
@@ -59,6 +60,7 @@ std::map<int, int> compare_plastic_tangent(const auto& law, const auto& face, do
   for (int sample = 0; sample < samples; ++sample) {
     MaterialState<dim> state_n;
     state_n.e = random.elastic_strain<dim>(size / 2, random.uniform(-1.5, 0.2) * size);
+    if (sample % 3 == 0) state_n.gap = random.uniform(0, largest_gap);
     const Matrix<dim> H = random.matrix<dim>(random.uniform(0.3, 2.0) * size);
     if (!smooth_about<dim>(face, H, state_n, step)) continue;
     const int centre = face(H, state_n);

@@ -40,6 +40,7 @@ TEST(ReadMaterial, MohrCoulomb) {
   EXPECT_NEAR(law.parameters().friction_angle, 19.8 * degree, 1e-15);
   EXPECT_EQ(law.parameters().dilation_angle, 0);
   EXPECT_EQ(law.parameters().cohesion, 10);
+  EXPECT_EQ(law.parameters().apex_volume, ApexVolume::gap);
   EXPECT_FALSE(law.symmetric_tangent());
 }
 
@@ -68,6 +69,41 @@ TEST(ReadMaterial, Tresca) {
   bad = clay();
   bad["friction_angle"] = 10;
   EXPECT_THAT(message_of(bad), HasSubstr("friction_angle"));
+}
+
+TEST(ReadMaterial, DruckerPrager) {
+  Json json = soil();
+  json["law"] = "drucker_prager";
+  const auto plain = std::get<DruckerPrager<2>>(read_material<2>(ConfigReader(json, "f")).law);
+  EXPECT_EQ(plain.parameters().match, ConeMatch::plane_strain);
+  EXPECT_EQ(plain.parameters().apex_volume, ApexVolume::gap);
+  EXPECT_NEAR(plain.cone().eta, std::sin(19.8 * degree), 1e-15);
+  for (const auto& [word, match] :
+       {std::pair{"compression", ConeMatch::compression}, {"extension", ConeMatch::extension}}) {
+    json["match"] = word;
+    const auto law = std::get<DruckerPrager<2>>(read_material<2>(ConfigReader(json, "f")).law);
+    EXPECT_EQ(law.parameters().match, match);
+  }
+  json["match"] = "inner";
+  EXPECT_THAT(message_of(json),
+              AllOf(HasSubstr("/match"), HasSubstr("inner"), HasSubstr("plane_strain")));
+  json.erase("match");
+  json["friction_angle"] = 0;
+  EXPECT_THAT(message_of(json), AllOf(HasSubstr("/friction_angle"), HasSubstr("tresca")));
+}
+
+TEST(ReadMaterial, ApexVolume) {
+  for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
+    Json json = soil();
+    json["law"] = law;
+    json["apex_volume"] = "lost";
+    EXPECT_THAT(message_of(json), AllOf(HasSubstr("/apex_volume"), HasSubstr("lost"),
+                                        HasSubstr("gap"), HasSubstr("forget")));
+  }
+  Json json = soil();
+  json["apex_volume"] = "forget";
+  const auto material = read_material<2>(ConfigReader(json, "mpm.json"));
+  EXPECT_EQ(std::get<MohrCoulomb<2>>(material.law).parameters().apex_volume, ApexVolume::forget);
 }
 
 template <class Law>

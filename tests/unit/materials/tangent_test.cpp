@@ -79,11 +79,11 @@ struct Angles {
 };
 
 template <int dim>
-std::map<int, int> compare(const auto& law, double size, int samples) {
+std::map<int, int> compare(const auto& law, double size, int samples, double largest_gap = 0) {
   const auto face = [&](const Matrix<dim>& H, const MaterialState<dim>& state_n) {
     return face_of<dim>(law, H, state_n);
   };
-  return compare_plastic_tangent<dim>(law, face, size, samples);
+  return compare_plastic_tangent<dim>(law, face, size, samples, largest_gap);
 }
 
 class MohrCoulombTangent : public ::testing::TestWithParam<Angles> {
@@ -107,6 +107,13 @@ TEST_P(MohrCoulombTangent, MatchesDifferences2d) {
 TEST_P(MohrCoulombTangent, MatchesDifferences3d) {
   expect_all_faces(compare<3>(law<3>(0.1 * 0.15 * M), 0.15, 3000));
   expect_all_faces(compare<3>(law<3>(0), 0.05, 3000));
+}
+
+TEST_P(MohrCoulombTangent, MatchesDifferencesWithAGap) {
+  for (const double cohesion : {0.0, 0.01 * M}) {
+    expect_all_faces(compare<2>(law<2>(cohesion), 0.1, 3000, 0.1));
+    expect_all_faces(compare<3>(law<3>(cohesion), 0.1, 3000, 0.1));
+  }
 }
 
 TEST_P(MohrCoulombTangent, MatchesDifferencesAtTinyStrain) {
@@ -156,6 +163,63 @@ TEST(TrescaTangent, MatchesDifferencesAndIsSymmetric) {
   compare<3>(Tresca<3>({lambda, mu, 1e-10 * M}), 1e-9, 200);
 }
 
+class DruckerPragerTangent : public ::testing::TestWithParam<Angles> {
+ protected:
+  DruckerPragerParameters parameters(double cohesion, ConeMatch match) const {
+    return {.lambda = lambda,
+            .mu = mu,
+            .friction_angle = GetParam().phi * degree,
+            .dilation_angle = GetParam().psi * degree,
+            .cohesion = cohesion,
+            .match = match};
+  }
+  /// Elastic, cone and apex must all have been met.
+  static void expect_all_regions(std::map<int, int> count) {
+    for (const int region :
+         {-1, static_cast<int>(YieldRegion::shear), static_cast<int>(YieldRegion::apex)})
+      EXPECT_GE(count[region], 5) << region;
+  }
+};
+
+TEST_P(DruckerPragerTangent, MatchesDifferences) {
+  for (const ConeMatch match :
+       {ConeMatch::plane_strain, ConeMatch::compression, ConeMatch::extension}) {
+    for (const double cohesion : {0.0, 0.01 * M}) {
+      const auto p = parameters(cohesion, match);
+      expect_all_regions(compare<2>(DruckerPrager<2>(p), 0.1, 500));
+      expect_all_regions(compare<3>(DruckerPrager<3>(p), 0.1, 500));
+      expect_all_regions(compare<2>(DruckerPrager<2>(p), 0.1, 500, 0.1));
+      expect_all_regions(compare<3>(DruckerPrager<3>(p), 0.1, 500, 0.1));
+    }
+  }
+  compare<2>(DruckerPrager<2>(parameters(0, ConeMatch::plane_strain)), 1e-9, 200);
+  compare<3>(DruckerPrager<3>(parameters(0, ConeMatch::plane_strain)), 1e-9, 200);
+}
+
+/// Two or three equal trial values on the cone, where the shear factors are limits.
+TEST_P(DruckerPragerTangent, MatchesDifferencesAtEqualTrialValues) {
+  const DruckerPrager<3> solid(parameters(0, ConeMatch::plane_strain));
+  const DruckerPrager<2> plane(parameters(0, ConeMatch::plane_strain));
+  Random random(3);
+  for (const double side : {-1.0, 1.0}) {
+    const double pair = side > 0 ? -0.05 : 0.02, odd = side > 0 ? 0.05 : -0.1;
+    MaterialState<3> state;
+    state.e = compose<3>({odd, pair, pair}, random.rotation<3>());
+    const Matrix<3> H3 = Matrix<3>::Zero();
+    ASSERT_EQ(stress<3>(solid, H3, state).region, YieldRegion::shear);
+    const Tangent<3> A3 = difference_tangent<3>(solid, H3, state, 1e-6);
+    EXPECT_LT((tangent<3>(solid, H3, state) - A3).cwiseAbs().maxCoeff(), tolerance);
+    MaterialState<2> plane_state;
+    plane_state.e << pair, pair, odd, 0;
+    const Matrix<2> H2 = Matrix<2>::Zero();
+    ASSERT_EQ(stress<2>(plane, H2, plane_state).region, YieldRegion::shear);
+    const Tangent<2> A2 = difference_tangent<2>(plane, H2, plane_state, 1e-6);
+    EXPECT_LT((tangent<2>(plane, H2, plane_state) - A2).cwiseAbs().maxCoeff(), tolerance);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Angles, DruckerPragerTangent,
+                         ::testing::Values(Angles{19.8, 0}, Angles{30, 10}, Angles{35, 35}));
 INSTANTIATE_TEST_SUITE_P(Angles, MohrCoulombTangent,
                          ::testing::Values(Angles{19.8, 0}, Angles{30, 10}, Angles{35, 35}));
 

@@ -47,11 +47,15 @@ struct SoilPatch {
   mpm::GridNodes<dim> nodes;
   Random random;
 
-  explicit SoilPatch(CellType type, int cells = 3) : grid(unit_box<dim>(type, cells)) {}
+  explicit SoilPatch(CellType type, int cells = 3, mpm::Basis basis = mpm::Basis::linear)
+      : grid(unit_box<dim>(type, cells), basis) {}
 
   /// Fill the grid with the regular points of each cell.
   void fill(int points_per_cell, double density = 1) {
-    lay_points<dim>({grid.mesh, points_per_cell, Vector<dim>::Zero()}, density, 0, 0, 1, points);
+    const bool with_domains = grid.basis == mpm::Basis::gimp;
+    lay_points<dim>({grid.mesh, points_per_cell, Vector<dim>::Zero(),
+                     with_domains ? PointPlacement::regular : PointPlacement::gauss, with_domains},
+                    density, 0, 0, 1, points);
   }
   /// `count` points at random places with random mass, velocity and acceleration.
   void scatter(int count) {
@@ -72,6 +76,11 @@ struct SoilPatch {
     points.history.emplace_back();
     points.cell.push_back(-1);
     points.id.push_back(points.size() - 1);
+    if (grid.basis == mpm::Basis::gimp) {
+      points.half_length.push_back(
+          grid.box->spacing.cwiseProduct(0.3 * Vector<dim>::Ones() + 0.19 * random.vector<dim>()));
+      points.F.push_back(Matrix<dim>::Identity());
+    }
     if (points.body_starts.empty()) points.body_starts = {0, 0};
     points.body_starts.back() = points.size();
   }
@@ -124,6 +133,17 @@ void for_each_cell_type(const Check& check) {
   check.template operator()<2>(CellType::quad4);
   check.template operator()<3>(CellType::tet4);
   check.template operator()<3>(CellType::hex8);
+}
+
+/// Call check<dim>(type, basis) for the linear basis on each cell type and for the others.
+template <class Check>
+void for_each_basis(const Check& check) {
+  for_each_cell_type(
+      [&]<int dim>(CellType type) { check.template operator()<dim>(type, mpm::Basis::linear); });
+  for (const mpm::Basis basis : {mpm::Basis::gimp, mpm::Basis::bspline}) {
+    check.template operator()<2>(CellType::quad4, basis);
+    check.template operator()<3>(CellType::hex8, basis);
+  }
 }
 
 }  // namespace gabion::test

@@ -22,10 +22,14 @@ struct Balance {
   std::optional<mpm::GhostStiffness<dim>> ghost;
   BlockMatrix<dim> K;
 
-  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law)
-      : soil(type, cells) {
+  Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law,
+          mpm::Basis basis = mpm::Basis::linear)
+      : soil(type, cells, basis) {
     soil.fill(points_per_cell, 0.5);
     soil.bodies = {{"soil", {"", 0.5, law}}};
+    if (basis != mpm::Basis::linear) {  // so that domains reach beyond the cell
+      for (auto& x : soil.points.x) x += 0.15 / cells * soil.random.template vector<dim>();
+    }
     for (auto& v : soil.points.v) v = 0.1 * soil.random.template vector<dim>();
     for (auto& a : soil.points.a) a = soil.random.template vector<dim>();
   }
@@ -56,6 +60,7 @@ struct Balance {
                                                       same_strain,
                                                       0.1,
                                                       with_inertia,
+                                                      {},
                                                       {},
                                                       ghost ? &*ghost : nullptr};
     equilibrium.emplace(parts);
@@ -102,18 +107,55 @@ int regular_points(CellType type) {
 }
 
 TEST(EquilibriumTangent, neo_hookean) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3},
+                         basis);
     balance.squeeze(0.05);
     balance.start();
     EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
   });
 }
 
-TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
+/// The share of old forces is constant in the step, but it changes the weight of the inertia.
+TEST(EquilibriumTangent, averaged_forces) {
   for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    balance.scheme = NewmarkBossak::generalized_alpha(0.7);
+    balance.squeeze(0.05);
+    balance.start();
+    EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
+  });
+}
+
+/// Forces of the accepted stresses are those that a step without motion evaluates.
+TEST(InternalForces, start_forces_are_those_of_no_motion) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    for (auto& history : balance.soil.points.history) {
+      history.e = 0.05 * Symmetric<dim>::NullaryExpr([&] { return balance.soil.random(); });
+    }
+    balance.start();
+    balance.residual(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(balance.soil.num_dofs())));
+    const auto& weights = balance.soil.weights;
+    for (std::size_t e = 0; e < weights.point.size(); ++e) {
+      balance.soil.points.tau[weights.point[e]] = balance.trial.tau[e];
+    }
+    const auto& at_rest = balance.equilibrium->internal_forces().forces();
+    const auto start = balance.equilibrium->internal_forces().start_forces();
+    double error = 0, size = 0;
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      error = std::max(error, std::abs(start[k] - at_rest[k]));
+      size = std::max(size, std::abs(start[k]));
+    }
+    EXPECT_LT(error, 1e-13 * size) << name(type);
+    EXPECT_GT(size, 1);
+  });
+}
+
+TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Balance<dim> balance(type, dim == 2 ? 3 : 2, regular_points(type),
-                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0});
+                         MohrCoulomb<dim>{4e3, 3e3, 0.3, 0.1, 0.0}, basis);
     balance.squeeze(0.04);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.012);
@@ -121,7 +163,7 @@ TEST(EquilibriumTangent, mohr_coulomb_while_yielding) {
     balance.residual(du);
     int yielding = 0;
     for (const auto& history : balance.trial.history) yielding += history.plastic_strain > 0;
-    EXPECT_GT(yielding, 0.3 * balance.soil.points.size()) << name(type);
+    EXPECT_GT(yielding, 0.25 * balance.soil.points.size()) << name(type);
   });
 }
 
@@ -171,8 +213,8 @@ TEST(EquilibriumTangent, ghost_stiffness_of_half_filled_cells) {
 }
 
 TEST(EquilibriumTangent, fixed_walls_and_slip_walls) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start({{"bottom", true, "here"}, {"left", false, "here"}, {"right", false, "here"}});
     const Eigen::VectorXd du = balance.random_du(0.01);
     EXPECT_LT(balance.error(du, 1e-4), 1e-8) << name(type);
@@ -299,8 +341,8 @@ TEST(EquilibriumTangent, contact_that_sticks_slides_slips_or_holds) {
 }
 
 TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.start();
     Eigen::VectorXd du(static_cast<Eigen::Index>(balance.soil.num_dofs()));
     for (Eigen::Index k = 0; k < du.size(); ++k) du[k] = 0.1 * static_cast<double>(k % dim + 1);
@@ -320,8 +362,8 @@ TEST(Equilibrium, rigid_motion_leaves_inertia_and_weight_only) {
 /// No external force and free sides: the internal forces add up to nothing, moments included in
 /// the deformed positions.
 TEST(Equilibrium, internal_forces_balance_each_other) {
-  for_each_cell_type([]<int dim>(CellType type) {
-    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3}, basis);
     balance.squeeze(0.03);
     balance.start();
     const Eigen::VectorXd du = balance.random_du(0.01);

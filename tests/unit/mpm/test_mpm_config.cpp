@@ -52,7 +52,7 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
 }
 
 TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
-  const MpmFolder folder(valid());
+  const TemporaryScene folder("mpm.json", valid());
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   in.integer("dimension");
@@ -64,7 +64,7 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   EXPECT_LT(settings.interfaces[0].friction, 0);
   EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
   EXPECT_EQ(settings.pic_share, 0);
-  EXPECT_EQ(settings.scheme.alpha_bossak, -0.1);
+  EXPECT_EQ(settings.scheme.alpha_m, -0.1);
   EXPECT_EQ(settings.gravity, Vector<2>::Zero());
 }
 
@@ -96,6 +96,10 @@ TEST(MpmConfig, wrong_types_and_ranges) {
   json = valid();
   json["transfer"] = {{"pic_share", 1.5}};
   expect_error(json, {"/transfer/pic_share", "1.5", "0 to 1"});
+  json["transfer"] = {{"method", "apic"}};
+  expect_error(json, {"/transfer/method", "apic", "flip, tpic"});
+  json["transfer"] = {{"method", "tpic"}, {"pic_share", 0.1}};
+  expect_error(json, {"/transfer/pic_share", "only with", "flip"});
   json = valid();
   json["bodies"] = Json::array();
   expect_error(json, {"/bodies", "at least one body"});
@@ -119,6 +123,11 @@ TEST(MpmConfig, small_cuts) {
   expect_error(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
   json["small_cuts"] = {{"method", "ghost"}, {"mass_share", 1e-4}};
   expect_error(json, {"/small_cuts/mass_share", "mass_cutoff", "quasi_static"});
+  json["small_cuts"] = {{"method", "ghost"}};
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["basis"] = "bspline";
+  expect_error(json, {"/small_cuts/method", "ghost", "bspline"});
+  json = valid();
   json["small_cuts"] = {{"factor", 1}};
   expect_error(json, {"/small_cuts/factor", "unknown"});
 }
@@ -138,6 +147,35 @@ TEST(MpmConfig, missing_wall_group_names_those_that_exist) {
   Json json = valid();
   json["walls"][0]["condition"] = "rough";
   expect_error(json, {"/walls/0/condition", "rough", "fixed, slip"});
+}
+
+TEST(MpmConfig, basis_needs_cells_in_rows) {
+  Json json = valid();
+  json["basis"] = "gimp";
+  expect_error(json, {"mpm.json", "/basis", "\"gimp\"", "box", "quad4", "linear"});
+  json["basis"] = "cubic";
+  expect_error(json, {"/basis", "cubic", "linear, gimp, bspline"});
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  for (const char* basis : {"linear", "gimp", "bspline"}) {
+    json["basis"] = basis;
+    EXPECT_EQ(make_mpm(json)->summary()["basis"], basis);
+  }
+}
+
+TEST(MpmConfig, points_of_gimp_fill_their_body) {
+  Json json = valid_3d();
+  json["basis"] = "gimp";
+  const auto solver = mpm_solver<3>(json);
+  EXPECT_LT((solver->points().x[0] - Vector<3>::Constant(0.125)).norm(), 1e-15);
+  json["bodies"][0]["points_per_cell"] = 1;
+  EXPECT_EQ(make_mpm(json)->summary()["capped_domains"], 0);
+  json["grid"]["box"]["cells"] = {8, 2, 2};
+  expect_error(json, {"/bodies/0/points_per_cell", "2 grid cells wide", "gimp"});
+  json = valid();
+  json["bodies"][0]["point_placement"] = "regular";
+  expect_error(json, {"/bodies/0/point_placement", "regular", "tri3", "gauss"});
+  json["bodies"][0]["point_placement"] = "random";
+  expect_error(json, {"/bodies/0/point_placement", "random", "gauss, regular"});
 }
 
 TEST(MpmConfig, interfaces) {
@@ -184,6 +222,19 @@ TEST(MpmConfig, three_dimensional_surfaces) {
   }
 }
 
+TEST(MpmConfig, averaged_forces_at_an_interface) {
+  Json json = valid();
+  json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
+  expect_error(json, {"mpm.json", "/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  json["time_integration"]["rho_inf"] = 0;
+  EXPECT_EQ(error_of(json), "no error");
+  json["time_integration"]["rho_inf"] = 1.2;
+  expect_error(json, {"/time_integration/rho_inf", "1.2", "0 to 1"});
+  json["time_integration"]["rho_inf"] = 0.8;
+  json.erase("interfaces");
+  EXPECT_EQ(error_of(json), "no error");
+}
+
 TEST(MpmConfig, counts_of_points_that_are_not_offered) {
   Json json = valid();
   json["bodies"][0]["points_per_cell"] = 5;
@@ -220,7 +271,7 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
   expect_error(json, {"/time", "unknown"});
   json["output"] = {{"interval", 0.5}};
-  const MpmFolder folder(json);
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json");
   AloneSettings alone;
@@ -251,7 +302,10 @@ TEST(MpmConfig, probe_columns) {
   const auto solver = make_mpm(json);
   EXPECT_EQ(solver->probe_names(),
             (std::vector<std::string>{"mass", "kinetic_energy", "elastic_energy", "momentum_x",
-                                      "momentum_y", "front", "A.ux", "A.uy"}));
+                                      "momentum_y", "front", "plastic_dissipation", "time_damping",
+                                      "transfer_loss", "wall_loss", "gravity_work", "boundary_work",
+                                      "energy_balance", "created_energy", "momentum_error_x",
+                                      "momentum_error_y", "A.ux", "A.uy"}));
   EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);
   EXPECT_GT(probe(*solver, "front"), 0.9);
 }

@@ -27,8 +27,11 @@ void check_ranks(const char* small_cuts, int steps) {
       }
       EXPECT_GT(std::abs(single.at("plate")[0]), 10);
     }
-    shared->accept_step(request, true);
-    alone->accept_step(request, true);
+    const Json a = shared->accept_step(request, true).details;
+    const Json b = alone->accept_step(request, true).details;
+    EXPECT_EQ(a.at("active_nodes"), b.at("active_nodes"));
+    EXPECT_EQ(a.at("points_changed_cell"), b.at("points_changed_cell"));
+    EXPECT_NEAR(a.at("min_J_ratio").get<double>(), b.at("min_J_ratio").get<double>(), 1e-9);
   }
   const auto a = shared->probes(), b = alone->probes();
   for (std::size_t k = 0; k < a.size(); ++k) {

@@ -47,7 +47,7 @@ class DummySolver : public Solver {
   AcceptReport accept_step(const StepRequest&, bool solved) override {
     calls.push_back(solved ? "accept" : "skip");
     if (solved) accepted_ = trial_;
-    return {{accepted_}, !solved, 0.25};
+    return {{accepted_}, !solved, 0.25, {{"heat", 1.0 / 3}}};
   }
   void reject_step() override { calls.push_back("reject"); }
   void write_output(double time) override { calls.push_back("write " + std::to_string(time)); }

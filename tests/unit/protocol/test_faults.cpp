@@ -87,22 +87,55 @@ std::function<void(const std::string&)> slow_participant(const std::string& name
 
 #define EXPECT_CONTAINS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
-TEST(Faults, KilledParticipantIsNamedWithinTwoSeconds) {
-  Child structure(slow_participant("structure", 30));
-  Child soil(slow_participant("soil", 0));
-  Server server(short_deadlines());
-  structure.tell(server.endpoint());
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("structure"), expected("soil")});
+/// A coupler in this process, participants in others.
+class Processes : public ::testing::Test {
+ protected:
+  using Body = std::function<void(const std::string&)>;
+
+  /// Fork a participant that waits for its coupler; before start().
+  Child& fork_participant(const std::string& name, const Body& body) {
+    names_.push_back(name);
+    return *children_.emplace_back(std::make_unique<Child>(body));
+  }
+  Child& fork_slow(const std::string& name, double seconds) {
+    return fork_participant(name, slow_participant(name, seconds));
+  }
+  /// Shake hands with all participants.
+  void start(const ServerSettings& settings = short_deadlines()) {
+    server_ = std::make_unique<Server>(settings);
+    std::vector<Expected> all;
+    for (const auto& name : names_) all.push_back(expected(name));
+    for (const auto& child : children_) child->tell(server_->endpoint());
+    solvers_ = server_->wait_for(all);
+  }
+  RemoteSolver& solver(const std::string& name) {
+    return static_cast<RemoteSolver&>(*solvers_.at(name));
+  }
+  void solve(const std::string& name, const StepRequest& request = {1, 0, 0, 0.1}) {
+    InterfaceValues sent;
+    solver(name).solve_step(request, {}, sent);
+  }
+  template <class Thrown = ProtocolError>
+  std::string error_of_solve(const std::string& name, const StepRequest& request = {1, 0, 0, 0.1}) {
+    return message_of<Thrown>([&] { solve(name, request); });
+  }
+
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<Child>> children_;
+  std::unique_ptr<Server> server_;
+  std::map<std::string, std::unique_ptr<Solver>> solvers_;
+};
+
+TEST_F(Processes, KilledParticipantIsNamedWithinTwoSeconds) {
+  Child& structure = fork_slow("structure", 30);
+  Child& soil = fork_slow("soil", 0);
+  start();
   std::thread killer([&] {
     sleep_for(0.3);
     structure.signal(SIGKILL);
   });
   const Stopwatch watch;
-  InterfaceValues sent;
-  const std::string error = message_of<ProtocolError>([&] {
-    solvers.at("structure")->solve_step({57, 3, 0, 0.1}, {}, sent);
-  });
+  const std::string error = error_of_solve("structure", {57, 3, 0, 0.1});
   const double noticed = watch.seconds() - 0.3;
   killer.join();
   EXPECT_LT(noticed, 1.0);
@@ -111,64 +144,46 @@ TEST(Faults, KilledParticipantIsNamedWithinTwoSeconds) {
                              ") has died: no process; last sign of life");
   EXPECT_CONTAINS(error, "in phase \"solve_step 57 iteration 3\"");
   // The failure is final, and the survivor is told.
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] { solvers.at("soil")->reject_step(); }),
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] { solver("soil").reject_step(); }),
                   "failed before: participant \"structure\"");
   EXPECT_EQ(soil.exit_status(), 4);
   EXPECT_LT(watch.seconds(), 2.0);
 }
 
-TEST(Faults, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
-  Child structure(slow_participant("structure", 30));
-  Child soil(slow_participant("soil", 0));
-  Server server(short_deadlines());
-  structure.tell(server.endpoint());
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("structure"), expected("soil")});
+TEST_F(Processes, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
+  fork_slow("structure", 30);
+  Child& soil = fork_slow("soil", 0);
+  start();
   soil.signal(SIGKILL);
-  InterfaceValues sent;
   const Stopwatch watch;
-  const std::string error = message_of<ProtocolError>([&] {
-    solvers.at("structure")->solve_step({1, 0, 0, 0.1}, {}, sent);
-  });
-  EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
+  EXPECT_CONTAINS(error_of_solve("structure"), "participant \"soil\" (mpm_solver, pid");
   EXPECT_LT(watch.seconds(), 1.0);
 }
 
-TEST(Faults, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
-  Child soil([](const std::string& endpoint) {
+TEST_F(Processes, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
+  fork_participant("soil", [](const std::string& endpoint) {
     DummySolver solver(3, 2, 1.0);
     solver.on_solve = [](const StepRequest&) { _exit(0); };
     Connection connection(participant("soil", endpoint));
     serve(solver, connection);
   });
-  Server server(short_deadlines());
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
-  InterfaceValues sent;
+  start();
   const Stopwatch watch;
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
-                    solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
-                  }),
-                  "has died: no process");
+  EXPECT_CONTAINS(error_of_solve("soil"), "has died: no process");
   EXPECT_LT(watch.seconds(), 1.0);
 }
 
-TEST(Faults, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
-  Child soil(slow_participant("soil", 30));
+TEST_F(Processes, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
+  Child& soil = fork_slow("soil", 30);
   ServerSettings settings = short_deadlines();
   settings.deadlines.silence = 1;
-  Server server(settings);
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
-  InterfaceValues sent;
+  start(settings);
   const Stopwatch watch;
   std::thread stopper([&] {
     sleep_for(0.2);
     soil.signal(SIGSTOP);
   });
-  const std::string error = message_of<ProtocolError>([&] {
-    solvers.at("soil")->solve_step({2, 1, 0, 0.1}, {}, sent);
-  });
+  const std::string error = error_of_solve("soil", {2, 1, 0, 0.1});
   stopper.join();
   EXPECT_CONTAINS(error, "is silent for 1.");
   EXPECT_CONTAINS(error, "limit 1 s, option protocol/silence_deadline");
@@ -178,42 +193,35 @@ TEST(Faults, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
   EXPECT_LT(watch.seconds(), 2.0);
 }
 
-TEST(Faults, BusyParticipantOutlivesTheSilenceDeadline) {
-  Child soil(slow_participant("soil", 1.5));
+TEST_F(Processes, BusyParticipantOutlivesTheSilenceDeadline) {
+  Child& soil = fork_slow("soil", 1.5);
   ServerSettings settings = short_deadlines();
   settings.deadlines.silence = 0.5;
-  Server server(settings);
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
-  auto& remote = static_cast<RemoteSolver&>(*solvers.at("soil"));
-  InterfaceValues sent;
-  remote.solve_step({1, 0, 0, 0.1}, {}, sent);
-  EXPECT_GE(remote.last_call().busy_seconds, 1.5);
-  EXPECT_GT(remote.last_call().seconds, remote.last_call().busy_seconds);
-  EXPECT_LT(remote.last_call().seconds, 2.5);
-  server.finish();
+  start(settings);
+  solve("soil");
+  const CallTimes& times = solver("soil").last_call();
+  EXPECT_GE(times.busy_seconds, 1.5);
+  EXPECT_EQ(solver("soil").last_busy_seconds(), times.busy_seconds);
+  EXPECT_GT(times.seconds, times.busy_seconds);
+  EXPECT_LT(times.seconds, 2.5);
+  server_->finish();
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
-TEST(Faults, BusyCouplerOutlivesTheSilenceDeadline) {
-  Child soil(slow_participant("soil", 0));
+TEST_F(Processes, BusyCouplerOutlivesTheSilenceDeadline) {
+  Child& soil = fork_slow("soil", 0);
   ServerSettings settings = short_deadlines();
   settings.deadlines.silence = 0.5;
-  Server server(settings);
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
+  start(settings);
   sleep_for(1.5);  // the coupler computes
-  InterfaceValues sent;
-  solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
-  server.finish();
+  solve("soil");
+  server_->finish();
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
-TEST(Faults, ExitAfterFinishIsNoDeath) {
-  Child soil(slow_participant("soil", 0));
-  Server server(short_deadlines());
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
+TEST_F(Processes, ExitAfterFinishIsNoDeath) {
+  Child& soil = fork_slow("soil", 0);
+  start();
   soil.signal(SIGSTOP);
   std::thread waker([&] {
     sleep_for(0.2);
@@ -221,21 +229,16 @@ TEST(Faults, ExitAfterFinishIsNoDeath) {
     // The process ends before the coupler looks for the answer: the answer counts.
     soil.exit_status();
   });
-  EXPECT_NO_THROW(server.finish());
+  EXPECT_NO_THROW(server_->finish());
   waker.join();
 }
 
-TEST(Faults, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
-  Child soil(slow_participant("soil", 30));
+TEST_F(Processes, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
+  fork_slow("soil", 30);
   ServerSettings settings = short_deadlines();
   settings.deadlines.answer = 0.5;
-  Server server(settings);
-  soil.tell(server.endpoint());
-  auto solvers = server.wait_for({expected("soil")});
-  InterfaceValues sent;
-  const std::string error = message_of<ProtocolError>([&] {
-    solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
-  });
+  start(settings);
+  const std::string error = error_of_solve("soil");
   EXPECT_CONTAINS(error, "is alive but has not answered");
   EXPECT_CONTAINS(error, "protocol/answer_deadline");
 }
@@ -558,26 +561,21 @@ TEST_F(Signals, SignalEndsAWait) {
   sender.join();
 }
 
-TEST(SignalsOfALauncher, DeathOfAPeerIsTheMessage) {
-  Child soil(slow_participant("soil", 30));
+/// A launcher ends the coupler too when one of its processes has died.
+TEST_F(Processes, DeathOfAPeerIsTheMessageEvenWhenALauncherEndsTheCoupler) {
+  Child& soil = fork_slow("soil", 30);
   interrupt::install();
-  {
-    Server server(short_deadlines());
-    soil.tell(server.endpoint());
-    auto solvers = server.wait_for({expected("soil")});
-    std::thread launcher([&, self = pthread_self()] {
-      sleep_for(0.2);
-      soil.signal(SIGKILL);
-      sleep_for(0.005);
-      pthread_kill(self, SIGTERM);
-    });
-    InterfaceValues sent;
-    EXPECT_CONTAINS(message_of<Error>([&] {
-                      solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
-                    }),
-                    "participant \"soil\" (mpm_solver, pid");
-    launcher.join();
-  }
+  start();
+  std::thread launcher([&, self = pthread_self()] {
+    sleep_for(0.2);
+    soil.signal(SIGKILL);
+    sleep_for(0.005);
+    pthread_kill(self, SIGTERM);
+  });
+  EXPECT_CONTAINS(error_of_solve<Error>("soil"), "participant \"soil\" (mpm_solver, pid");
+  launcher.join();
+  solvers_.clear();
+  server_.reset();
   interrupt::clear();
   std::signal(SIGTERM, SIG_DFL);
   std::signal(SIGINT, SIG_DFL);

@@ -65,6 +65,7 @@ TEST(Loopback, TwoSolversSolveAcceptSkipAndWrite) {
   EXPECT_EQ(soil.probes(), std::vector<double>{1.1});
   EXPECT_FALSE(accepted.at_rest);
   EXPECT_EQ(accepted.proposed_dt, 0.25);
+  EXPECT_EQ(accepted.details, (Json{{"heat", 1.0 / 3}}));
   EXPECT_TRUE(structure.accept_step(request, false).at_rest);
   EXPECT_EQ(soil.summary()["linear_solver"], "none");
   server.finish();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <vector>
 
@@ -18,8 +19,9 @@ struct Oscillator {
 
   void step(const NewmarkBossak& scheme, double dt) {
     const double w2 = omega * omega;
-    // r(du) = -inertia - w2 (u + du) is linear: one Newton step from du = 0.
-    const double r = -scheme.inertia(scheme.acceleration(0, v, a, dt), a) - w2 * u;
+    // r(du) = -inertia - w2 (u + du) - memory w2 u is linear: one Newton step from du = 0.
+    const double r =
+        -scheme.inertia(scheme.acceleration(0, v, a, dt), a) - (1 + scheme.force_memory()) * w2 * u;
     const double du = r / (scheme.inertia_slope(dt) + w2);
     const double a_new = scheme.acceleration(du, v, a, dt);
     v = scheme.velocity(a_new, v, a, dt);
@@ -47,12 +49,59 @@ TEST(NewmarkBossak, SecondOrder) {
   }
 }
 
-TEST(NewmarkBossak, TrapezoidKeepsTheEnergy) {
-  for (const double dt : {0.01, 0.3, 20.0}) {
-    Oscillator o;
-    const double start = o.energy();
-    for (int n = 0; n < 1000; ++n) o.step(NewmarkBossak{}, dt);
-    EXPECT_NEAR(o.energy() / start, 1, 1e-11) << dt;
+TEST(NewmarkBossak, GeneralizedAlphaIsOfSecondOrder) {
+  for (const double rho : {0.0, 0.3, 0.5, 0.8, 1.0}) {
+    std::vector<double> sizes, errors;
+    for (const int steps : {100, 200, 400, 800}) {
+      sizes.push_back(5.0 / steps);
+      errors.push_back(error_at_end(NewmarkBossak::generalized_alpha(rho), steps));
+    }
+    EXPECT_GT(test::lowest_rate(sizes, errors), 1.9) << rho;
+    EXPECT_LT(test::last_rate(sizes, errors), 2.1) << rho;
+  }
+}
+
+TEST(NewmarkBossak, SchemesWithoutDampingKeepTheEnergy) {
+  for (const auto& scheme : {NewmarkBossak{}, NewmarkBossak::generalized_alpha(1)}) {
+    for (const double dt : {0.01, 0.3, 20.0}) {
+      Oscillator o;
+      const double start = o.energy();
+      for (int n = 0; n < 1000; ++n) o.step(scheme, dt);
+      EXPECT_NEAR(o.energy() / start, 1, 1e-11) << dt;
+    }
+  }
+}
+
+/// Largest eigenvalue of the matrix that takes (u, v dt, a dt^2) through a step.
+double spectral_radius(const NewmarkBossak& scheme, double omega) {
+  Eigen::Matrix3d amplification;
+  for (int k = 0; k < 3; ++k) {
+    Oscillator o{
+        .omega = omega, .u = k == 0 ? 1.0 : 0, .v = k == 1 ? 1.0 : 0, .a = k == 2 ? 1.0 : 0};
+    o.step(scheme, 1);
+    amplification.col(k) = Eigen::Vector3d(o.u, o.v, o.a);
+  }
+  return amplification.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+TEST(NewmarkBossak, SpectralRadiusOfGeneralizedAlpha) {
+  for (const double rho : {0.0, 0.3, 0.5, 0.8, 0.95, 1.0}) {
+    const auto scheme = NewmarkBossak::generalized_alpha(rho);
+    // Three equal eigenvalues: a change of 1e-10 of the matrix moves them by its third root.
+    EXPECT_NEAR(spectral_radius(scheme, 1e5), rho, 2e-3) << rho;
+    for (double omega = 0.01; omega < 1e4; omega *= 1.5) {
+      EXPECT_LE(spectral_radius(scheme, omega), 1 + 1e-6) << rho << " " << omega;
+    }
+  }
+}
+
+/// With rho_inf = 0.5 the low frequencies lose less than with the Bossak scheme of equal rho_inf.
+TEST(NewmarkBossak, GeneralizedAlphaSparesLowFrequencies) {
+  const auto bossak = NewmarkBossak::bossak(-1.0 / 3);  // rho_inf = 1/2
+  const auto scheme = NewmarkBossak::generalized_alpha(0.5);
+  EXPECT_NEAR(spectral_radius(bossak, 1e5), 0.5, 2e-3);
+  for (const double omega : {0.1, 0.3, 1.0}) {
+    EXPECT_LT(1 - spectral_radius(scheme, omega), 0.7 * (1 - spectral_radius(bossak, omega)));
   }
 }
 
@@ -79,12 +128,15 @@ TEST(NewmarkBossak, SpectralRadiusAtInfinity) {
 
 TEST(NewmarkBossak, AccelerationAndVelocityAreExactForConstantAcceleration) {
   const double v = 0.7, a = -1.3, dt = 0.2;
-  for (const double alpha : {0.0, -0.2}) {
-    const auto scheme = NewmarkBossak::bossak(alpha);
+  for (const auto& scheme :
+       {NewmarkBossak{}, NewmarkBossak::bossak(-0.2), NewmarkBossak::generalized_alpha(0.6)}) {
     const double du = v * dt + 0.5 * a * dt * dt;
     EXPECT_NEAR(scheme.acceleration(du, v, a, dt), a, 1e-14);
     EXPECT_NEAR(scheme.velocity(a, v, a, dt), v + a * dt, 1e-15);
-    EXPECT_NEAR(scheme.inertia(a, a), a, 1e-15);
+    EXPECT_NEAR(scheme.mean_acceleration(a, a), a, 1e-15);
+    EXPECT_NEAR(scheme.mean_force(a, a), a, 1e-15);
+    // A constant force balances it.
+    EXPECT_NEAR(a + scheme.force_memory() * a, scheme.inertia(a, a), 1e-14);
     // The derivative of a linear function is its difference quotient.
     const auto inertia = [&](double x) {
       return scheme.inertia(scheme.acceleration(x, v, a, dt), a);
@@ -97,13 +149,19 @@ TEST(NewmarkBossak, Config) {
   const auto read = [](const Json& json) {
     return read_newmark_bossak(ConfigReader(json, "f.json"));
   };
-  EXPECT_EQ(read(Json::object()).alpha_bossak, 0);
-  EXPECT_EQ(read({{"scheme", "bossak"}}).alpha_bossak, -0.1);
+  EXPECT_EQ(read(Json::object()).alpha_m, 0);
+  EXPECT_EQ(read({{"scheme", "bossak"}}).alpha_m, -0.1);
   EXPECT_EQ(read({{"scheme", "bossak"}, {"alpha", -0.3}}).gamma, 0.8);
   EXPECT_THROW(read({{"scheme", "bossak"}, {"alpha", 0.1}}), ConfigError);
   EXPECT_THROW(read({{"scheme", "bossak"}, {"alpha", -0.34}}), ConfigError);
   EXPECT_THROW(read({{"scheme", "newmark"}, {"alpha", -0.1}}), ConfigError);
   EXPECT_THROW(read({{"scheme", "verlet"}}), ConfigError);
+  EXPECT_EQ(read({{"scheme", "generalized_alpha"}, {"rho_inf", 1}}).alpha_f, 0.5);
+  EXPECT_EQ(read({{"scheme", "generalized_alpha"}, {"rho_inf", 0}}).force_memory(), 0);
+  EXPECT_NEAR(read({{"scheme", "generalized_alpha"}}).force_memory(), 0.8, 1e-15);
+  EXPECT_THROW(read({{"scheme", "generalized_alpha"}, {"rho_inf", 1.1}}), ConfigError);
+  EXPECT_THROW(read({{"scheme", "generalized_alpha"}, {"alpha", -0.1}}), ConfigError);
+  EXPECT_THROW(NewmarkBossak::generalized_alpha(-0.1), ConfigError);
   EXPECT_THROW(NewmarkBossak::bossak(0.2), ConfigError);
   EXPECT_THROW(NewmarkBossak::bossak(-0.4), ConfigError);
 }

@@ -23,8 +23,10 @@ Json cantilever(const std::string& law, double nu, double force, int cells_along
           {"material", elastic(law, E, nu, 1)},
           {"analysis", "static"},
           {"supports", {{{"group", "left"}}}},
-          {"tractions", {{{"group", "right"}, {"traction", {0.0, -force / thickness}},
-                          {"table", {{0, 0}, {1, 1}}}}}},
+          {"tractions",
+           {{{"group", "right"},
+             {"traction", {0.0, -force / thickness}},
+             {"table", {{0, 0}, {1, 1}}}}}},
           {"probes", {{{"name", "tip"}, {"point", {length, thickness / 2}}}}}};
 }
 
@@ -42,8 +44,7 @@ Tip tip_of(const Json& json, int steps) {
 struct Refinement {
   double order, limit;
   Refinement(double coarse, double middle, double fine)
-      : order(std::log2((middle - coarse) / (fine - middle))),
-        limit(fine + (fine - middle) / 3) {}
+      : order(std::log2((middle - coarse) / (fine - middle))), limit(fine + (fine - middle) / 3) {}
 };
 
 /// Large bending against the elastica, alpha = P L^2 / EI: Bisshopp, Drucker (1945). The full
@@ -71,8 +72,12 @@ void elastica(double alpha, double down, double inward) {
   row("shortening", horizontal.limit / length, inward, 0.01);
 }
 
-TEST(V6_Cantilever, elastica_alpha_1) { elastica(1, 0.30172, 0.05643); }
-TEST(V6_Cantilever, elastica_alpha_2) { elastica(2, 0.49346, 0.16064); }
+TEST(V6_Cantilever, elastica_alpha_1) {
+  elastica(1, 0.30172, 0.05643);
+}
+TEST(V6_Cantilever, elastica_alpha_2) {
+  elastica(2, 0.49346, 0.16064);
+}
 
 /// Small load in plane strain: P L^3 / 3 E' I with E' = E / (1 - nu^2).
 TEST(V6_Cantilever, plane_strain_stiffness) {
@@ -102,12 +107,13 @@ Json column_2d(const std::string& type, int across, int along) {
           {"gravity", {0, -g}},
           {"initial_equilibrium", true},
           {"supports", {{{"group", "bottom"}, {"report_reaction", true}}}},
-          {"probes", {{{"name", "top"}, {"point", {0.4, height}}},
-                      {{"name", "low"}, {"point", {0.0, height / 4}}}}}};
+          {"probes",
+           {{{"name", "top"}, {"point", {0.4, height}}},
+            {{"name", "low"}, {"point", {0.0, height / 4}}}}}};
 }
 
-/// A column under its weight without lateral strain: u(y) = -rho g (h y - y^2 / 2) / E, exact at the
-/// nodes of quad4.
+/// A column under its weight without lateral strain: u(y) = -rho g (h y - y^2 / 2) / E, exact at
+/// the nodes of quad4.
 TEST(V2_Column, own_weight_is_exact_at_the_nodes) {
   const auto solver = fem_solver<2>(column_2d("quad4", 2, 8));
   verify({.id = "V2",
@@ -130,8 +136,7 @@ TEST(V2_Column, triangles_converge_and_carry_the_weight) {
     EXPECT_NEAR(probe(*solver, "reaction_bottom_x"), 0, 1e-8);
     sizes.push_back(1.0 / n);
     errors.push_back(
-        std::abs(probe(*solver, "low.uy") +
-                 rho * g * height * height * (0.25 - 1.0 / 32) / E));
+        std::abs(probe(*solver, "low.uy") + rho * g * height * height * (0.25 - 1.0 / 32) / E));
   }
   verify({.id = "V2",
           .what = "order of displacement in h, linear column, FEM tri3",
@@ -171,10 +176,10 @@ TEST(V19_Compression, to_three_quarters) {
                      {"mesh", box_2d({1, 1}, {3, 3})},
                      {"material", elastic("hencky_elastic", E, 0, 1)},
                      {"analysis", "static"},
-                     {"supports", {{{"group", "bottom"}, {"components", {"y"}},
-                                    {"report_reaction", true}},
-                                   {{"group", "left"}, {"components", {"x"}}},
-                                   {{"group", "right"}, {"components", {"x"}}}}},
+                     {"supports",
+                      {{{"group", "bottom"}, {"components", {"y"}}, {"report_reaction", true}},
+                       {{"group", "left"}, {"components", {"x"}}},
+                       {{"group", "right"}, {"components", {"x"}}}}},
                      {"prescribed", {{{"group", "top"}, {"component", "y"}, {"rate", -0.25}}}}};
   const auto solver = fem_solver<2>(json);
   run_steps(*solver, 0.25, 4);

@@ -52,14 +52,10 @@ Json structure(double rate) {
 }
 
 std::unique_ptr<Solver> fem(const Json& json) {
-  const fs::path folder = fs::temp_directory_path() / ("gabion_bar_" + std::to_string(getpid()));
-  fs::create_directories(folder);
-  std::ofstream(folder / "fem.json") << json.dump();
-  const Scene scene(folder.string(), {});
+  const TemporaryScene folder("fem.json", json);
+  const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("fem.json");
-  auto solver = make_fem_solver(scene, in, comm(), "");
-  fs::remove_all(folder);
-  return solver;
+  return make_fem_solver(scene, in, comm(), "");
 }
 
 /// A solver that remembers the answer that was accepted last.
