@@ -6,7 +6,7 @@
 #include "common/base/log.hpp"
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
-#include "protocol/interrupt.hpp"
+#include "common/base/interrupt.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion {

@@ -10,7 +10,7 @@
 #include "gabion_version.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
-#include "protocol/interrupt.hpp"
+#include "common/base/interrupt.hpp"
 
 namespace gabion {
 namespace {

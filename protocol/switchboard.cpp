@@ -9,7 +9,7 @@
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/handshake.hpp"
-#include "protocol/interrupt.hpp"
+#include "common/base/interrupt.hpp"
 
 namespace gabion {
 namespace {
