@@ -35,9 +35,12 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
   std::vector<ParticipantRole> result;
   for (auto& [name, entry] : in.named_objects("participants")) {
     const std::string sends = entry.choice("sends", {"force", "displacement"});
-    const std::vector<std::string> command = entry.texts_or("command", {});
-    if (entry.has("command") && (command.empty() || command.front().empty())) {
-      entry.fail("command", "found no program, allowed: [program, argument, ...]");
+    std::vector<std::string> command;
+    if (entry.has("command")) {
+      command = entry.texts("command");
+      if (command.empty() || command.front().empty()) {
+        entry.fail("command", "found no program, allowed: [program, argument, ...]");
+      }
     }
     entry.finish();
     result.push_back({name, sends == "force", command});

@@ -37,7 +37,7 @@ struct ParticipantRole {
   std::string name;
   bool sends_force = false;  ///< soil: force; structure: displacement
   /// Program and arguments that scripts/run starts in the scene's folder; empty = none.
-  std::vector<std::string> command;
+  std::vector<std::string> command = {};
 };
 
 /// All of coupler.json.

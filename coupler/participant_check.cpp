@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <random>
+#include <span>
 
 #include "common/base/error.hpp"
 
@@ -15,25 +16,31 @@ namespace gabion {
 namespace {
 
 constexpr int num_rejecting_steps = 5;
+constexpr double warm_start_tolerance = 1e-8;  // of the largest value
 
-/// Empty when the bits are equal, else where and by how much they differ most.
-std::string difference(const InterfaceValues& first, const InterfaceValues& second, int dim) {
-  std::string text;
-  double largest = -1;
-  for (const auto& [name, a] : first) {
-    const std::vector<double>& b = second.at(name);
-    if (std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0) continue;
+/// How two answers to the same request compare.
+struct Difference {
+  std::string text;     ///< empty: the bits are equal; else where they differ most
+  double relative = 0;  ///< largest difference by the largest value
+
+  void add(const InterfaceMesh& mesh, std::span<const double> a, std::span<const double> b) {
+    const auto dim = static_cast<std::size_t>(mesh.dim);
     for (std::size_t i = 0; i < a.size(); ++i) {
+      largest_value_ = std::max({largest_value_, std::abs(a[i]), std::abs(b[i])});
       const double by = std::abs(a[i] - b[i]);
-      if (std::memcmp(&a[i], &b[i], sizeof(double)) == 0 || by <= largest) continue;
-      largest = by;
+      if (std::memcmp(&a[i], &b[i], sizeof(double)) == 0 || by <= largest_) continue;
+      largest_ = by;
       text = fmt::format(
           "differs by {:.3g} ({:.17g}, then {:.17g}) at \"{}\", vertex {}, component {}", by, a[i],
-          b[i], name, i / std::size_t(dim), i % std::size_t(dim));
+          b[i], mesh.name, i / dim, i % dim);
     }
+    relative = largest_ > 0 ? largest_ / largest_value_ : 0;
   }
-  return text;
-}
+
+ private:
+  double largest_ = -1;
+  double largest_value_ = 0;
+};
 
 /// A participant's trials, a row each.
 class ParticipantCheck {
@@ -53,7 +60,7 @@ class ParticipantCheck {
       try_second_step();
       try_many_steps();
       try_skipped_step();
-      row("summary", [this] { return solver_.summary(), std::string(); });
+      row("summary", [this] { return solver_.summary(), Difference(); });
     } catch (const ProtocolError& lost) {
       rows_.push_back({"it stays", CheckRow::Verdict::failed, lost.what()});
     }
@@ -71,16 +78,20 @@ class ParticipantCheck {
     return values;
   }
 
-  /// `trial` returns what is wrong, empty = nothing.
-  void row(const std::string& what, const std::function<std::string()>& trial) {
-    std::string found;
+  /// @param trial      returns how two answers that should be equal differ
+  /// @param tolerance  up to which they may, by Difference::relative
+  void row(const std::string& what, const std::function<Difference()>& trial,
+           double tolerance = 0) {
     try {
-      found = trial();
+      const Difference found = trial();
+      const auto verdict = found.text.empty()            ? CheckRow::Verdict::passed
+                           : found.relative <= tolerance ? CheckRow::Verdict::inexact
+                                                         : CheckRow::Verdict::failed;
+      rows_.push_back({what, verdict, found.text});
     } catch (const ConvergenceError& problem) {
-      found = fmt::format("the step has no solution: {}", problem.what());
+      rows_.push_back({what, CheckRow::Verdict::failed,
+                       fmt::format("the step has no solution: {}", problem.what())});
     }
-    const auto verdict = found.empty() ? CheckRow::Verdict::passed : CheckRow::Verdict::failed;
-    rows_.push_back({what, verdict, found});
   }
 
   StepRequest request(double dt) const { return {step_, 0, time_, dt}; }
@@ -92,24 +103,31 @@ class ParticipantCheck {
   }
 
   /// Solve, and compare with an earlier answer to the same.
-  std::string again(const InterfaceValues& values, const InterfaceValues& before,
-                    double part_of_dt = 1) {
-    return difference(before, solve(values, part_of_dt), meshes_.front().dim);
+  Difference again(const InterfaceValues& values, const InterfaceValues& before,
+                   double part_of_dt = 1) {
+    const InterfaceValues now = solve(values, part_of_dt);
+    Difference difference;
+    for (const InterfaceMesh& mesh : meshes_) {
+      difference.add(mesh, before.at(mesh.name), now.at(mesh.name));
+    }
+    return difference;
   }
 
   void try_output(const std::string& what) {
-    row(what, [this] { return solver_.write_output(time_), std::string(); });
+    row(what, [this] { return solver_.write_output(time_), Difference(); });
   }
 
   void try_first_step() {
     InterfaceValues answer;
-    row("a first step", [&] { return answer = solve(first_), std::string(); });
+    row("a first step", [&] { return answer = solve(first_), Difference(); });
     if (answer.empty()) return;
-    row("the same request again, the same bits", [&] { return again(first_, answer); });
-    row("the same bits after a trial with other values", [&] {
+    const auto repeat = [&] { return again(first_, answer); };
+    row("the same request again", repeat, warm_start_tolerance);
+    const auto repeat_after_other = [&] {
       solve(second_);
       return again(first_, answer);
-    });
+    };
+    row("the same request after another trial", repeat_after_other, warm_start_tolerance);
     row("the same bits after reject_step", [&] {
       solve(second_);
       solver_.reject_step();
@@ -124,11 +142,13 @@ class ParticipantCheck {
 
   void try_smaller_steps() {
     row("half of dt, rejected: the same bits again", [&] {
+      solver_.reject_step();
       const InterfaceValues answer = solve(first_, 0.5);
       solver_.reject_step();
       return again(first_, answer, 0.5);
     });
     row("the same bits with dt after trials with dt/2 and dt/4", [&] {
+      solver_.reject_step();
       const InterfaceValues answer = solve(first_);
       solver_.reject_step();
       solve(second_, 0.5);
@@ -146,7 +166,7 @@ class ParticipantCheck {
       at_rest_ = solver_.accept_step(accepted, true).at_rest;
       time_ += accepted.dt;
       ++step_;
-      return std::string();
+      return Difference();
     });
   }
 
@@ -158,6 +178,7 @@ class ParticipantCheck {
       return again(second_, answer);
     });
     row("after it: the same bits after output", [&] {
+      solver_.reject_step();
       const InterfaceValues answer = solve(second_);
       solver_.reject_step();
       solver_.write_output(time_);
@@ -170,6 +191,7 @@ class ParticipantCheck {
       const InterfaceValues values = random_values();
       const double part = n % 2 == 0 ? 0.5 : 1;
       row(fmt::format("step {}: the same bits after reject_step", step_), [&] {
+        solver_.reject_step();
         const InterfaceValues answer = solve(values, part);
         solve(first_);
         solver_.reject_step();
@@ -192,7 +214,7 @@ class ParticipantCheck {
       ++step_;
       solve(first_);
       solver_.reject_step();
-      return std::string();
+      return Difference();
     });
   }
 
@@ -206,6 +228,20 @@ class ParticipantCheck {
   double time_ = 0;
   bool at_rest_ = false;
 };
+
+const char* name_of(CheckRow::Verdict verdict) {
+  switch (verdict) {
+    case CheckRow::Verdict::passed:
+      return "passed";
+    case CheckRow::Verdict::inexact:
+      return "inexact";
+    case CheckRow::Verdict::failed:
+      return "FAILED";
+    case CheckRow::Verdict::not_asked:
+      return "not asked";
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -223,9 +259,7 @@ std::string table_text(const std::vector<CheckRow>& rows) {
   for (const CheckRow& row : rows) width = std::max(width, row.what.size());
   std::string text;
   for (const CheckRow& row : rows) {
-    const char* verdict = row.verdict == CheckRow::Verdict::passed   ? "passed"
-                          : row.verdict == CheckRow::Verdict::failed ? "FAILED"
-                                                                     : "not asked";
+    const char* verdict = name_of(row.verdict);
     text += fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, verdict,
                         row.found.empty() ? "" : "  ", row.found);
   }

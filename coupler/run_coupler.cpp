@@ -44,13 +44,14 @@ Json run_settings(const CouplerSettings& settings, const std::string& output) {
           {"output_interval", settings.output_interval}};
 }
 
-void list_commands(const CouplerSettings& settings) {
+/// For scripts/run, which starts the commands.
+void list_participants(const CouplerSettings& settings) {
+  std::vector<std::string> items = {settings.server.endpoint};
   for (const ParticipantRole& role : settings.participants) {
-    if (role.command.empty()) continue;
-    std::vector<std::string> items = {role.name, std::to_string(role.command.size())};
+    items.insert(items.end(), {role.name, std::to_string(role.command.size())});
     items.insert(items.end(), role.command.begin(), role.command.end());
-    for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
   }
+  for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
 }
 
 /// The other participants of the scene are not needed, and nothing is coupled.
@@ -110,8 +111,8 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
     log::info("{}: valid", scene.path("coupler.json"));
     return;
   }
-  if (options.list_commands) return list_commands(settings);
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
+  if (options.list_participants) return list_participants(settings);
   if (!options.check_participant.empty()) return check(settings, scene.hash(), options, session);
 
   RunRecord files(options.output, "coupler");

@@ -60,9 +60,9 @@ int run_program(int argc, char** argv, const std::string& program,
       ->type_name("PARTICIPANT")
       ->capture_default_str();
   if (program == "coupler") {
-    app.add_flag("--list-commands", options.list_commands,
-                 "Print name, number of words and words of each participant's command, then end; "
-                 "each item ends with a NUL");
+    app.add_flag("--list-participants", options.list_participants,
+                 "Print the endpoint, then name, number of words and words of each participant's "
+                 "command, then end; each item ends with a NUL");
     app.add_option(
            "--check-participant", options.check_participant,
            "Drive this participant alone through repeated, rejected and cut steps, then end")
