@@ -139,7 +139,7 @@ class Statics(unittest.TestCase):
             self.assertAlmostEqual(math.log2((middle - coarse) / (fine - middle)), 2, delta=0.1)
 
     def test_published_elastica(self) -> None:
-        """Bisshopp, Drucker (1945), figures of the table for alpha = 1, which this file's own solution must give."""
+        """Mattiasson (1981), figures of his table for alpha = 1, which this file's own solution must give."""
         deflection, shortening = elastica(1.0)
         self.assertAlmostEqual(deflection, 0.3017, delta=5e-5)
         self.assertAlmostEqual(shortening, 0.0564, delta=5e-5)
