@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A plane beam that bends, stretches and shears by any amount, and its motion in time.
 
-Strains of Reissner (1972), linear elements with one integration point, consistent mass with rotary inertia, Bossak's
-time integration, full Newton. Degrees of freedom of node i: q[3 i:3 i + 3] = displacement (x, y) [m] and rotation
-theta, counter-clockwise. The straight axis stands upright on the clamped foot; all per metre of thickness.
+Strains of Reissner (1972), linear elements with one integration point, consistent mass with rotary inertia,
+Bossak's time integration, full Newton. Degrees of freedom of node i: q[3 i:3 i + 3] = displacement (x, y) [m]
+and rotation theta, counter-clockwise. The straight axis stands upright on the clamped foot; all per metre of
+thickness.
 """
 
 from dataclasses import dataclass
@@ -60,8 +61,8 @@ class State:
 
 @dataclass(frozen=True)
 class Load:
-    """Dead forces on points that the sections carry: point k lies `offset[k]` [m] from the axis on the section of
-    `node[k]`, to the right of the upright axis, and carries `force[k]` [N/m]."""
+    """Dead forces on points that the sections carry: point k lies `offset[k]` [m] from the axis on the
+    section of `node[k]`, to the right of the upright axis, and carries `force[k]` [N/m]."""
 
     node: np.ndarray
     offset: np.ndarray
@@ -125,7 +126,8 @@ class Beam:
         return result
 
     def strains(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Stretch, shear and curvature [-, -, 1/m] in the middle of each element, elements x 3; directors there."""
+        """Stretch, shear and curvature [-, -, 1/m] in the middle of each element, elements x 3; directors
+        there."""
         theta = q[2::3]
         across, along = directors(0.5 * (theta[1:] + theta[:-1]))
         u = np.stack([q[0::3], q[1::3]], axis=1)
@@ -148,7 +150,7 @@ class Beam:
         internal = self.h * np.einsum("ek,ekd->ed", stress, b)
         tangent = self.h * np.einsum("k,ekd,ekf->edf", self.stiffness, b, b)
         # Second derivatives of the strains: between place and rotation, and of the rotation twice.
-        turn = 0.5 * (-stress[:, :1] * across + stress[:, 1:2] * along)  # h x (d along = -across, d across = along)
+        turn = 0.5 * (-stress[:, :1] * across + stress[:, 1:2] * along)  # d along = -across, d across = along
         twice = 0.25 * self.h * (-stress[:, 0] * (1 + stretch) - stress[:, 1] * shear)
         for angle in (2, 5):
             for place, sign in ((slice(0, 2), -1), (slice(3, 5), 1)):
@@ -177,9 +179,11 @@ class Beam:
         return State(q, zero, zero)
 
     def step(self, start: State, dt: float, load: Load) -> tuple[State, int]:
-        """One step of Bossak's scheme (Wood, Bossak, Zienkiewicz 1981), load at its end; and the Newton iterations.
+        """One step of Bossak's scheme (Wood, Bossak, Zienkiewicz 1981), load at its end; and the Newton
+        iterations.
 
-            (1 - alpha) M a1 + alpha M a0 + f_int(q1) = f1 ,   gamma = 1/2 - alpha ,   beta = (1 - alpha)^2 / 4
+            (1 - alpha) M a1 + alpha M a0 + f_int(q1) = f1
+            gamma = 1/2 - alpha ,   beta = (1 - alpha)^2 / 4
         """
         alpha = self.settings.bossak_alpha
         beta, gamma = (1 - alpha)**2 / 4, 0.5 - alpha
@@ -215,8 +219,8 @@ class Beam:
             matrix[BAND, 2::3] -= slope
             q = q.copy()
             q[3:] -= solve_banded((BAND, BAND), free_part(matrix), residual)
-        raise NoSolution(f"no balance after {MAX_NEWTON} Newton iterations: residual {np.linalg.norm(residual):.3g} N/m, "
-                         f"allowed {allowed:.3g}")
+        raise NoSolution(f"no balance after {MAX_NEWTON} Newton iterations: residual "
+                         f"{np.linalg.norm(residual):.3g} N/m, allowed {allowed:.3g}")
 
 
 def free_part(matrix: np.ndarray) -> np.ndarray:

@@ -16,11 +16,13 @@ from pathlib import Path
 import numpy as np
 from beam import Beam, BeamSettings, Load, NoSolution, directors
 from gabion_participant import (AcceptReport, Connection, ConvergenceError, InterfaceMesh, InterfaceValues,
-                                ParticipantError, ParticipantSettings, Solver, StepReport, StepRequest, serve_over)
+                                ParticipantError, ParticipantSettings, Solver, StepReport, StepRequest,
+                                serve_over)
 
 
 class Outline:
-    """The wet surface: up the right face, over the top to the left, down the left face; points carried by sections."""
+    """The wet surface: up the right face, over the top to the left, down the left face; points carried by
+    sections."""
 
     def __init__(self, beam: Beam, top_segments: int) -> None:
         half, last = 0.5 * beam.settings.thickness, beam.settings.elements
@@ -57,7 +59,8 @@ class Wall(Solver):
     def interfaces(self) -> list[InterfaceMesh]:
         return [InterfaceMesh("wall", self.outline.coordinates, self.outline.facets)]
 
-    def solve_step(self, request: StepRequest, received: InterfaceValues) -> tuple[InterfaceValues, StepReport]:
+    def solve_step(self, request: StepRequest,
+                   received: InterfaceValues) -> tuple[InterfaceValues, StepReport]:
         force = received.get("wall", np.zeros_like(self.outline.coordinates))
         try:
             self.trial, iterations = self.beam.step(self.accepted, request.dt, self.outline.load(force))

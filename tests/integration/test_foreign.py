@@ -43,7 +43,8 @@ class ByHand(ForeignCase):
     def setUp(self) -> None:
         super().setUp()
         self.endpoint = free_endpoint()
-        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
+        everywhere = self.endpoint.replace("127.0.0.1", "0.0.0.0")
+        self.files["coupler"]["protocol"] = {"endpoint": everywhere}
         self.write_scene(self.files)
 
     def start_coupler_and_soil(self) -> Launch:

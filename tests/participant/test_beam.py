@@ -54,7 +54,8 @@ def dense(matrix: np.ndarray) -> np.ndarray:
 
 
 def elastica(alpha: float) -> tuple[float, float]:
-    """Deflection and shortening by L of an inextensible cantilever under a dead tip load alpha = P L^2 / (E I) across
+    """Deflection and shortening by L of an inextensible cantilever under a dead tip load alpha = P L^2 / (E
+    I) across
     its axis: theta'' = -alpha cos(theta), shooting for the slope at the tip (Bisshopp, Drucker 1945)."""
     def shoot(slope: float, steps: int = 1000) -> np.ndarray:
         def rate(y: np.ndarray) -> np.ndarray:
@@ -117,7 +118,8 @@ class Forces(unittest.TestCase):
 
 class Statics(unittest.TestCase):
     def test_small_tip_load(self) -> None:
-        """Timoshenko: P L^3 / (3 EI) + P L / (k GA); a linear element with one point errs by 1/(4 n^2) of the first."""
+        """Timoshenko: P L^3 / (3 EI) + P L / (k GA); a linear element with one point errs by 1/(4 n^2) of the
+        first."""
         force = 1e-3
         bending, shear = force * LENGTH**3 / (3 * EI), force * LENGTH / (5 / 6 * YOUNG / 2 * THICKNESS)
         for elements in (5, 10, 40):
@@ -145,7 +147,8 @@ class Statics(unittest.TestCase):
         self.assertAlmostEqual(shortening, 0.0564, delta=5e-5)
 
     def test_full_circle_under_an_end_moment(self) -> None:
-        """M = 2 pi EI / L rolls the beam up: the tip comes back to the foot. A couple of dead forces cannot do that,
+        """M = 2 pi EI / L rolls the beam up: the tip comes back to the foot. A couple of dead forces cannot
+        do that,
         so the inverse: the curved state needs this moment and nothing else inside."""
         structure = slender(64)
         n = structure.settings.elements
@@ -203,7 +206,8 @@ class Motion(unittest.TestCase):
         return energies
 
     def test_energy(self) -> None:
-        """Kept by the trapezoidal rule where the beam is nearly linear, and nearly where it is not; Bossak takes some,
+        """Kept by the trapezoidal rule where the beam is nearly linear, and nearly where it is not; Bossak
+        takes some,
         and no scheme makes any."""
         small = self.swing(0.0, 1e-3)
         self.assertLess((max(small) - min(small)) / small[0], 1e-6)

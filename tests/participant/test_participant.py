@@ -12,7 +12,8 @@ STEP = 0.1  # [s] of the coupler
 
 
 class Loop:
-    """A code with a loop of its own: du/dt = f / 4 at every vertex, explicit Euler with steps of at most `own_dt`."""
+    """A code with a loop of its own: du/dt = f / 4 at every vertex, explicit Euler with steps of at most
+    `own_dt`."""
 
     def __init__(self, settings, own_dt: float = 1.0, writes: bool = True) -> None:
         self.u, self.saved = 0.0, 0.0

@@ -12,6 +12,6 @@ from .participant import Participant
 from .service import serve, serve_over
 from .solver import AcceptReport, InterfaceMesh, InterfaceValues, Solver, StepReport, StepRequest
 
-__all__ = ["PROTOCOL_VERSION", "AcceptReport", "Connection", "ConvergenceError", "InterfaceMesh", "InterfaceValues",
-           "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError", "Solver", "StepReport",
-           "StepRequest", "UsageError", "serve", "serve_over"]
+__all__ = ["PROTOCOL_VERSION", "AcceptReport", "Connection", "ConvergenceError", "InterfaceMesh",
+           "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
+           "Solver", "StepReport", "StepRequest", "UsageError", "serve", "serve_over"]

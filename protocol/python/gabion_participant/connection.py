@@ -71,7 +71,8 @@ class Connection:
 
     def handshake(self, interfaces: Sequence[InterfaceMesh], probe_names: Sequence[str] = (),
                   probes: Sequence[float] = ()) -> None:
-        """Introduce this participant. Raises ProtocolError: refused (both values are named), or no answer in time."""
+        """Introduce this participant. Raises ProtocolError: refused (both values are named), or no answer in
+        time."""
         self._require_usable()
         if self.welcome:
             raise ProtocolError("the handshake is done already")
@@ -91,7 +92,8 @@ class Connection:
         self.welcome = welcome
 
     def next_request(self) -> Message:
-        """Wait for the coupler's next request. Raises ProtocolError: it ended the run, died, froze, or asks nothing."""
+        """Wait for the coupler's next request. Raises ProtocolError: it ended the run, died, froze, or asks
+        nothing."""
         self._require_welcomed()
         self._heartbeat.set_phase("waiting", False)
         begin = time.monotonic()
@@ -151,7 +153,8 @@ class Connection:
         try:
             self._socket.send_multipart(encode(message))
         except zmq.Again:
-            self._fail(f'cannot send "{message.type}" to the coupler at {self.settings.endpoint}: its queue is full')
+            self._fail(
+                f'cannot send "{message.type}" to the coupler at {self.settings.endpoint}: its queue is full')
 
     def _receive(self, milliseconds: int) -> list[bytes] | None:
         return self._socket.recv_multipart() if self._socket.poll(milliseconds) else None
@@ -163,8 +166,8 @@ class Connection:
             message = decode(frames) if frames else None
             if message and message.type != "alive":
                 return message
-        self._fail(f'participant "{self.settings.name}": no answer from a coupler at {self.settings.endpoint} within '
-                   f"{self.settings.connect_deadline} s (connect_deadline); is it running there?")
+        self._fail(f'participant "{self.settings.name}": no answer from a coupler at '
+                   f"{self.settings.endpoint} within {self.settings.connect_deadline} s (connect_deadline); is it running there?")
 
     def _read(self, frames: list[bytes]) -> Message:
         try:
@@ -174,7 +177,8 @@ class Connection:
         except ProtocolError as problem:
             if self._failure:
                 raise
-            raise ProtocolError(f"{self._coupler.label} sent a message that is not understood: {problem}") from problem
+            raise ProtocolError(
+                f"{self._coupler.label} sent a message that is not understood: {problem}") from problem
         self._coupler.sign_of_life()
         if message.type != "alive":
             if message.sequence <= self._last_sequence:

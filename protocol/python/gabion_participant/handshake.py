@@ -32,8 +32,8 @@ class ParticipantSettings:
     program_version: str = "0"
     scene_hash: str = ""  # "" = this code does not read the scene
     connect_deadline: float = 30.0  # [s] until the coupler has answered
-    # End this process when the coupler is lost while the solver computes. A library inside another program says false
-    # and notices the loss when its solver returns.
+    # End this process when the coupler is lost while the solver computes. A library inside another program
+    # says false and notices the loss when its solver returns.
     exit_when_coupler_is_lost: bool = True
 
     def __post_init__(self) -> None:
@@ -98,8 +98,9 @@ def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[Inte
         "receives": {"quantity": settings.receives, "unit": UNITS[settings.receives]},
         "sends": {"quantity": settings.sends, "unit": UNITS[settings.sends]},
         "convention": SIGN_CONVENTION,
-        "interfaces": [{"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1]}
-                       for mesh in interfaces],
+        "interfaces": [
+            {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1]}
+            for mesh in interfaces],
         "probe_names": list(probe_names), "heartbeat": True, "process": this_process().to_fields(),
     })
     for mesh in interfaces:
@@ -125,7 +126,8 @@ def read_welcome(message: Message) -> Welcome:
         raise ProtocolError(f"protocol version: coupler {protocol}, participant {PROTOCOL_VERSION}")
     process = message.object("process")
     return Welcome(protocol,
-                   ProcessIdentity(process.text("host"), process.integer("pid"), process.integer("start_time")),
+                   ProcessIdentity(process.text("host"), process.integer("pid"),
+                                   process.integer("start_time")),
                    message.positive_number("silence_deadline"), message.positive_number("idle_deadline"),
                    message.positive_number("heartbeat"), message.object("run").fields)
 
@@ -136,17 +138,22 @@ def read_step_request(message: Message) -> StepRequest:
 
 
 def read_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh]) -> InterfaceValues:
-    """One array "<quantity>:<interface>" of num_vertices x dim an interface; none at all: free interfaces, {}."""
+    """One array "<quantity>:<interface>" of num_vertices x dim an interface; none at all: free interfaces,
+    {}."""
     if not message.arrays:
         return {}
-    values = {mesh.name: message.reals(f"{quantity}:{mesh.name}", mesh.coordinates.shape) for mesh in interfaces}
+    values = {mesh.name: message.reals(f"{quantity}:{mesh.name}", mesh.coordinates.shape)
+              for mesh in interfaces}
     if len(message.arrays) != len(values):
-        raise ProtocolError(f'message "{message.type}": expected {len(values)} arrays, found {len(message.arrays)}')
+        raise ProtocolError(
+            f'message "{message.type}": expected {len(values)} arrays, found {len(message.arrays)}')
     return values
 
 
-def put_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh], values: InterfaceValues) -> None:
-    """Raises UsageError for a missing or unknown interface and another shape, ProtocolError for NaN or infinity."""
+def put_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh],
+               values: InterfaceValues) -> None:
+    """Raises UsageError for a missing or unknown interface and another shape, ProtocolError for NaN or
+    infinity."""
     names = [mesh.name for mesh in interfaces]
     if set(values) != set(names):
         raise UsageError(f"{quantity}: found values of interfaces {sorted(values)}, allowed: {sorted(names)}")
@@ -171,11 +178,13 @@ def plain(value: Any) -> Any:
 
 def solved(report: StepReport) -> Message:
     return Message("solved", fields={
-        "newton_iterations": int(report.newton_iterations), "linear_iterations": int(report.linear_iterations),
+        "newton_iterations": int(report.newton_iterations),
+        "linear_iterations": int(report.linear_iterations),
         "interface_active": bool(report.interface_active), "details": plain(report.details)})
 
 
 def accepted(report: AcceptReport, probes: Sequence[float]) -> Message:
     return Message("accepted", fields={
-        "at_rest": bool(report.at_rest), "proposed_dt": float(report.proposed_dt), "details": plain(report.details),
+        "at_rest": bool(report.at_rest), "proposed_dt": float(report.proposed_dt),
+        "details": plain(report.details),
     }, arrays={"probes": np.array(probes, dtype="<f8")})

@@ -20,13 +20,15 @@ EXIT_CODE = 4  # of a process that ends because the coupler is lost
 
 
 class Heartbeat:
-    """A thread with a socket of its own: tells the coupler what the participant does, and listens to its signs of life.
+    """A thread with a socket of its own: tells the coupler what the participant does, and listens to its
+    signs of life.
 
-    It needs the interpreter now and then: a solver that holds Python's global lock for longer than the coupler's
-    silence deadline is taken for dead.
+    It needs the interpreter now and then: a solver that holds Python's global lock for longer than the
+    coupler's silence deadline is taken for dead.
     """
 
-    def __init__(self, context: zmq.Context, endpoint: str, participant: str, session: str, ends_process: bool) -> None:
+    def __init__(self, context: zmq.Context, endpoint: str, participant: str, session: str,
+                 ends_process: bool) -> None:
         self._socket = context.socket(zmq.DEALER)
         self._socket.setsockopt(zmq.ROUTING_ID, f"{participant}#{session}#alive".encode())
         self._socket.setsockopt(zmq.LINGER, 0)
@@ -85,7 +87,8 @@ class Heartbeat:
                 pass  # not understood, so no sign of life
 
     def _check_coupler(self, slept: float, lost_since: float | None) -> float | None:
-        """End the process when the coupler is lost while the solver computes: no orphan shall compute for hours."""
+        """End the process when the coupler is lost while the solver computes: no orphan shall compute for
+        hours."""
         with self._lock:
             coupler, phase, busy = self._coupler, self._phase, self._busy
         if coupler is None or not self._ends_process:

@@ -123,14 +123,16 @@ def encode(message: Message) -> list[bytes]:
         raise ProtocolError(f'message "{message.type}": field "{clash[0]}" is a reserved key')
     header |= {"type": message.type, "sequence": message.sequence}
     if len(message.arrays) > MAX_ARRAYS:
-        raise ProtocolError(f'message "{message.type}": {len(message.arrays)} arrays exceed the limit of {MAX_ARRAYS}')
+        raise ProtocolError(
+            f'message "{message.type}": {len(message.arrays)} arrays exceed the limit of {MAX_ARRAYS}')
     payloads, described = [], []
     for name, array in message.arrays.items():
         if array.dtype.str not in DTYPES or not 1 <= array.ndim <= 4:
-            raise ProtocolError(f'message "{message.type}", array "{name}": expected "<f8" or "<i8" with 1 to 4 '
-                                f'extents, found "{array.dtype.str}" with {array.ndim}')
+            raise ProtocolError(f'message "{message.type}", array "{name}": expected "<f8" or "<i8" with '
+                                f'1 to 4 extents, found "{array.dtype.str}" with {array.ndim}')
         if array.nbytes > MAX_FRAME_BYTES:
-            raise ProtocolError(f'array "{name}" of {array.nbytes} bytes exceeds the limit of {MAX_FRAME_BYTES}')
+            raise ProtocolError(
+                f'array "{name}" of {array.nbytes} bytes exceeds the limit of {MAX_FRAME_BYTES}')
         payloads.append(np.ascontiguousarray(array).tobytes())
         described.append({"name": name, "dtype": array.dtype.str, "shape": list(array.shape)})
     if sum(map(len, payloads)) > MAX_PAYLOAD_BYTES:
@@ -202,7 +204,8 @@ def read_description(entry: Any) -> tuple[str, str, tuple[int, ...]]:
     if dtype not in DTYPES:
         raise ProtocolError(f'array "{name}": expected dtype "<f8" or "<i8", found {shortened(dtype)}')
     if not isinstance(shape, list) or not 1 <= len(shape) <= 4 or not all(is_integer(n) for n in shape):
-        raise ProtocolError(f'array "{name}": expected a "shape" of 1 to 4 integers, found {shortened(shape)}')
+        raise ProtocolError(
+            f'array "{name}": expected a "shape" of 1 to 4 integers, found {shortened(shape)}')
     if min(shape) < 0:
         raise ProtocolError(f'array "{name}": negative extent {min(shape)}')
     return name, dtype, tuple(shape)
@@ -225,16 +228,18 @@ def read_arrays(descriptions: Any, frames: Sequence[bytes], kind: str) -> dict[s
             raise ProtocolError(f'array "{name}" is there twice')
         expected = VALUE_BYTES * math.prod(shape)
         if expected > MAX_FRAME_BYTES:
-            raise ProtocolError(f'array "{name}" of shape {list(shape)} exceeds the limit of {MAX_FRAME_BYTES} bytes')
+            raise ProtocolError(
+                f'array "{name}" of shape {list(shape)} exceeds the limit of {MAX_FRAME_BYTES} bytes')
         if len(frame) != expected:
-            raise ProtocolError(f'array "{name}" of shape {list(shape)}: expected a frame of {expected} bytes, '
-                                f"found {len(frame)}")
+            raise ProtocolError(f'array "{name}" of shape {list(shape)}: expected a frame of {expected} '
+                                f"bytes, found {len(frame)}")
         arrays[name] = np.frombuffer(frame, dtype=dtype).reshape(shape).copy()
     return arrays
 
 
 def decode(frames: Sequence[bytes]) -> Message:
-    """Frames back to a message: either it is whole, or this raises ProtocolError and says which frame is wrong."""
+    """Frames back to a message: either it is whole, or this raises ProtocolError and says which frame is
+    wrong."""
     if not frames:
         raise ProtocolError("message without frames")
     header = parse_header(frames[0])

@@ -56,16 +56,17 @@ class Participant:
         self._meshes.append(InterfaceMesh(name, coordinates, facets))
 
     def set_probes(self, values: Mapping[str, float]) -> None:
-        """Numbers that the run shall record. Before initialize() in the initial state, later, always with the same
-        names, before advance(), at the end of the step."""
+        """Numbers that the run shall record. Before initialize() in the initial state, later, always with the
+        same names, before advance(), at the end of the step."""
         if self._connection and list(values) != list(self._probes):
             raise UsageError(f"set_probes: found {list(values)}, allowed: the names given at first, "
                              f"{list(self._probes)}")
         self._probes = dict(values)
 
     def set_output(self, write: Callable[[float], None]) -> None:
-        """`write(time)` [s] is called when the coupler wants the accepted state on disk, which then is the code's
-        current state. Without it the code writes when it likes, such as after is_time_window_complete()."""
+        """`write(time)` [s] is called when the coupler wants the accepted state on disk, which then is the
+        code's current state. Without it the code writes when it likes, such as after
+        is_time_window_complete()."""
         self._before_initialize("set_output")
         self._output = write
 
@@ -79,7 +80,8 @@ class Participant:
         check_interfaces(self._meshes, self._settings.dimension)
         self._connection = Connection(self._settings)
         self._accepted_probes = list(self._probes.values())
-        self._guarded(lambda: self._connection.handshake(self._meshes, list(self._probes), self._accepted_probes))
+        names = list(self._probes)
+        self._guarded(lambda: self._connection.handshake(self._meshes, names, self._accepted_probes))
         self._must_write = True
         self._settle()
 
@@ -88,7 +90,8 @@ class Participant:
         return self._after_initialize().run_settings()
 
     def is_coupling_ongoing(self) -> bool:
-        """Whether there is a step to solve. Tells the coupler that the last one is done with; waits for the next."""
+        """Whether there is a step to solve. Tells the coupler that the last one is done with; waits for the
+        next."""
         self._settle()
         return not self._finished
 
@@ -126,7 +129,8 @@ class Participant:
             return self._received[interface].copy()
         if self._settings.receives == "force":  # a free surface carries no force
             return np.zeros_like(self._mesh(interface).coordinates)
-        raise ProtocolError(f'the coupler gives no displacement of "{interface}" in this step: the interface is free')
+        raise ProtocolError(
+            f'the coupler gives no displacement of "{interface}" in this step: the interface is free')
 
     def write_data(self, interface: str, values: np.ndarray) -> None:
         """Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N]."""
@@ -139,8 +143,8 @@ class Participant:
         self._written[interface] = array
 
     def advance(self, dt: float, report: StepReport | None = None) -> None:
-        """The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step: send what was
-        written, and wait for the verdict."""
+        """The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step: send
+        what was written, and wait for the verdict."""
         request = self._checked_step("advance")
         if not 0 < dt <= self._remaining + SAME_TIME * request.dt:
             raise UsageError(f"advance: found dt {dt} s, allowed: > 0 and at most {self._remaining} s")
@@ -155,8 +159,8 @@ class Participant:
         self._guarded(self._await_verdict)
 
     def fail_step(self, reason: str) -> None:
-        """Instead of advance(): the open step has no solution. The coupler will try a smaller one; go back to the
-        saved state."""
+        """Instead of advance(): the open step has no solution. The coupler will try a smaller one; go back to
+        the saved state."""
         self._checked_step("fail_step")
         self._window_complete = False
         self._answer_step(Message("failed", fields={"reason": reason}))
@@ -177,7 +181,8 @@ class Participant:
         if self._request or self._finished:
             return
         if self._must_read:
-            raise UsageError("the last step was not accepted: ask requires_reading_checkpoint() and go back first")
+            raise UsageError(
+                "the last step was not accepted: ask requires_reading_checkpoint() and go back first")
         self._guarded(lambda: self._await_step(connection))
 
     def _await_step(self, connection: Connection) -> None:
@@ -207,8 +212,8 @@ class Participant:
                 self._pending, self._must_read, self._has_solution = Message("rejected"), True, False
                 return None
             if request.type == "write_output" and self._output:
-                raise ProtocolError("the coupler wants the accepted state on disk in the middle of a step: this "
-                                    "participant writes it between steps only")
+                raise ProtocolError("the coupler wants the accepted state on disk in the middle of a step: "
+                                    "this participant writes it between steps only")
             self._other_request(request)
             if self._request:
                 self._must_read = True
@@ -294,11 +299,13 @@ class Participant:
         for due, name in ((self._must_read, "requires_reading_checkpoint"),
                           (self._must_write, "requires_writing_checkpoint")):
             if due:
-                raise UsageError(f"{call}: ask {name}() in this step first; not to do so would spoil repeated steps")
+                raise UsageError(
+                    f"{call}: ask {name}() in this step first; not to do so would spoil repeated steps")
         return request
 
     def _mesh(self, name: str) -> InterfaceMesh:
         for mesh in self._meshes:
             if mesh.name == name:
                 return mesh
-        raise UsageError(f'found interface "{name}", allowed: {", ".join(mesh.name for mesh in self._meshes)}')
+        raise UsageError(
+            f'found interface "{name}", allowed: {", ".join(mesh.name for mesh in self._meshes)}')

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Who lives: processes of this machine, and how long a peer has been silent (protocol/README.md, section 8)."""
+"""Who lives: processes of this machine, and how long a peer has been silent (protocol/README.md, section
+8)."""
 
 import os
 import socket
@@ -11,7 +12,8 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class ProcessIdentity:
-    """A process id alone may be given away again; with the start time it is unique as long as the machine runs."""
+    """A process id alone may be given away again; with the start time it is unique as long as the machine
+    runs."""
 
     host: str = ""  # host name/boot id/pid namespace; "" = unknown
     pid: int = 0
@@ -75,7 +77,8 @@ class PeerWatch:
 
     def last_words(self) -> str:
         with self._lock:
-            return f'last sign of life {time.monotonic() - self._last_sign:.1f} s ago in phase "{self._phase}"'
+            seconds = time.monotonic() - self._last_sign
+            return f'last sign of life {seconds:.1f} s ago in phase "{self._phase}"'
 
     def death(self) -> str | None:
         """A sentence when the peer's process on this machine has ended."""
@@ -87,5 +90,5 @@ class PeerWatch:
             silent = time.monotonic() - self._silent_from
         if silent <= deadline:
             return None
-        return (f"{self.label} is silent for {silent:.1f} s (limit {deadline} s, option protocol/silence_deadline in "
-                f"coupler.json); {self.last_words()}")
+        return (f"{self.label} is silent for {silent:.1f} s (limit {deadline} s, option "
+                f"protocol/silence_deadline in coupler.json); {self.last_words()}")

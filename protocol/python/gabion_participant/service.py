@@ -43,7 +43,8 @@ class Service:
                 return Message("summary", fields={"summary": plain(self._solver.summary())})
             case "finish":
                 return Message("finished")
-        raise ProtocolError(f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
+        raise ProtocolError(
+            f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
 
     def _solve(self, request: Message) -> Message:
         received = read_values(request, self._settings.receives, self._interfaces)
@@ -72,8 +73,9 @@ class Service:
 def serve(solver: Solver, settings: ParticipantSettings) -> None:
     """Do what the coupler asks until the run is finished.
 
-    A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is told to
-    the coupler too, ends the run and goes on to the caller. Raises ProtocolError: refused, coupler lost, run ended.
+    A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is
+    told to the coupler too, ends the run and goes on to the caller. Raises ProtocolError: refused, coupler
+    lost, run ended.
     """
     with Connection(settings) as connection:
         serve_over(solver, connection)

@@ -14,7 +14,8 @@ class InterfaceMesh:
 
     coordinates: [m], num_vertices x dim
     facets:      num_facets x 2, 3 or 4 vertex numbers from 0; None for bare points. Normals point out of the
-                 structure: in 2D to the right of the way from the first vertex to the second, in 3D by the right hand
+                 structure: in 2D to the right of the way from the first vertex to the second, in 3D by the
+                 right hand
     """
 
     name: str
@@ -64,8 +65,9 @@ class AcceptReport:
 class Solver(ABC):
     """A time-stepping solver for serve().
 
-    A step is a function of the accepted state: the same `solve_step` twice gives the same bits. Whatever a solution
-    changes must be restored before the next one, except by `accept_step`.
+    A step is a function of the accepted state: the same `solve_step` after accept_step or
+    reject_step gives the same bits. Whatever a
+    solution changes must be restored before the next one, except by `accept_step`.
     """
 
     @abstractmethod
@@ -73,16 +75,19 @@ class Solver(ABC):
         """The coupled surfaces."""
 
     @abstractmethod
-    def solve_step(self, request: StepRequest, received: InterfaceValues) -> tuple[InterfaceValues, StepReport]:
-        """Solve from the accepted state. `received`: values at the end of the step; empty means free interfaces.
+    def solve_step(self, request: StepRequest,
+                   received: InterfaceValues) -> tuple[InterfaceValues, StepReport]:
+        """Solve from the accepted state. `received`: values at the end of the step; empty means free
+        interfaces.
 
-        Returns the values to send, of all interfaces. Raises ConvergenceError when there is no solution: the coupler
-        repeats the step with a smaller dt.
+        Returns the values to send, of all interfaces. Raises ConvergenceError when there is no solution: the
+        coupler repeats the step with a smaller dt.
         """
 
     @abstractmethod
     def accept_step(self, request: StepRequest, solved: bool) -> AcceptReport:
-        """Make the last solution the accepted state. `solved` false: this solver was skipped, only time goes on."""
+        """Make the last solution the accepted state. `solved` false: this solver was skipped, only time goes
+        on."""
 
     def reject_step(self) -> None:
         """Forget the last solution. Nothing to do where solve_step starts from the accepted state anyway."""
