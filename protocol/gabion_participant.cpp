@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "protocol/interrupt.hpp"
 #include "protocol/participant.hpp"
 
 /// Made of settings until initialize() or the first interface needs the participant itself.
@@ -31,9 +30,6 @@ gabion_status guarded(std::string& error, Action action) noexcept {
     } catch (const gabion::ProtocolError& problem) {
       error = problem.what();
       return GABION_ERROR_PROTOCOL;
-    } catch (const gabion::Interrupted& problem) {
-      error = problem.what();
-      return GABION_ERROR_SIGNAL;
     } catch (const std::exception& problem) {
       error = problem.what();
       return GABION_ERROR;

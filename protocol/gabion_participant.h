@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #pragma once
 
-/* The participant's side of the contract in C99: the calls of protocol/participant.hpp, which says
- * more.
+/* The participant's side of the contract in C99: the calls of participant.hpp, which says more.
  *
  *     gabion_participant *p = gabion_create("structure", "tcp://127.0.0.1:5555", 2, "force");
  *     if (!p) die(gabion_last_error(NULL));
@@ -22,9 +21,8 @@
  *     CHECK(gabion_finalize(p));
  *     gabion_destroy(p);
  *
- * Every function but the last two of this file returns a gabion_status; gabion_last_error has the
- * text. No exception crosses this boundary. A participant is used by one thread at a time. Answers
- * are 1 or 0. */
+ * Functions return a gabion_status; gabion_last_error has the text. No exception crosses this
+ * boundary. A participant is used by one thread at a time. Answers are 1 or 0. */
 
 #include <stddef.h>
 #include <stdint.h>
@@ -35,11 +33,9 @@ extern "C" {
 
 typedef enum gabion_status {
   GABION_OK = 0,
-  GABION_ERROR = 1, /* anything else, such as no memory */
-  GABION_ERROR_USAGE =
-      2, /* wrong order of calls, or values that do not fit: the text says what is allowed */
-  GABION_ERROR_PROTOCOL = 4, /* refused, coupler lost, run ended by the coupler: final */
-  GABION_ERROR_SIGNAL = 5    /* the process was asked to end */
+  GABION_ERROR = 1,         /* anything else, such as no memory */
+  GABION_ERROR_USAGE = 2,   /* wrong order of calls, or values that do not fit */
+  GABION_ERROR_PROTOCOL = 4 /* refused, coupler lost, run ended by the coupler: final */
 } gabion_status;
 
 typedef struct gabion_participant gabion_participant;
@@ -48,21 +44,20 @@ typedef struct gabion_participant gabion_participant;
  *   name       of the participant in coupler.json
  *   endpoint   of the coupler, such as "tcp://127.0.0.1:5555"
  *   dimension  2 or 3
- *   receives   "force" for a structure, which sends displacement; "displacement" for a soil, the
- * reverse */
+ *   receives   "force" for a structure, which sends displacement; "displacement" for a soil */
 gabion_participant* gabion_create(const char* name, const char* endpoint, int dimension,
                                   const char* receives);
 
-/* For messages: the foreign code and its version. [s] > 0 until the coupler must have answered
- * (30). */
+/* Before the calls below. The foreign code and its version, for messages; [s] > 0 until the coupler
+ * must have answered (30). */
 gabion_status gabion_set_program(gabion_participant* p, const char* program, const char* version);
 gabion_status gabion_set_connect_deadline(gabion_participant* p, double seconds);
 
 /* A coupled surface in its reference configuration.
  *   coordinates         [m], num_vertices x dimension, row by row
  *   vertices_per_facet  2, 3, 4; 0 for bare points
- *   facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out of the
- * structure */
+ *   facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out of
+ *                       the structure: in 2D to the right of the way along the segment */
 gabion_status gabion_set_interface(gabion_participant* p, const char* name, size_t num_vertices,
                                    const double* coordinates, int vertices_per_facet,
                                    size_t num_facets, const int64_t* facets);

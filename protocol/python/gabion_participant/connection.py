@@ -167,7 +167,8 @@ class Connection:
             if message and message.type != "alive":
                 return message
         self._fail(f'participant "{self.settings.name}": no answer from a coupler at '
-                   f"{self.settings.endpoint} within {self.settings.connect_deadline} s (connect_deadline); is it running there?")
+                   f"{self.settings.endpoint} within {self.settings.connect_deadline} s (connect_deadline); "
+                   "is it running there?")
 
     def _read(self, frames: list[bytes]) -> Message:
         try:
