@@ -2,14 +2,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """serve(): handshake, requests, failures, deadlines."""
 
+import subprocess
+import sys
 import time
 import unittest
+from pathlib import Path
 
 import numpy as np
 from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
 from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, Solver, StepReport, UsageError, serve)
 from gabion_participant.message import Message
-from gabion_participant.process import ProcessIdentity, this_host
+from gabion_participant.process import ProcessIdentity, read_stat, this_host
 
 
 class Spring(Solver):
@@ -237,6 +240,27 @@ class Deadlines(ParticipantCase):
         self.begin(process=gone.to_fields())
         self.assertIn("has died: no process", self.end())
         self.assertLess(time.monotonic() - begin, 2)
+
+    def test_no_orphan_computes_on(self) -> None:
+        """The coupler dies while the solver computes: the process ends a second later."""
+        command = [sys.executable, str(Path(__file__).parent / "sleeper.py"), self.coupler.endpoint]
+        stand_in = subprocess.Popen(["/bin/sleep", "60"])  # whose death is the coupler's
+        orphan = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        try:
+            identity = ProcessIdentity(this_host(), stand_in.pid, read_stat(stand_in.pid)[1])
+            self.coupler.welcome(process=identity.to_fields())
+            self.coupler.request("solve_step", step=5, iteration=2, time=0.0, dt=0.1)
+            self.coupler.listen(0.3)
+            stand_in.kill()
+            begin = time.monotonic()
+            self.assertEqual(orphan.wait(10), 4)
+            self.assertLess(time.monotonic() - begin, 3)
+            self.assertRegex(orphan.stderr.read(), "has died.*this process ends in phase .solve_step 5 iteration 2")
+        finally:
+            for process in (stand_in, orphan):
+                process.kill()
+                process.wait()
+            orphan.stderr.close()
 
 
 if __name__ == "__main__":
