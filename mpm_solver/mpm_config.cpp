@@ -39,6 +39,44 @@ void require_own_name(const ConfigReader& in, const Items& items) {
   }
 }
 
+template <int dim>
+SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
+  static const std::map<std::string, SmallCutMethod> methods = {
+      {"none", SmallCutMethod::none},
+      {"ghost", SmallCutMethod::ghost},
+      {"mass_cutoff", SmallCutMethod::mass_cutoff}};
+  SmallCutSettings settings;
+  if (in.has("method")) {
+    settings.method = methods.at(in.choice("method", {"none", "ghost", "mass_cutoff"}));
+  }
+  if (settings.method == SmallCutMethod::ghost && mpm.basis != Basis::linear) {
+    in.fail("method",
+            fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
+                        basis_name(mpm.basis)));
+  }
+  const auto used = [&](SmallCutMethod method) {
+    return std::any_of(mpm.phases.begin(), mpm.phases.end(), [&](const Phase& phase) {
+      return method_in(settings, mpm.basis, phase.dynamic) == method;
+    });
+  };
+  const bool at_rest = std::any_of(mpm.phases.begin(), mpm.phases.end(),
+                                   [](const Phase& phase) { return !phase.dynamic; });
+  if (used(SmallCutMethod::ghost)) {
+    settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
+  } else if (in.has("ghost_factor")) {
+    in.fail("ghost_factor", "allowed only with \"method\": \"ghost\"");
+  }
+  if (at_rest || used(SmallCutMethod::mass_cutoff)) {
+    const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
+    settings.mass_share = in.number_or("mass_share", settings.mass_share, share);
+  } else if (in.has("mass_share")) {
+    in.fail("mass_share",
+            "allowed only with \"method\": \"mass_cutoff\" or \"analysis\": \"quasi_static\"");
+  }
+  in.finish();
+  return settings;
+}
+
 // Basis of the grid; only cells in rows have a choice.
 template <int dim>
 Basis read_basis(ConfigReader& in, const Mesh<dim>& grid) {
@@ -170,15 +208,15 @@ CouplingSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
   return surface;
 }
 
+// The keys that interfaces and rigid walls have in common.
 template <int dim>
-CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
-                                             double penalty_unit) {
+CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
+                                            double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   CouplingBoundarySettings<dim> boundary;
   boundary.name = in.text("name");
-  in.choice_or("method", {"boundary_points"}, "boundary_points");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
   boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
@@ -202,8 +240,26 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   if constexpr (dim == 3) {
     check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
   }
+  return boundary;
+}
+
+template <int dim>
+CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
+                                             double penalty_unit) {
+  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();
   return boundary;
+}
+
+template <int dim>
+RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  RigidWallSettings<dim> wall;
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
+  wall.name = wall.boundary.name;
+  if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
+  in.finish();
+  return wall;
 }
 
 template <int dim>
@@ -269,6 +325,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   } else {
     settings.locking = default_locking_cure(settings.bodies);
   }
+  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings);
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }
@@ -285,8 +342,14 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
   }
+  for (auto& item : in.objects_or_none("rigid_walls")) {
+    settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
+    require_own_name(item, settings.rigid_walls);
+  }
   for (const Phase& phase : settings.phases) {
-    if (!settings.interfaces.empty()) require_balance_at_end_of_step(in, phase.scheme);
+    if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
+      require_balance_at_end_of_step(in, phase.scheme);
+    }
   }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});

@@ -92,5 +92,19 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
                "force, displacement");
 }
 
+TEST(CouplerConfig, radial_basis_keys_belong_to_the_radial_basis) {
+  const std::string at = "/coupling/mapping";
+  expect_error(at, {{"tolerance", 1}, {"kernel", "thin_plate"}}, at + "/kernel", "unknown");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "gauss"}},
+               at + "/kernel", "wendland_c2, wendland_c4, wendland_c6, thin_plate");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"cluster_size", 3}},
+               at + "/cluster_size", "4 to 1000");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"support", 0}}, at + "/support",
+               "> 0");
+  expect_error(
+      at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "thin_plate"}, {"support", 1}},
+      at + "/support", "unknown");
+}
+
 }  // namespace
 }  // namespace gabion
