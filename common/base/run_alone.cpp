@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <gabion_version.hpp>
 
 #include "common/base/interrupt.hpp"
@@ -57,6 +58,7 @@ class LoneRun {
                     {"newton_iterations", newton_iterations_},
                     {"linear_iterations", linear_iterations_},
                     {"wall_seconds", wall},
+                    {"cpu_seconds", static_cast<double>(std::clock()) / CLOCKS_PER_SEC},
                     {"solver", solver_.summary()}};
     if (keeper_ != nullptr && keeper_->start() != nullptr) {
       summary["restart"] = keeper_->start()->summary();
