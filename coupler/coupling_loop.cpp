@@ -25,7 +25,6 @@ Solver& find_solver(const std::vector<NamedSolver>& participants, const std::str
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
                            const std::vector<NamedSolver>& participants, RunRecord& files)
     : settings_(settings),
-      acceleration_(make_acceleration(settings.coupling.acceleration)),
       predictor_(settings.coupling.predictor),
       convergence_(settings.coupling.convergence),
       steps_(settings.time),
@@ -41,6 +40,7 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
   map_ = std::make_unique<InterfaceMap>(settings_.interfaces, meshes, settings_.coupling.mapping);
   record_ = std::make_unique<CouplingRecord>(files_, map_->dim());
   accepted_x_ = Eigen::VectorXd::Zero(map_->size());
+  acceleration_ = make_acceleration(settings_.coupling.acceleration, {map_->size()});
 }
 
 void CouplingLoop::run() {

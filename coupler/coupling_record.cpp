@@ -8,6 +8,8 @@ namespace {
 using Columns = std::vector<std::string>;
 using Cells = std::vector<CsvValue>;
 
+constexpr int iterations_schema = 2;  // README.md section 5; a change of meaning or order adds 1
+
 void append(Columns& columns, const Columns& more) {
   columns.insert(columns.end(), more.begin(), more.end());
 }
@@ -34,7 +36,8 @@ Columns CouplingRecord::force_columns(const std::string& prefix) const {
 }
 
 void CouplingRecord::start(const Columns& probe_names) {
-  Columns columns = {"step",
+  Columns columns = {"schema",
+                     "step",
                      "iteration",
                      "time",
                      "dt",
@@ -45,7 +48,9 @@ void CouplingRecord::start(const Columns& probe_names) {
                      "force_limit",
                      "omega",
                      "columns",
-                     "columns_dropped"};
+                     "dropped_by_filter",
+                     "dropped_by_limit",
+                     "dropped_by_contact"};
   append(columns, force_columns("soil_f"));
   append(columns, force_columns("structure_f"));
   append(columns, {"mismatch_force", "mismatch_moment", "soil_newton", "structure_newton",
@@ -57,7 +62,8 @@ void CouplingRecord::start(const Columns& probe_names) {
 }
 
 void CouplingRecord::iteration(const IterationRow& row) {
-  Cells cells = {row.request.step,
+  Cells cells = {cell(iterations_schema),
+                 row.request.step,
                  cell(row.request.iteration),
                  row.request.time,
                  row.request.dt,
@@ -68,7 +74,9 @@ void CouplingRecord::iteration(const IterationRow& row) {
                  row.state.force_limit,
                  row.acceleration.omega,
                  cell(row.acceleration.columns),
-                 cell(row.acceleration.columns_dropped)};
+                 cell(row.acceleration.dropped_by_filter),
+                 cell(row.acceleration.dropped_by_limit),
+                 cell(row.acceleration.dropped_by_contact)};
   append_force(cells, row.soil.force, dim_);
   append_force(cells, row.structure.force, dim_);
   cells.emplace_back((row.soil.force - row.structure.force).norm());
