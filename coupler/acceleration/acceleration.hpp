@@ -29,6 +29,7 @@ struct AccelerationCounters {
   int dropped_by_filter = 0;   ///< columns, in this call, as the next two
   int dropped_by_limit = 0;    ///< because there were more than max_columns
   int dropped_by_contact = 0;  ///< by a reset before the call, because the contact changed
+  bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };
 
 /// Finds the fixed point x = x_tilde(x) of a coupled step from pairs (x, x_tilde), r = x_tilde - x.

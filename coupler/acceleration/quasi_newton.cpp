@@ -20,6 +20,28 @@ Eigen::MatrixXd matrix_of(const std::deque<Secant>& secants, const std::vector<s
 
 }  // namespace
 
+bool ProgressWatch::fails(const Eigen::VectorXd& x_tilde, const Eigen::VectorXd& r) {
+  if (best_r_.size() == 0 || r.norm() < best_r_.norm()) {
+    best_r_ = r;
+    best_x_tilde_ = x_tilde;
+    since_best_ = 0;
+    return false;
+  }
+  return ++since_best_ >= patience || r.norm() > growth * best_r_.norm();
+}
+
+void ProgressWatch::begin_step() {
+  best_r_.resize(0);
+  best_x_tilde_.resize(0);
+  since_best_ = 0;
+}
+
+void ProgressWatch::rescale(const Eigen::VectorXd& ratio) {
+  if (best_r_.size() == 0) return;
+  best_r_.array() *= ratio.array();
+  best_x_tilde_.array() *= ratio.array();
+}
+
 void QuasiNewton::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
                            Eigen::VectorXd& t) {
   const Eigen::VectorXd r = x_tilde - x;
@@ -41,6 +63,7 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
   counters_ = {};
   Eigen::VectorXd t;
   add_pair(x, x_tilde, t);
+  if (watch_.fails(x_tilde, r_last_) && fall_back()) t = basis_.coordinates(r_last_);
   limit_columns();
   Eigen::VectorXd c = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(secants_.size()));
   Eigen::VectorXd t_left = t;
@@ -50,7 +73,7 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
     counters_.omega = settings_.relaxation;
     return x + settings_.relaxation * r_last_;
   }
-  Eigen::VectorXd result = x_tilde;
+  Eigen::VectorXd result = x_tilde_last_;
   for (Eigen::Index k = 0; k < c.size(); ++k) {
     if (c(k) != 0) result += c(k) * secants_[static_cast<std::size_t>(k)].w;
   }
@@ -65,7 +88,7 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
 void QuasiNewton::cover_part(std::deque<Secant>& secants, const std::vector<std::size_t>& which,
                              Eigen::VectorXd& t, Eigen::VectorXd& c) {
   if (which.empty()) return;
-  const FilteredLeastSquares problem(matrix_of(secants, which, t.size()), settings_.filter);
+  const FilteredLeastSquares problem(matrix_of(secants, which, t.size()), filter_);
   const Eigen::VectorXd found = problem.solve(t);
   std::size_t next = 0;
   for (std::size_t k = 0; k < which.size(); ++k) {
@@ -78,6 +101,18 @@ void QuasiNewton::cover_part(std::deque<Secant>& secants, const std::vector<std:
       ++counters_.dropped_by_filter;
     }
   }
+}
+
+bool QuasiNewton::fall_back() {
+  const Filter robust;
+  if (filter_.kind == robust.kind && filter_.limit == robust.limit) return false;
+  filter_ = robust;
+  for (Secant& secant : secants_) secant.dropped = false;
+  // Differences to the pair before stay what they are; the next secant begins at the best pair.
+  r_last_ = watch_.best_r();
+  x_tilde_last_ = watch_.best_x_tilde();
+  counters_.fell_back = true;
+  return true;
 }
 
 void QuasiNewton::limit_columns() {
@@ -101,6 +136,7 @@ void QuasiNewton::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_ti
   if (!secants_.empty() && secants_.front().step == step_) ++step_;
   forget_old_steps();
   size_accepted_ = basis_.size();
+  watch_.begin_step();
   r_last_.resize(0);
   x_tilde_last_.resize(0);
 }
@@ -121,6 +157,7 @@ void QuasiNewton::discard_step() {
   std::erase_if(secants_, [&](const Secant& secant) { return secant.step == step_; });
   for (Secant& secant : secants_) secant.dropped = false;
   basis_.truncate(size_accepted_);
+  watch_.begin_step();
   r_last_.resize(0);
   x_tilde_last_.resize(0);
 }
@@ -145,6 +182,7 @@ void QuasiNewton::rescale(const Eigen::VectorXd& ratio) {
   if (r_last_.size() == 0) return;
   r_last_.array() *= ratio.array();
   x_tilde_last_.array() *= ratio.array();
+  watch_.rescale(ratio);
 }
 
 void IqnIls::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) {

@@ -17,6 +17,25 @@ struct Secant {
   bool dropped = false;   ///< in the step under way; for good once that is accepted
 };
 
+/// Notices that the iterations of a step lead nowhere, and keeps their best pair.
+class ProgressWatch {
+ public:
+  static constexpr int patience = 5;     ///< iterations without a new smallest residual
+  static constexpr double growth = 100;  ///< of the residual over the smallest one
+
+  void begin_step();
+  /// Take in the next pair. @returns whether the patience or the growth is used up
+  bool fails(const Eigen::VectorXd& x_tilde, const Eigen::VectorXd& r);
+  void rescale(const Eigen::VectorXd& ratio);
+  const Eigen::VectorXd& best_r() const { return best_r_; }
+  const Eigen::VectorXd& best_x_tilde() const { return best_x_tilde_; }
+
+ private:
+  Eigen::VectorXd best_r_;  // empty before the first iteration of a step
+  Eigen::VectorXd best_x_tilde_;
+  int since_best_ = 0;
+};
+
 /// What both quasi-Newton methods share: the secants of this and of earlier steps, and
 ///
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
@@ -24,7 +43,8 @@ struct Secant {
 /// where the methods differ in how c follows from them. Without any secant x+ = x + omega r.
 class QuasiNewton : public Acceleration {
  public:
-  explicit QuasiNewton(const AccelerationSettings& settings) : settings_(settings) {}
+  explicit QuasiNewton(const AccelerationSettings& settings)
+      : settings_(settings), filter_(settings.filter) {}
 
   void begin_step() override { discard_step(); }
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
@@ -48,13 +68,18 @@ class QuasiNewton : public Acceleration {
  private:
   /// Take in the pair; t: coordinates of its residual.
   void add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde, Eigen::VectorXd& t);
+  /// To the default filter, from the best pair, when the one of the settings leads nowhere.
+  /// @returns false: it is the default already
+  bool fall_back();
   void limit_columns();
   void forget_old_steps();
   int num_in_use() const;
 
   AccelerationSettings settings_;
   AccelerationCounters counters_;
+  Filter filter_;  // in use
 
+  ProgressWatch watch_;
   SecantBasis basis_;
   std::deque<Secant> secants_;      // newest first
   Eigen::Index size_accepted_ = 0;  // of the basis when the step began

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gabion {
@@ -11,6 +12,21 @@ namespace {
 
 constexpr Eigen::Index block_size = 1024;  // rows that stay in the cache between two uses
 constexpr double round_off = 1e-13;
+
+/// Partial sums side by side: the compiler must not reorder a plain sum, and waits for each
+/// addition.
+double dot(const double* a, const double* b, Eigen::Index n) {
+  constexpr int width = 8;
+  std::array<double, width> sums = {};
+  Eigen::Index i = 0;
+  for (; i + width <= n; i += width) {
+    for (int k = 0; k < width; ++k) sums[k] += a[i + k] * b[i + k];
+  }
+  for (; i < n; ++i) sums[0] += a[i] * b[i];
+  double sum = 0;
+  for (const double part : sums) sum += part;
+  return sum;
+}
 
 /// Call action(first row, number of rows) for blocks of n rows.
 template <class Action>
@@ -30,9 +46,9 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   t.setZero(m + 1);
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
     for (Eigen::Index j = 0; j < m; ++j) {
-      const auto q = q_[j].segment(at, rows);
-      s(j) += q.dot(v.segment(at, rows));
-      t(j) += q.dot(r.segment(at, rows));
+      const double* q = q_[j].data() + at;
+      s(j) += dot(q, v.data() + at, rows);
+      t(j) += dot(q, r.data() + at, rows);
     }
   });
   Eigen::VectorXd rest = v;
@@ -40,7 +56,9 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
     auto part = rest.segment(at, rows);
     for (Eigen::Index j = 0; j < m; ++j) part -= s(j) * q_[j].segment(at, rows);
-    for (Eigen::Index j = 0; j < m; ++j) left(j) += q_[j].segment(at, rows).dot(part);
+    for (Eigen::Index j = 0; j < m; ++j) {
+      left(j) += dot(q_[j].data() + at, part.data(), rows);
+    }
   });
   if (left.norm() > round_off * rest.norm()) {
     add(-1, left, rest);
@@ -59,7 +77,9 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
 
 Eigen::VectorXd SecantBasis::coordinates(const Eigen::VectorXd& r) const {
   Eigen::VectorXd t(size());
-  for (Eigen::Index j = 0; j < size(); ++j) t(j) = q_[j].dot(r);
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    t(j) = dot(q_[j].data(), r.data(), r.size());
+  }
   return t;
 }
 

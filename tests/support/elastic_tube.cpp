@@ -116,7 +116,8 @@ StepReport TubeFlow::solve_step(const StepRequest& request, const InterfaceValue
   p_trial_ = p_;
   FlowEquations equations(a_, v_, p_(n - 1), a_trial_, request.time, request.dt);
   Eigen::SparseMatrix<double> jacobian(2 * n, 2 * n);
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::NaturalOrdering<int>> lu;  // it is banded
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(2 * n);
   StepReport report;
   for (;; ++report.newton_iterations) {
     equations.assemble(v_trial_, p_trial_);
@@ -127,9 +128,10 @@ StepReport TubeFlow::solve_step(const StepRequest& request, const InterfaceValue
       throw ConvergenceError("the flow in the tube does not converge");
     }
     jacobian.setFromTriplets(equations.entries.begin(), equations.entries.end());
-    lu.compute(jacobian);
+    if (report.newton_iterations == 0) lu.analyzePattern(jacobian);
+    lu.factorize(jacobian);
     if (lu.info() != Eigen::Success) throw ConvergenceError("the flow's Jacobian is singular");
-    const Eigen::VectorXd change = lu.solve(equations.residual);
+    change = lu.solve(equations.residual);
     for (int i = 0; i < n; ++i) {
       v_trial_(i) -= change(2 * i);
       p_trial_(i) -= change(2 * i + 1);

@@ -4,8 +4,10 @@
 #include <functional>
 #include <map>
 
+#include "coupler/acceleration/quasi_newton.hpp"
 #include "coupler/convergence.hpp"
 #include "tests/unit/coupler/affine_map.hpp"
+#include "tests/unit/coupler/sequence.hpp"
 
 namespace gabion {
 namespace {
@@ -202,6 +204,126 @@ TEST(Acceleration, the_filter_drops_dependent_columns_and_never_the_newest) {
   EXPECT_EQ(acceleration->counters().columns, 2);
 }
 
+/// Columns e1 (newest), e2 + 0.99 e1, 1e-3 e3: by length, against |R|, and against a number.
+TEST(Filter, each_kind_drops_what_its_rule_says) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(4, 4);
+  A.col(0) << 1, 0, 0, 0;
+  A.col(1) << 10, 0.5, 0, 0;   // 0.5 across, of 10
+  A.col(2) << 0, 0, 1e-3, 0;   // short but independent
+  A.col(3) << 1, 1, 1, 1e-15;  // round-off
+  using Kept = std::vector<Eigen::Index>;
+  const auto kept = [&](FilterKind kind, double limit) {
+    return FilteredLeastSquares(A, {kind, limit}).kept();
+  };
+  EXPECT_EQ(kept(FilterKind::none, 0), (Kept{0, 1, 2}));
+  EXPECT_EQ(kept(FilterKind::qr2, 0.1), (Kept{0, 2, 3}));  // column 3 now has 1 across
+  EXPECT_EQ(kept(FilterKind::qr3, 0.1), kept(FilterKind::qr2, 0.1));
+  EXPECT_EQ(kept(FilterKind::qr2, 0.01), (Kept{0, 1, 2}));
+  EXPECT_EQ(kept(FilterKind::qr1, 0.01), (Kept{0, 1}));
+  EXPECT_EQ(kept(FilterKind::qr1_absolute, 0.01), (Kept{0, 1}));
+  EXPECT_EQ(kept(FilterKind::qr1_absolute, 1e-4), (Kept{0, 1, 2}));
+}
+
+TEST(Acceleration, a_step_that_leads_nowhere_goes_on_with_the_default_filter) {
+  AccelerationSettings s = settings("mvqn", 0, 5);
+  s.filter = {FilterKind::qr1, 0.9};  // keeps next to nothing
+  const auto acceleration = make_acceleration(s, {50});
+  AffineMap map(50);
+  acceleration->begin_step();
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+  int fallbacks = 0;
+  for (int k = 0; k < 120 && (map(x) - x).norm() > 1e-8; ++k) {
+    x = acceleration->next(x, map(x));
+    fallbacks += acceleration->counters().fell_back;
+  }
+  EXPECT_EQ(fallbacks, 1);
+  EXPECT_LE((map(x) - x).norm(), 1e-8);
+}
+
+/// Steps go, the basis shrinks with them, and the secants stay what they were.
+TEST(SecantBasis, coordinates_survive_growth_shrinking_and_rescaling) {
+  test::Sequence random(1);
+  constexpr Eigen::Index n = 2500;  // more than two blocks of rows
+  SecantBasis basis;
+  std::vector<Eigen::VectorXd> v, s;
+  for (int k = 0; k < 12; ++k) {
+    v.push_back(random.vector(n));
+    if (k == 7) v[7] = v[3] - 2 * v[5];  // dependent: no new vector
+    Eigen::VectorXd t;
+    s.emplace_back();
+    const Eigen::VectorXd r = random.vector(n);
+    basis.extend(v.back(), r, s.back(), t);
+    EXPECT_LE((t - basis.coordinates(r)).norm(), 1e-12);
+  }
+  EXPECT_EQ(basis.size(), 11);
+  const auto error = [&](const Eigen::VectorXd& exact, const Eigen::VectorXd& coordinates) {
+    Eigen::VectorXd difference = exact;
+    basis.add(-1, coordinates, difference);
+    return difference.norm() / exact.norm();
+  };
+  for (int k = 0; k < 12; ++k) EXPECT_LE(error(v[k], s[k]), 1e-14) << k;
+
+  Eigen::MatrixXd newest = Eigen::MatrixXd::Zero(11, 5);
+  for (int k = 0; k < 5; ++k) newest.col(k).head(s[7 + k].size()) = s[7 + k];
+  basis.shrink(newest);
+  EXPECT_EQ(basis.size(), 5);
+  for (int k = 0; k < 5; ++k) EXPECT_LE(error(v[7 + k], newest.col(k)), 1e-14) << k;
+
+  Eigen::VectorXd ratio = Eigen::VectorXd::Ones(n);
+  ratio.head(n / 2).setConstant(1e6);
+  const Eigen::MatrixXd T = basis.rescale(ratio);
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_LE(error(ratio.cwiseProduct(v[7 + k]), T * newest.col(k)), 1e-13) << k;
+  }
+  EXPECT_LE((basis.coordinates(v[0]).norm() - v[0].norm()), 0);
+}
+
+/// Fields of very different units: with the weights, the iterations are those of equal units.
+TEST(ScaledFields, units_do_not_matter) {
+  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+    std::vector<Counts> counts;
+    for (const double unit : {1.0, 1e9}) {
+      const auto acceleration = make_acceleration(settings(method, 1e-6, 10), {25, 25});
+      Eigen::VectorXd scale = Eigen::VectorXd::Ones(50);
+      scale.tail(25).setConstant(unit);
+      AffineMap map(2);
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(50);
+      counts.emplace_back();
+      for (int step = 0; step < 3; ++step) {
+        map.set_step(step);
+        acceleration->begin_step();
+        int k = 1;
+        for (; k < 200; ++k) {
+          const Eigen::VectorXd x_tilde = map(x);
+          if ((x_tilde - x).norm() <= 1e-7) break;
+          x = acceleration->next(scale.cwiseProduct(x), scale.cwiseProduct(x_tilde))
+                  .cwiseQuotient(scale);
+        }
+        acceleration->end_step(scale.cwiseProduct(x), scale.cwiseProduct(map(x)));
+        counts.back().push_back(k);
+      }
+    }
+    for (int step = 0; step < 3; ++step) {
+      EXPECT_NEAR(counts[0][step], counts[1][step], 1) << method << " step " << step;
+      EXPECT_LT(counts[1][step], 40) << method;
+    }
+  }
+}
+
+TEST(ResidualJacobian, converges_with_the_published_iterations_and_refuses_large_interfaces) {
+  AccelerationSettings s;
+  s.method = "mvqn_residual";
+  s.relaxation = 0.1;
+  s.max_columns = 1000;
+  const Table reference = {{0.5, {9, 10, 8, 8, 8}}, {2, {12, 13, 9, 9, 7}}};
+  for (const auto& [m, expected] : reference) {
+    const auto acceleration = make_acceleration(s, {50});
+    const Counts found = iteration_counts(AffineMap(m), *acceleration);
+    for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(found[k], expected[k], 3) << m << " " << k;
+  }
+  EXPECT_THROW(make_acceleration(s, {1500, 1500}), ConfigError);
+}
+
 TEST(Acceleration, equal_residuals_give_no_column_and_no_nan) {
   for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
     const auto acceleration = make_acceleration(settings(method, 0, 5), {3});
@@ -261,8 +383,8 @@ TEST(Acceleration, history_and_columns_are_limited) {
 
 Verdict verdict_of_gauss_seidel(double m) {
   ConvergenceSettings limits;
-  limits.displacement = {1e-8, 1e-8, 1e-12};
-  limits.force = {1e-8, 1e-8, 1e-12};
+  limits.displacement = {1e-8, 1e-8, 1e-12, {}};
+  limits.force = {1e-8, 1e-8, 1e-12, {}};
   limits.divergence = 1e3;
   Convergence convergence(limits);
   convergence.begin_step();
