@@ -176,10 +176,12 @@ void CouplingLoop::predict(Attempt& now) const {
 
 void CouplingLoop::accelerate(Attempt& now) {
   const ScopedTimer timer(phases_, "acceleration");
+  const Stopwatch watch;
   const Eigen::VectorXd next =
       acceleration_->next(stacked(now.x, now.force_given), stacked(now.x_tilde, now.force));
   now.x = next.head(map_->size());
   now.force_given = next.tail(map_->size());
+  acceleration_seconds_ += watch.seconds();
   now.row.acceleration = acceleration_->counters();
   now.row.acceleration.dropped_by_contact = std::exchange(forgotten_columns_, 0);
   if (!now.row.acceleration.fell_back) return;
@@ -386,7 +388,9 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   double proposed_dt = 0;
   const std::vector<double> probes = accept_sides(now, proposed_dt);
   if (now.skipped == "none" && settings_.coupling.scheme != Scheme::explicit_) {
+    const Stopwatch acceleration;
     acceleration_->end_step(stacked(now.x, now.force_given), stacked(now.x_tilde, now.force));
+    acceleration_seconds_ += acceleration.seconds();
   }
   accepted_x_ = now.x_tilde;
   contact_.accept(soil_reports());
@@ -403,6 +407,7 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   row.structure_newton = now.structure_newton;
   row.cuts = cuts;
   add_work(now, row);
+  row.acceleration_seconds = std::exchange(acceleration_seconds_, 0);
   row.wall_seconds = watch.seconds();
   for (const Side* side : sides()) side->add_details(row.wall_seconds, row.details);
   record_->step(row);

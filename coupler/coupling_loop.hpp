@@ -105,6 +105,7 @@ class CouplingLoop {
   Eigen::VectorXd accepted_x_;
   int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
   bool warned_round_off_ = false;
+  double acceleration_seconds_ = 0;  // since the last accepted step
   InterfaceWork soil_work_;
   InterfaceWork structure_work_;
   double written_ = -1;  // [s] time of the last frame

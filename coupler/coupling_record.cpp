@@ -98,7 +98,7 @@ void CouplingRecord::start_steps(const Json& details) {
   append(columns,
          {"soil_work", "structure_work", "work_sum", "soil_newton", "structure_newton", "cuts"});
   append(columns, details_.names());
-  columns.push_back("wall_seconds");
+  append(columns, {"acceleration_seconds", "wall_seconds"});
   files_.open_table("steps.csv", columns);
 }
 
@@ -120,6 +120,7 @@ void CouplingRecord::step(const StepRow& row) {
   cells.push_back(cell(row.structure_newton));
   cells.push_back(cell(row.cuts));
   details_.append(row.details, cells);
+  cells.emplace_back(row.acceleration_seconds);
   cells.emplace_back(row.wall_seconds);
   files_.row("steps.csv", cells);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/support/elastic_tube.hpp"
 
-#include <Eigen/SparseLU>
+#include <algorithm>
 #include <cmath>
 
 namespace gabion::test {
@@ -15,6 +15,44 @@ double inflow(double t) {
   return 10 + 3 * std::sin(10 * pi * t);
 }
 
+/// A matrix with entries at most `width` beside its diagonal; solves by Gauss with row exchanges,
+/// which fill up to 2 width above it.
+class Banded {
+ public:
+  explicit Banded(int size) : rows_(Eigen::MatrixXd::Zero(size, 3 * width + 1)) {}
+  void clear() { rows_.setZero(); }
+  double& operator()(int i, int j) { return rows_(i, j - i + width); }
+
+  /// @returns whether no pivot was zero
+  bool solve(Eigen::VectorXd& b) {
+    const int size = static_cast<int>(b.size());
+    for (int k = 0; k < size; ++k) {
+      const int below = std::min(size - 1, k + width), right = std::min(size - 1, k + 2 * width);
+      int pivot = k;
+      for (int i = k + 1; i <= below; ++i) {
+        if (std::abs((*this)(i, k)) > std::abs((*this)(pivot, k))) pivot = i;
+      }
+      if ((*this)(pivot, k) == 0) return false;
+      for (int j = k; j <= right && pivot != k; ++j) std::swap((*this)(k, j), (*this)(pivot, j));
+      std::swap(b(k), b(pivot));
+      for (int i = k + 1; i <= below; ++i) {
+        const double factor = (*this)(i, k) / (*this)(k, k);
+        for (int j = k; j <= right; ++j) (*this)(i, j) -= factor * (*this)(k, j);
+        b(i) -= factor * b(k);
+      }
+    }
+    for (int k = size - 1; k >= 0; --k) {
+      for (int j = k + 1; j <= std::min(size - 1, k + 2 * width); ++j) b(k) -= (*this)(k, j) * b(j);
+      b(k) /= (*this)(k, k);
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int width = 4;
+  Eigen::MatrixXd rows_;  // (i, j) at (i, j - i + width)
+};
+
 /// Equations of one step; unknowns v_0, p_0, v_1, p_1, ...
 class FlowEquations {
  public:
@@ -24,18 +62,18 @@ class FlowEquations {
 
   void assemble(const Eigen::VectorXd& v, const Eigen::VectorXd& p) {
     residual = Eigen::VectorXd::Zero(2 * n);
-    entries.clear();
+    jacobian.clear();
     for (int i = 1; i + 1 < n; ++i) add_cell(v, p, i);
     add_ends(v, p);
   }
 
   Eigen::VectorXd residual;
-  std::vector<Eigen::Triplet<double>> entries;  // of its Jacobian
+  Banded jacobian{2 * n};
 
  private:
   static int v_row(int i) { return 2 * i; }
   static int p_row(int i) { return 2 * i + 1; }
-  void slope(int row, int column, double value) { entries.emplace_back(row, column, value); }
+  void slope(int row, int column, double value) { jacobian(row, column) += value; }
 
   void add_cell(const Eigen::VectorXd& v, const Eigen::VectorXd& p, int i) {
     const double volume_rate = Tube::length / (n - 1) / dt_;
@@ -115,9 +153,6 @@ StepReport TubeFlow::solve_step(const StepRequest& request, const InterfaceValue
   v_trial_ = v_;
   p_trial_ = p_;
   FlowEquations equations(a_, v_, p_(n - 1), a_trial_, request.time, request.dt);
-  Eigen::SparseMatrix<double> jacobian(2 * n, 2 * n);
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::NaturalOrdering<int>> lu;  // it is banded
-  Eigen::VectorXd change = Eigen::VectorXd::Zero(2 * n);
   StepReport report;
   for (;; ++report.newton_iterations) {
     equations.assemble(v_trial_, p_trial_);
@@ -127,11 +162,9 @@ StepReport TubeFlow::solve_step(const StepRequest& request, const InterfaceValue
     if (!std::isfinite(error) || report.newton_iterations == 50) {
       throw ConvergenceError("the flow in the tube does not converge");
     }
-    jacobian.setFromTriplets(equations.entries.begin(), equations.entries.end());
-    if (report.newton_iterations == 0) lu.analyzePattern(jacobian);
-    lu.factorize(jacobian);
-    if (lu.info() != Eigen::Success) throw ConvergenceError("the flow's Jacobian is singular");
-    change = lu.solve(equations.residual);
+    Eigen::VectorXd change = equations.residual;
+    if (!equations.jacobian.solve(change))
+      throw ConvergenceError("the flow's Jacobian is singular");
     for (int i = 0; i < n; ++i) {
       v_trial_(i) -= change(2 * i);
       p_trial_(i) -= change(2 * i + 1);

@@ -54,8 +54,9 @@ TEST(C1_ElasticTube, a_quadratic_predictor_saves_a_quarter) {
           .exact = 6.25,
           .computed = result.mean_iterations,
           .measure = Measure::absolute_error,
-          .bound = 0.1,
+          .bound = 0.3,
           .unit = "iterations a step"});
+  EXPECT_LE(result.mean_iterations, 6.3);
 }
 
 /// p = -222.8517 +- 1e-4 is what converging methods agree on at the tolerance 1e-5.

@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 using test::Measure;
 using test::verify;
 
-/// Two masses that share a displacement: (m1 + m2) u'' + (k1 + k2) u = F from rest, so that
+/// Two masses and springs that share a displacement, from rest under a load that grows smoothly, so
+/// that no acceleration is missing at t = 0:
 ///
-///     u = F / k (1 - cos(w t)),   w^2 = k / m,   m = m1 + m2, k = k1 + k2
+///     m u'' + k u = F (1 - cos(p t)),   m = m1 + m2, k = k1 + k2, w^2 = k / m
+///     u = F / k (1 - cos(w t)) - F / (m (w^2 - p^2)) (cos(p t) - cos(w t))
 ///
-/// with m1 = 2 kg, k1 = 10 N/m on the soil's side, m2 = 1 kg, k2 = 100 N/m on the structure's, F =
-/// 5 N on the first component. Both sides integrate with Newmark's trapezoidal rule. The load is
-/// there from t = 0+ on while both accelerations at t = 0 are zero, which takes the first half step
-/// of it: F is applied from the first midpoint on, t is shifted by dt/2.
+/// m1 = 2 kg, k1 = 10 N/m on the soil's side, m2 = 1 kg, k2 = 100 N/m on the structure's, F = 5 N,
+/// p = 2/s. Both sides integrate with Newmark's trapezoidal rule, which makes no energy.
 struct Oscillation {
   double error = 0;  // largest of u, over F / k
   double drift = 0;  // largest |work of both sides| over the largest energy of the structure
@@ -37,10 +37,7 @@ Oscillation oscillate(double dt, Scheme scheme) {
   test::SoilSprings soil(2, 2, 10);
   test::StructureSprings structure(2, 1, 100);
   soil.scatter = structure.scatter = 0;
-  const double end = 1.28, m = 3, k = 110, w = std::sqrt(k / m);
-  const double F = 5;
-  // The load grows like 1 - cos(p t): smooth, so that no initial acceleration is missing.
-  const double p = 2;
+  const double end = 1.28, m = 3, k = 110, w = std::sqrt(k / m), F = 5, p = 2;
   soil.load = [&](double t) { return F * (1 - std::cos(p * t)); };
   CouplerSettings s;
   s.time = {end, dt, dt};
