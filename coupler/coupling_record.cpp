@@ -50,7 +50,8 @@ void CouplingRecord::start(const Columns& probe_names) {
                      "columns",
                      "dropped_by_filter",
                      "dropped_by_limit",
-                     "dropped_by_contact"};
+                     "dropped_by_contact",
+                     "fell_back"};
   append(columns, force_columns("soil_f"));
   append(columns, force_columns("structure_f"));
   append(columns, {"mismatch_force", "mismatch_moment", "soil_newton", "structure_newton",
@@ -76,7 +77,8 @@ void CouplingRecord::iteration(const IterationRow& row) {
                  cell(row.acceleration.columns),
                  cell(row.acceleration.dropped_by_filter),
                  cell(row.acceleration.dropped_by_limit),
-                 cell(row.acceleration.dropped_by_contact)};
+                 cell(row.acceleration.dropped_by_contact),
+                 cell(row.acceleration.fell_back ? 1 : 0)};
   append_force(cells, row.soil.force, dim_);
   append_force(cells, row.structure.force, dim_);
   cells.emplace_back((row.soil.force - row.structure.force).norm());

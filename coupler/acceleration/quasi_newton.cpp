@@ -74,9 +74,14 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
     return x + settings_.relaxation * r_last_;
   }
   Eigen::VectorXd result = x_tilde_last_;
-  for (Eigen::Index k = 0; k < c.size(); ++k) {
-    if (c(k) != 0) result += c(k) * secants_[static_cast<std::size_t>(k)].w;
+  std::vector<const Eigen::VectorXd*> columns;
+  std::vector<double> factors;
+  for (std::size_t k = 0; k < secants_.size(); ++k) {
+    if (secants_[k].dropped) continue;
+    columns.push_back(&secants_[k].w);
+    factors.push_back(c(static_cast<Eigen::Index>(k)));
   }
+  add_combination(columns, factors, result);
   if (settings_.damping != 1) {
     Eigen::VectorXd left = r_last_;
     basis_.add(1, t_left - t, left);  // V c

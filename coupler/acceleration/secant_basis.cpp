@@ -13,27 +13,52 @@ namespace {
 constexpr Eigen::Index block_size = 1024;  // rows that stay in the cache between two uses
 constexpr double round_off = 1e-13;
 
-/// Partial sums side by side: the compiler must not reorder a plain sum, and waits for each
-/// addition.
-double dot(const double* a, const double* b, Eigen::Index n) {
+/// sums[k] += columns[k] . v of n rows, with partial sums side by side: the compiler must not
+/// reorder a plain sum, and would wait for each addition.
+void add_dots(const std::vector<const double*>& columns, const double* v, Eigen::Index n,
+              double* sums) {
   constexpr int width = 8;
-  std::array<double, width> sums = {};
-  Eigen::Index i = 0;
-  for (; i + width <= n; i += width) {
-    for (int k = 0; k < width; ++k) sums[k] += a[i + k] * b[i + k];
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const double* q = columns[j];
+    std::array<double, width> parts = {};
+    Eigen::Index i = 0;
+    for (; i + width <= n; i += width) {
+      for (int k = 0; k < width; ++k) parts[k] += q[i + k] * v[i + k];
+    }
+    for (; i < n; ++i) parts[0] += q[i] * v[i];
+    for (const double part : parts) sums[j] += part;
   }
-  for (; i < n; ++i) sums[0] += a[i] * b[i];
-  double sum = 0;
-  for (const double part : sums) sum += part;
-  return sum;
+}
+
+/// v += sum_k factors[k] columns[k] of n rows, four columns at a time: v is read and written less.
+void add_columns(const std::vector<const double*>& columns, const double* factors, Eigen::Index n,
+                 double* v) {
+  constexpr int width = 4;
+  const std::size_t even = columns.size() / width * width;
+  for (std::size_t j = 0; j < even; j += width) {
+    const double *a = columns[j], *b = columns[j + 1], *c = columns[j + 2], *d = columns[j + 3];
+    const double* f = factors + j;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      v[i] += (f[0] * a[i] + f[1] * b[i]) + (f[2] * c[i] + f[3] * d[i]);
+    }
+  }
+  for (std::size_t j = even; j < columns.size(); ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) v[i] += factors[j] * columns[j][i];
+  }
+}
+
+/// Where the rows of a block begin in each vector.
+std::vector<const double*> rows_at(const std::vector<Eigen::VectorXd>& q, Eigen::Index at) {
+  std::vector<const double*> result;
+  result.reserve(q.size());
+  for (const Eigen::VectorXd& vector : q) result.push_back(vector.data() + at);
+  return result;
 }
 
 /// Call action(first row, number of rows) for blocks of n rows.
 template <class Action>
-void for_blocks(Eigen::Index n, Action action) {
-  for (Eigen::Index begin = 0; begin < n; begin += block_size) {
-    action(begin, std::min(block_size, n - begin));
-  }
+void for_blocks(Eigen::Index n, Action action, Eigen::Index size = block_size) {
+  for (Eigen::Index begin = 0; begin < n; begin += size) action(begin, std::min(size, n - begin));
 }
 
 }  // namespace
@@ -45,20 +70,17 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   s.setZero(m + 1);
   t.setZero(m + 1);
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
-    for (Eigen::Index j = 0; j < m; ++j) {
-      const double* q = q_[j].data() + at;
-      s(j) += dot(q, v.data() + at, rows);
-      t(j) += dot(q, r.data() + at, rows);
-    }
+    const auto columns = rows_at(q_, at);
+    add_dots(columns, v.data() + at, rows, s.data());
+    add_dots(columns, r.data() + at, rows, t.data());
   });
   Eigen::VectorXd rest = v;
   Eigen::VectorXd left = Eigen::VectorXd::Zero(m);  // along the basis, by round-off
+  const Eigen::VectorXd minus_s = -s;
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
-    auto part = rest.segment(at, rows);
-    for (Eigen::Index j = 0; j < m; ++j) part -= s(j) * q_[j].segment(at, rows);
-    for (Eigen::Index j = 0; j < m; ++j) {
-      left(j) += dot(q_[j].data() + at, part.data(), rows);
-    }
+    const auto columns = rows_at(q_, at);
+    add_columns(columns, minus_s.data(), rows, rest.data() + at);
+    add_dots(columns, rest.data() + at, rows, left.data());
   });
   if (left.norm() > round_off * rest.norm()) {
     add(-1, left, rest);
@@ -76,19 +98,28 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
 }
 
 Eigen::VectorXd SecantBasis::coordinates(const Eigen::VectorXd& r) const {
-  Eigen::VectorXd t(size());
-  for (Eigen::Index j = 0; j < size(); ++j) {
-    t(j) = dot(q_[j].data(), r.data(), r.size());
-  }
+  Eigen::VectorXd t = Eigen::VectorXd::Zero(size());
+  for_blocks(r.size(), [&](Eigen::Index at, Eigen::Index rows) {
+    add_dots(rows_at(q_, at), r.data() + at, rows, t.data());
+  });
   return t;
 }
 
 void SecantBasis::add(double factor, const Eigen::VectorXd& t, Eigen::VectorXd& sum) const {
+  const Eigen::VectorXd factors = factor * t;
   for_blocks(sum.size(), [&](Eigen::Index at, Eigen::Index rows) {
-    auto part = sum.segment(at, rows);
-    for (Eigen::Index j = 0; j < t.size(); ++j) {
-      part += (factor * t(j)) * q_[j].segment(at, rows);
-    }
+    auto columns = rows_at(q_, at);
+    columns.resize(static_cast<std::size_t>(t.size()));
+    add_columns(columns, factors.data(), rows, sum.data() + at);
+  });
+}
+
+void add_combination(const std::vector<const Eigen::VectorXd*>& columns,
+                     const std::vector<double>& factors, Eigen::VectorXd& sum) {
+  for_blocks(sum.size(), [&](Eigen::Index at, Eigen::Index rows) {
+    std::vector<const double*> parts;
+    for (const Eigen::VectorXd* column : columns) parts.push_back(column->data() + at);
+    add_columns(parts, factors.data(), rows, sum.data() + at);
   });
 }
 
@@ -115,12 +146,15 @@ void SecantBasis::shrink(Eigen::MatrixXd& s) {
   s.applyOnTheLeft(H.adjoint());
   s = s.bottomRows(s.rows() - surplus).eval();
   Eigen::MatrixXd rows_of_q;
-  for_blocks(q_.front().size(), [&](Eigen::Index at, Eigen::Index rows) {
-    rows_of_q.resize(rows, size());
-    for (Eigen::Index j = 0; j < size(); ++j) rows_of_q.col(j) = q_[j].segment(at, rows);
-    rows_of_q.applyOnTheRight(H);
-    for (Eigen::Index j = surplus; j < size(); ++j) q_[j].segment(at, rows) = rows_of_q.col(j);
-  });
+  for_blocks(
+      q_.front().size(),
+      [&](Eigen::Index at, Eigen::Index rows) {
+        rows_of_q.resize(rows, size());
+        for (Eigen::Index j = 0; j < size(); ++j) rows_of_q.col(j) = q_[j].segment(at, rows);
+        rows_of_q.applyOnTheRight(H);
+        for (Eigen::Index j = surplus; j < size(); ++j) q_[j].segment(at, rows) = rows_of_q.col(j);
+      },
+      block_size / 8);
   q_.erase(q_.begin(), q_.begin() + surplus);
 }
 

@@ -39,4 +39,8 @@ class SecantBasis {
   std::vector<Eigen::VectorXd> q_;
 };
 
+/// sum += factors[0] columns[0] + factors[1] columns[1] + ...
+void add_combination(const std::vector<const Eigen::VectorXd*>& columns,
+                     const std::vector<double>& factors, Eigen::VectorXd& sum);
+
 }  // namespace gabion
