@@ -102,6 +102,20 @@ Matrix<dim> CouplingBoundary<dim>::frame(std::int32_t facet, const Vector<dim>& 
   return result;
 }
 
+// The shape functions of all cells that contain the point agree there, so any of them with soil
+// will do.
+template <int dim>
+std::int32_t CouplingBoundary<dim>::find_cell(const BackgroundGrid<dim>& grid,
+                                              std::span<const std::int32_t> occupied,
+                                              const Point& b) const {
+  const std::int32_t cell = grid.locator.locate(b.x, b.cell);
+  if (cell < 0 || occupied[cell] != 0) return cell;
+  for (const std::int32_t other : grid.locator.cells_at(b.x)) {
+    if (occupied[other] != 0) return other;
+  }
+  return cell;
+}
+
 template <int dim>
 void CouplingBoundary<dim>::begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
                                        std::span<const std::int32_t> occupied) {
@@ -114,7 +128,7 @@ void CouplingBoundary<dim>::begin_step(const BackgroundGrid<dim>& grid, const Gr
     b.sliding = false;
     b.traction.setZero();
     b.gap_trial.setZero();
-    b.cell = grid.locator.locate(b.x, b.cell);
+    b.cell = find_cell(grid, occupied, b);
     if (b.cell < 0 || occupied[b.cell] == 0) {
       b.gap.setZero();
       continue;
@@ -222,6 +236,23 @@ std::vector<double> CouplingBoundary<dim>::forces_on_structure() const {
     }
   }
   return forces;
+}
+
+template <int dim>
+typename CouplingBoundary<dim>::Resultant CouplingBoundary<dim>::resultant() const {
+  Resultant sum;
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    if (!b.closed) continue;
+    const Vector<dim> force = -b.area * (b.frame * b.traction);
+    sum.force += force;
+    if constexpr (dim == 2) {
+      sum.moment[0] += b.x[0] * force[1] - b.x[1] * force[0];
+    } else {
+      sum.moment += b.x.cross(force);
+    }
+  }
+  return sum;
 }
 
 template <int dim>

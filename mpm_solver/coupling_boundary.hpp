@@ -59,7 +59,8 @@ class CouplingBoundary {
   InterfaceMesh interface_mesh() const;
   const std::string& name() const { return settings_.name; }
 
-  /// Start a step: find the grid cell of each boundary point at its accepted position.
+  /// Start a step: find the grid cell of each boundary point at its accepted position; of several
+  /// (a point on a facet of the grid) one that holds soil.
   /// @param occupied  1 for cells of the grid that hold a material point (on any rank)
   void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
                   std::span<const std::int32_t> occupied);
@@ -80,6 +81,13 @@ class CouplingBoundary {
   /// Nodal forces of the soil on the structure in the state of the last add_forces, num_vertices x
   /// dim.
   std::vector<double> forces_on_structure() const;
+  /// Their sum, and the sum of their moments about the origin, at the positions of the points at
+  /// the start of the step.
+  struct Resultant {
+    Vector<dim> force = Vector<dim>::Zero();                                 ///< [N]
+    Vector<dim == 2 ? 1 : 3> moment = Vector < dim == 2 ? 1 : 3 > ::Zero();  ///< [N m]
+  };
+  Resultant resultant() const;
   /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
   /// and those of the last add_forces [J].
   double work_on_soil(std::span<const double> du) const;
@@ -111,6 +119,8 @@ class CouplingBoundary {
 
   void evaluate_point(std::span<const double> du, Point& b, Matrix<dim>* slope) const;
   Vector<dim> position(const Point& b) const;
+  std::int32_t find_cell(const BackgroundGrid<dim>& grid, std::span<const std::int32_t> occupied,
+                         const Point& b) const;
   Matrix<dim> frame(std::int32_t facet, const Vector<dim>& n) const;
 
   CouplingBoundarySettings<dim> settings_;

@@ -75,6 +75,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
   if (rank_of(parts_.comm) == 0) {
     for (const auto& boundary : parts_.boundaries) boundary.append_cells(offsets, cell_nodes);
   }
+  if (parts_.ghost != nullptr) parts_.ghost->append_cells(offsets, cell_nodes);
 }
 
 template <int dim>
@@ -98,7 +99,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   if (root) {
     for (auto& boundary : parts_.boundaries) boundary.add_forces(du, r, K);
   }
-  if (!parts_.boundaries.empty()) sum_over_ranks(parts_.comm, r);
+  if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
+  if (!parts_.boundaries.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
   double external = add_weight(r);
   if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));

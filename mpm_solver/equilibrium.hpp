@@ -9,6 +9,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "mpm_solver/basis.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/ghost_stiffness.hpp"
 #include "mpm_solver/grid_nodes.hpp"
 #include "mpm_solver/internal_forces.hpp"
 #include "mpm_solver/wall_conditions.hpp"
@@ -18,7 +19,8 @@ namespace gabion::mpm {
 /// Balance of momentum of the active nodes at the end of a step,
 ///
 ///     r_i = f'_i + force_memory f_i - m_i inertia(a'_i, a_i) ,
-///     f'_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip + f_contact,i
+///     f'_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip + f_contact,i +
+///            f_ghost,i
 ///
 /// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
 /// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
@@ -45,8 +47,9 @@ class Equilibrium final : public NewtonProblem<dim> {
     double dt;
     bool with_inertia = true;             ///< false: quasi-static
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
-    std::span<const double> f_body_start = {};  ///< the same at the start of the step
-    bool average_volumes = false;               ///< F-bar, see AveragedForces
+    std::span<const double> f_body_start = {};   ///< the same at the start of the step
+    bool average_volumes = false;                ///< F-bar, see AveragedForces
+    const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
   };
   explicit Equilibrium(const Parts& parts);
 
@@ -66,7 +69,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& inertia_mass() const { return m_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
-  /// the cells of boundary points.
+  /// the cells of boundary points, then the facets of the ghost stiffness.
   void pattern(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
 
   /// Nodal velocity at the start of the step with the wall conditions, num_nodes x dim.

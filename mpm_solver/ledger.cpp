@@ -106,6 +106,14 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     step.time_damping += du[k] * (mean - 0.5 * (f_int[k] + f_int_start[k]));
     forces[k] += mean;
   }
+  if (parts.ghost != nullptr) {
+    std::vector<double> f_ghost(du.size(), 0.0);
+    parts.ghost->add_forces(du, f_ghost, nullptr);
+    for (std::size_t k = 0; k < du.size(); ++k) {
+      step.time_damping -= du[k] * f_ghost[k];
+      forces[k] -= f_ghost[k];
+    }
+  }
   for (std::size_t c = 0; c < parts.walls.constrained().size(); ++c) {
     const std::int32_t i = parts.walls.constrained()[c];
     const auto force = at<dim>(forces, i);

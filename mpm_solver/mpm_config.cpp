@@ -39,13 +39,57 @@ void require_own_name(const ConfigReader& in, const Items& items) {
   }
 }
 
-// Basis of the grid; only cells in rows have a choice.
 template <int dim>
-Basis read_basis(ConfigReader& in, const Mesh<dim>& grid) {
+SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
+  static const std::map<std::string, SmallCutMethod> methods = {
+      {"none", SmallCutMethod::none},
+      {"ghost", SmallCutMethod::ghost},
+      {"mass_cutoff", SmallCutMethod::mass_cutoff}};
+  SmallCutSettings settings;
+  if (in.has("method")) {
+    settings.method = methods.at(in.choice("method", {"none", "ghost", "mass_cutoff"}));
+  }
+  if (settings.method == SmallCutMethod::ghost && mpm.basis != Basis::linear) {
+    in.fail("method",
+            fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
+                        basis_name(mpm.basis)));
+  }
+  const auto used = [&](SmallCutMethod method) {
+    return std::any_of(mpm.phases.begin(), mpm.phases.end(), [&](const Phase& phase) {
+      return method_in(settings, mpm.basis, phase.dynamic) == method;
+    });
+  };
+  const bool at_rest = std::any_of(mpm.phases.begin(), mpm.phases.end(),
+                                   [](const Phase& phase) { return !phase.dynamic; });
+  if (used(SmallCutMethod::ghost)) {
+    settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
+  } else if (in.has("ghost_factor")) {
+    in.fail("ghost_factor", "allowed only with \"method\": \"ghost\"");
+  }
+  if (at_rest || used(SmallCutMethod::mass_cutoff)) {
+    const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
+    settings.mass_share = in.number_or("mass_share", settings.mass_share, share);
+  } else if (in.has("mass_share")) {
+    in.fail("mass_share",
+            "allowed only with \"method\": \"mass_cutoff\" or \"analysis\": \"quasi_static\"");
+  }
+  in.finish();
+  return settings;
+}
+
+// Basis of the grid; only cells in rows have a choice. Domains fill a body whose cells are boxes.
+template <int dim>
+Basis read_basis(ConfigReader& in, const Mesh<dim>& grid,
+                 const std::vector<PointLayout<dim>>& layouts) {
   static const std::map<std::string, Basis> bases = {
       {"linear", Basis::linear}, {"gimp", Basis::gimp}, {"bspline", Basis::bspline}};
   const bool in_rows = box_grid(grid).has_value();
-  const std::string name = in.choice_or("basis", {"linear", "gimp", "bspline"}, "linear");
+  const bool in_boxes =
+      in_rows && std::all_of(layouts.begin(), layouts.end(), [](const PointLayout<dim>& layout) {
+        return box_grid(layout.mesh).has_value();
+      });
+  const std::string name =
+      in.choice_or("basis", {"linear", "gimp", "bspline"}, in_boxes ? "gimp" : "linear");
   if (name != "linear" && !in_rows) {
     in.fail("basis",
             fmt::format("found \"{}\" on a grid that is not a \"box\" of {}, allowed: linear", name,
@@ -81,7 +125,7 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
   if (widest <= 1 + 1e-9) return;
   in.fail("points_per_cell",
           fmt::format("found points {:.3g} grid cells wide, allowed with \"basis\": \"gimp\": at "
-                      "most 1; give the body more points or smaller cells",
+                      "most 1; give the body more points or smaller cells, or choose another basis",
                       widest));
 }
 
@@ -90,10 +134,15 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
   for (auto& item : items) {
+    settings.layouts.emplace_back();
+    settings.layouts.back().mesh = read_mesh<dim>(scene, item.object("mesh"));
+  }
+  settings.basis = read_basis(in, settings.grid, settings.layouts);
+  for (std::size_t b = 0; b < items.size(); ++b) {
+    ConfigReader& item = items[b];
     Body<dim> body;
-    PointLayout<dim> layout;
+    PointLayout<dim>& layout = settings.layouts[b];
     body.name = item.text("name");
-    layout.mesh = read_mesh<dim>(scene, item.object("mesh"));
     layout.points_per_cell = item.integer("points_per_cell", at_least(1));
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
     layout.placement = read_placement(item, layout.mesh, settings.basis);
@@ -109,7 +158,6 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     item.finish();
     settings.bodies.push_back(std::move(body));
     require_own_name(item, settings.bodies);
-    settings.layouts.push_back(std::move(layout));
   }
 }
 
@@ -170,15 +218,15 @@ CouplingSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
   return surface;
 }
 
+// The keys that interfaces and rigid walls have in common.
 template <int dim>
-CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
-                                             double penalty_unit) {
+CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
+                                            double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   CouplingBoundarySettings<dim> boundary;
   boundary.name = in.text("name");
-  in.choice_or("method", {"boundary_points"}, "boundary_points");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
   boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
@@ -202,8 +250,26 @@ CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& i
   if constexpr (dim == 3) {
     check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
   }
+  return boundary;
+}
+
+template <int dim>
+CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
+                                             double penalty_unit) {
+  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();
   return boundary;
+}
+
+template <int dim>
+RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  RigidWallSettings<dim> wall;
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
+  wall.name = wall.boundary.name;
+  if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
+  in.finish();
+  return wall;
 }
 
 template <int dim>
@@ -258,7 +324,6 @@ template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
   MpmSettings<dim> settings;
   settings.grid = read_mesh<dim>(scene, in.object("grid"));
-  settings.basis = read_basis(in, settings.grid);
   settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
@@ -269,6 +334,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   } else {
     settings.locking = default_locking_cure(settings.bodies);
   }
+  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings);
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }
@@ -285,8 +351,14 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
   }
+  for (auto& item : in.objects_or_none("rigid_walls")) {
+    settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
+    require_own_name(item, settings.rigid_walls);
+  }
   for (const Phase& phase : settings.phases) {
-    if (!settings.interfaces.empty()) require_balance_at_end_of_step(in, phase.scheme);
+    if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
+      require_balance_at_end_of_step(in, phase.scheme);
+    }
   }
   for (auto& item : in.objects_or_none("probes")) {
     settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});

@@ -15,6 +15,8 @@
 #include "mpm_solver/locking.hpp"
 #include "mpm_solver/material_points.hpp"
 #include "mpm_solver/phases.hpp"
+#include "mpm_solver/rigid_motion.hpp"
+#include "mpm_solver/small_cuts.hpp"
 
 namespace gabion::mpm {
 
@@ -23,6 +25,14 @@ template <int dim>
 struct PointProbe {
   std::string name;
   Vector<dim> point;  ///< [m]
+};
+
+/// A surface that moves as given, whatever the soil does.
+template <int dim>
+struct RigidWallSettings {
+  std::string name;
+  CouplingBoundarySettings<dim> boundary;
+  RigidMotion<dim> motion;
 };
 
 /// mpm.json. README.md lists every key with unit and range.
@@ -41,10 +51,12 @@ struct MpmSettings {
   double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
   bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
   LockingCure locking;
+  SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   LinearSolverSettings linear_solver;
   std::vector<CouplingBoundarySettings<dim>> interfaces;
+  std::vector<RigidWallSettings<dim>> rigid_walls;
   std::vector<PointProbe<dim>> probes;
 };
 

@@ -54,6 +54,32 @@ Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) cons
 }
 
 template <int dim>
+void MpmSolver<dim>::report_contact(StepReport& report, InterfaceValues& sent) const {
+  report.interface_active = false;
+  int closed = 0, sliding = 0;
+  double penetration = 0;
+  const std::size_t num_interfaces = settings_.interfaces.size();
+  for (std::size_t k = 0; k < num_interfaces; ++k) {
+    const auto& boundary = boundaries_[k];
+    sent[boundary.name()] = boundary.forces_on_structure();
+    report.interface_active |= boundary.can_touch();
+    closed += boundary.num_closed();
+    sliding += boundary.num_sliding();
+    penetration = std::max(penetration, boundary.max_penetration());
+  }
+  if (num_interfaces > 0) {
+    report.details = {
+        {"closed_points", closed}, {"sliding_points", sliding}, {"max_penetration", penetration}};
+  }
+  for (std::size_t k = num_interfaces; k < boundaries_.size(); ++k) {
+    const auto& wall = boundaries_[k];
+    report.details[wall.name() + ".closed_points"] = wall.num_closed();
+    report.details[wall.name() + ".sliding_points"] = wall.num_sliding();
+    report.details[wall.name() + ".max_penetration"] = wall.max_penetration();
+  }
+}
+
+template <int dim>
 void MpmSolver<dim>::write_output(double time) {
   const ScopedTimer timer(times_, "output");
   output_.write(time, points_);
@@ -73,6 +99,12 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
   }
   for (const auto& group : wall_groups_) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("wall.{}.f{}", group, axes[d]));
+  }
+  for (const auto& wall : settings_.rigid_walls) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.f{}", wall.name, axes[d]));
+    for (int d = dim == 2 ? 2 : 0; d < 3; ++d) {
+      names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
+    }
   }
   return names;
 }
@@ -94,6 +126,7 @@ std::vector<double> MpmSolver<dim>::probes() const {
   for (const auto& force : wall_forces_) {
     values.insert(values.end(), force.data(), force.data() + dim);
   }
+  values.insert(values.end(), rigid_wall_forces_.begin(), rigid_wall_forces_.end());
   return values;
 }
 
@@ -101,6 +134,13 @@ template <int dim>
 Json MpmSolver<dim>::summary() const {
   const Json locking = {{"method", settings_.locking.average_volumes ? "fbar" : "none"},
                         {"reason", settings_.locking.reason}};
+  static constexpr const char* methods[] = {"none", "ghost", "mass_cutoff"};
+  const auto method = method_in(settings_.small_cuts, grid_.basis, phase().dynamic);
+  Json cuts = {{"method", methods[static_cast<int>(method)]}, {"joined_nodes", joined_nodes_}};
+  if (ghost_) {
+    cuts["steps_with_ghost"] = ghost_steps_;
+    cuts["facets"] = ghost_facets_;
+  }
   std::vector<double> capped = {static_cast<double>(capped_domains_)};
   sum_over_ranks(comm_, std::span<double>(capped));
   return {{"basis", basis_name(grid_.basis)},
@@ -108,7 +148,7 @@ Json MpmSolver<dim>::summary() const {
           {"capped_domains", static_cast<std::int64_t>(capped[0])},
           {"phases", settings_.phases.size()},
           {"initial_displacement", initial_displacement_},
-          {"joined_nodes", joined_nodes_},
+          {"small_cuts", cuts},
           {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},
           {"linear_fallbacks", linear_.fallbacks()},
@@ -124,6 +164,8 @@ template void MpmSolver<2>::find_probe_points();
 template void MpmSolver<3>::find_probe_points();
 template Json MpmSolver<2>::accepted_details(std::span<const std::int32_t> cell_n) const;
 template Json MpmSolver<3>::accepted_details(std::span<const std::int32_t> cell_n) const;
+template void MpmSolver<2>::report_contact(StepReport& report, InterfaceValues& sent) const;
+template void MpmSolver<3>::report_contact(StepReport& report, InterfaceValues& sent) const;
 template void MpmSolver<2>::write_output(double time);
 template void MpmSolver<3>::write_output(double time);
 template std::vector<std::string> MpmSolver<2>::probe_names() const;

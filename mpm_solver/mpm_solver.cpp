@@ -19,6 +19,10 @@ namespace gabion::mpm {
 
 namespace {
 
+// Components of force and moment.
+template <int dim>
+constexpr std::size_t wall_values = dim == 2 ? 3 : 6;
+
 template <int dim>
 MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   MaterialPoints<dim> points;
@@ -69,7 +73,17 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
     wave_speed_ = std::max(wave_speed_, std::sqrt(modulus / body.material.density));
   }
-  for (auto& boundary : settings_.interfaces) boundaries_.emplace_back(std::move(boundary));
+  for (const auto& boundary : settings_.interfaces) boundaries_.emplace_back(boundary);
+  for (const auto& wall : settings_.rigid_walls) boundaries_.emplace_back(wall.boundary);
+  rigid_wall_forces_.assign(settings_.rigid_walls.size() * wall_values<dim>, 0.0);
+  const bool has_ghost =
+      std::any_of(settings_.phases.begin(), settings_.phases.end(), [&](const Phase& phase) {
+        return method_in(settings_.small_cuts, settings_.basis, phase.dynamic) ==
+               SmallCutMethod::ghost;
+      });
+  if (has_ghost) {
+    ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
+  }
   find_probe_points();
   locate_points(grid_, points_);
   prepare_averages();
@@ -94,7 +108,9 @@ void MpmSolver<dim>::prepare_averages() {
 template <int dim>
 std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
   std::vector<InterfaceMesh> meshes;
-  for (const auto& boundary : boundaries_) meshes.push_back(boundary.interface_mesh());
+  for (std::size_t k = 0; k < settings_.interfaces.size(); ++k) {
+    meshes.push_back(boundaries_[k].interface_mesh());
+  }
   return meshes;
 }
 
@@ -121,6 +137,7 @@ void MpmSolver<dim>::check_initial_stress() {
   map_to_nodes();
   make_equilibrium(phase().gravity_ramp.at(0), phase().gravity_ramp.at(0), 1);
   receive({});
+  move_rigid_walls(0);
   const std::size_t n = static_cast<std::size_t>(nodes_.size()) * dim;
   std::vector<double> du(n, 0.0), r(n);
   equilibrium_->evaluate(du, r, &K_);
@@ -147,6 +164,7 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
   const bool begins = dt_ != request.dt;
   if (begins) begin_step(request);
   receive(received);
+  move_rigid_walls(request.time + request.dt);
   if (begins || request.iteration == 0) {
     equilibrium_->internal_forces().forget();
     choose_guess();
@@ -164,20 +182,7 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
   StepReport report;
   report.newton_iterations = newton.iterations;
   report.linear_iterations = newton.linear_iterations;
-  report.interface_active = false;
-  int closed = 0, sliding = 0;
-  double penetration = 0;
-  for (const auto& boundary : boundaries_) {
-    sent[boundary.name()] = boundary.forces_on_structure();
-    report.interface_active |= boundary.can_touch();
-    closed += boundary.num_closed();
-    sliding += boundary.num_sliding();
-    penetration = std::max(penetration, boundary.max_penetration());
-  }
-  if (!boundaries_.empty()) {
-    report.details = {
-        {"closed_points", closed}, {"sliding_points", sliding}, {"max_penetration", penetration}};
-  }
+  report_contact(report, sent);
   return report;
 }
 
@@ -186,6 +191,7 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
   const ScopedTimer timer(times_, "grid to points");
   wall_forces_ = forces_on_walls();
+  rigid_wall_forces_ = forces_on_rigid_walls();
   equilibrium_->internal_forces().finish(du_);
   const NodalMotion<dim> motion = nodal_motion();
   const StepBalance<dim> balance =

@@ -52,12 +52,15 @@ class MpmSolver final : public Solver {
   /// Solve for the displacement that would balance the initial stress, and refuse it when large.
   void check_initial_stress();
   void map_to_nodes();
+  void cure_small_cuts();
   std::vector<double> body_forces(double time) const;
   LinearRegime regime() const;
   void choose_guess();
   void spread_wall_step();
   NodalMotion<dim> nodal_motion() const;
   void receive(const InterfaceValues& received);
+  void move_rigid_walls(double time);
+  void report_contact(StepReport& report, InterfaceValues& sent) const;
   void find_probe_points();
   void prepare_averages();
   void log_grid() const;
@@ -67,6 +70,7 @@ class MpmSolver final : public Solver {
   const Phase& phase() const { return settings_.phases[phase_]; }
   WallConditions<dim>& walls() { return walls_of_phases_[phase_]; }
   std::vector<Vector<dim>> forces_on_walls() const;
+  std::vector<double> forces_on_rigid_walls() const;
 
   MPI_Comm comm_;
   MpmSettings<dim> settings_;
@@ -76,17 +80,20 @@ class MpmSolver final : public Solver {
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
   MaterialPoints<dim> points_;
-  std::vector<CouplingBoundary<dim>> boundaries_;
+  std::vector<CouplingBoundary<dim>> boundaries_;  // of the interfaces, then the rigid walls
+  std::optional<GhostStiffness<dim>> ghost_;       // when a phase has it
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
   Ledger<dim> ledger_;
   std::vector<Vector<dim>> wall_forces_;    // on wall_groups_ in the accepted state [N]
+  std::vector<double> rigid_wall_forces_;   // force and moment of each in the accepted state
   std::vector<std::int32_t> probe_points_;  // of each probe; -1 on ranks that do not own it
 
   // the step under way
   double dt_ = 0;  // 0: none begun
   std::size_t phase_ = 0;
   bool with_inertia_ = true;
+  bool ghost_acts_ = false;
   NewmarkBossak scheme_;
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
@@ -103,6 +110,8 @@ class MpmSolver final : public Solver {
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
   std::int64_t solutions_ = 0;
+  std::int64_t ghost_steps_ = 0;     // steps in which a cell needed it
+  std::int64_t ghost_facets_ = 0;    // of all steps
   std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps
 };
 

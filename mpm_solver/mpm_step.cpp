@@ -23,9 +23,6 @@ constexpr double flight_courant = 2;
 // it can leave out (second order; first order across the yield surface) stays below that tolerance.
 constexpr double same_strain_share = 0.01;
 
-// Quasi-static: a node with less than this share of the mass of its points joins another one.
-constexpr double light_share = 1e-4;
-
 // Newmark's method with these parameters asks for no acceleration at the start of a step:
 // du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
 constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
@@ -52,6 +49,24 @@ std::vector<double> MpmSolver<dim>::body_forces(double time) const {
 }
 
 template <int dim>
+void MpmSolver<dim>::cure_small_cuts() {
+  const SmallCutSettings& cuts = settings_.small_cuts;
+  const SmallCutMethod method = method_in(cuts, grid_.basis, phase().dynamic);
+  if (!with_inertia_ || method == SmallCutMethod::mass_cutoff) {
+    const auto joined =
+        join_light_nodes(comm_, grid_, points_, weights_, walls(), cuts.mass_share, nodes_);
+    if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
+    joined_nodes_ += joined;
+  }
+  ghost_acts_ = method == SmallCutMethod::ghost;
+  if (!ghost_acts_) return;
+  ghost_->begin_step(comm_, grid_, points_, weights_, nodes_);
+  ghost_acts_ = ghost_->num_facets() > 0;
+  ghost_steps_ += ghost_acts_;
+  ghost_facets_ += ghost_->num_facets();
+}
+
+template <int dim>
 void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "search");
@@ -64,12 +79,7 @@ void MpmSolver<dim>::map_to_nodes() {
   {
     const ScopedTimer timer(times_, "points to grid");
     points_to_grid(comm_, points_, weights_, nodes_);
-    if (!with_inertia_) {
-      const auto joined =
-          join_light_nodes(comm_, grid_, points_, weights_, walls(), light_share, nodes_);
-      if (joined > 0) points_to_grid(comm_, points_, weights_, nodes_);
-      joined_nodes_ += joined;
-    }
+    cure_small_cuts();
     walls().select(nodes_);
   }
 }
@@ -125,11 +135,27 @@ void MpmSolver<dim>::make_equilibrium(double load_factor_n, double load_factor, 
     const auto occupied = occupied_cells();
     for (auto& boundary : boundaries_) boundary.begin_step(grid_, nodes_, occupied);
   }
-  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
-      comm_, grid_, settings_.bodies, points_, weights_, nodes_, walls(), boundaries_, trial_,
-      scheme_, load_factor * settings_.gravity, load_factor_n * settings_.gravity, cell_size_,
-      same_strain_share * settings_.newton.residual_tolerance, dt, with_inertia_, f_body_,
-      f_body_start_, settings_.locking.average_volumes});
+  equilibrium_.emplace(
+      typename Equilibrium<dim>::Parts{comm_,
+                                       grid_,
+                                       settings_.bodies,
+                                       points_,
+                                       weights_,
+                                       nodes_,
+                                       walls(),
+                                       boundaries_,
+                                       trial_,
+                                       scheme_,
+                                       load_factor * settings_.gravity,
+                                       load_factor_n * settings_.gravity,
+                                       cell_size_,
+                                       same_strain_share * settings_.newton.residual_tolerance,
+                                       dt,
+                                       with_inertia_,
+                                       f_body_,
+                                       f_body_start_,
+                                       settings_.locking.average_volumes,
+                                       ghost_acts_ ? &*ghost_ : nullptr});
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
@@ -147,6 +173,18 @@ std::vector<Vector<dim>> MpmSolver<dim>::forces_on_walls() const {
     sums[static_cast<std::size_t>(place - wall_groups_.begin())] += forces[w];
   }
   return sums;
+}
+
+template <int dim>
+std::vector<double> MpmSolver<dim>::forces_on_rigid_walls() const {
+  std::vector<double> values;
+  for (std::size_t k = settings_.interfaces.size(); k < boundaries_.size(); ++k) {
+    const auto [force, moment] = boundaries_[k].resultant();
+    values.insert(values.end(), force.data(), force.data() + force.size());
+    values.insert(values.end(), moment.data(), moment.data() + moment.size());
+  }
+  sum_over_ranks(comm_, std::span<double>(values));  // the first rank has the contact
+  return values;
 }
 
 // du holds the displacement of the walls: add that of the soil by the stiffness at the start.
@@ -187,13 +225,23 @@ void MpmSolver<dim>::choose_guess() {
 
 template <int dim>
 void MpmSolver<dim>::receive(const InterfaceValues& received) {
-  for (auto& boundary : boundaries_) {
+  for (std::size_t k = 0; k < settings_.interfaces.size(); ++k) {
+    auto& boundary = boundaries_[k];
     const auto found = received.find(boundary.name());
     if (found != received.end()) {
       boundary.set_displacement(found->second);
     } else {
       boundary.set_displacement(std::vector<double>(boundary.interface_mesh().coordinates.size()));
     }
+  }
+}
+
+template <int dim>
+void MpmSolver<dim>::move_rigid_walls(double time) {
+  for (std::size_t k = 0; k < settings_.rigid_walls.size(); ++k) {
+    const auto& wall = settings_.rigid_walls[k];
+    boundaries_[settings_.interfaces.size() + k].set_displacement(
+        wall.motion.displacement(wall.boundary.surface.vertices, time));
   }
 }
 
@@ -222,6 +270,8 @@ template std::vector<std::int32_t> MpmSolver<2>::occupied_cells() const;
 template std::vector<std::int32_t> MpmSolver<3>::occupied_cells() const;
 template std::vector<double> MpmSolver<2>::body_forces(double time) const;
 template std::vector<double> MpmSolver<3>::body_forces(double time) const;
+template void MpmSolver<2>::cure_small_cuts();
+template void MpmSolver<3>::cure_small_cuts();
 template void MpmSolver<2>::map_to_nodes();
 template void MpmSolver<3>::map_to_nodes();
 template LinearRegime MpmSolver<2>::regime() const;
@@ -234,12 +284,16 @@ template void MpmSolver<2>::make_equilibrium(double load_factor_n, double load_f
 template void MpmSolver<3>::make_equilibrium(double load_factor_n, double load_factor, double dt);
 template std::vector<Vector<2>> MpmSolver<2>::forces_on_walls() const;
 template std::vector<Vector<3>> MpmSolver<3>::forces_on_walls() const;
+template std::vector<double> MpmSolver<2>::forces_on_rigid_walls() const;
+template std::vector<double> MpmSolver<3>::forces_on_rigid_walls() const;
 template void MpmSolver<2>::spread_wall_step();
 template void MpmSolver<3>::spread_wall_step();
 template void MpmSolver<2>::choose_guess();
 template void MpmSolver<3>::choose_guess();
 template void MpmSolver<2>::receive(const InterfaceValues& received);
 template void MpmSolver<3>::receive(const InterfaceValues& received);
+template void MpmSolver<2>::move_rigid_walls(double time);
+template void MpmSolver<3>::move_rigid_walls(double time);
 template NodalMotion<2> MpmSolver<2>::nodal_motion() const;
 template NodalMotion<3> MpmSolver<3>::nodal_motion() const;
 

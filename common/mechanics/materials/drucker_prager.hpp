@@ -50,6 +50,7 @@ class DruckerPrager {
     return parameters_.dilation_angle == parameters_.friction_angle;
   }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
+  double shear_modulus() const { return parameters_.mu; }
 
   const DruckerPragerParameters& parameters() const { return parameters_; }
   const PrincipalDruckerPrager& cone() const { return cone_; }

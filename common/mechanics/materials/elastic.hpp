@@ -14,6 +14,7 @@ struct LinearElastic {
               Tangent<dim>* A) const;
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return lambda + 2 * mu; }
+  double shear_modulus() const { return mu; }
 };
 
 /// tau = lambda ln(J) 1 + mu (b - 1).
@@ -25,6 +26,7 @@ struct NeoHookean {
               Tangent<dim>* A) const;
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return lambda + 2 * mu; }
+  double shear_modulus() const { return mu; }
 };
 
 /// tau = lambda tr(eps) 1 + 2 mu eps with the Hencky strain eps = ln(b) / 2.
@@ -36,6 +38,7 @@ struct HenckyElastic {
               Tangent<dim>* A) const;
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return lambda + 2 * mu; }
+  double shear_modulus() const { return mu; }
 };
 
 }  // namespace gabion

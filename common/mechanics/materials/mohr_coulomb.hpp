@@ -38,6 +38,7 @@ class MohrCoulomb {
     return parameters_.dilation_angle == parameters_.friction_angle;
   }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
+  double shear_modulus() const { return parameters_.mu; }
 
   const MohrCoulombParameters& parameters() const { return parameters_; }
   const PrincipalMohrCoulomb& principal() const { return principal_; }

@@ -72,6 +72,7 @@ struct StressUpdate {
 //               Tangent<dim>* A) const;
 //   bool symmetric_tangent() const;      // A(iJ,kL) == A(kL,iJ) for every state
 //   double p_wave_modulus() const;       // M = lambda + 2 mu at zero strain [Pa]
+//   double shear_modulus() const;        // mu at zero strain [Pa]
 //
 // For a total Lagrangian solver state_n is the virgin state and H the total displacement gradient.
 

@@ -29,6 +29,7 @@ class Tresca {
               Tangent<dim>* A) const;
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
+  double shear_modulus() const { return parameters_.mu; }
 
   const TrescaParameters& parameters() const { return parameters_; }
   const PrincipalMohrCoulomb& principal() const { return principal_; }

@@ -259,22 +259,48 @@ std::int32_t CellLocator<dim>::walk(const Vector<dim>& x, std::int32_t cell) con
 }
 
 template <int dim>
-std::int32_t CellLocator<dim>::search_bins(const Vector<dim>& x) const {
+std::span<const std::int32_t> CellLocator<dim>::candidates(const Vector<dim>& x) const {
   const auto at = bin_of(x);
   int b = at[dim - 1];
   for (int i = dim - 2; i >= 0; --i) b = b * num_bins_[i] + at[i];
-  for (std::int32_t k = bin_starts_[b]; k < bin_starts_[b + 1]; ++k) {
-    const std::int32_t cell = bin_cells_[k];
-    if (nearest_facet(cell, x).distance >= -maps_[cell].tolerance) return cell;
+  return {bin_cells_.data() + bin_starts_[b],
+          static_cast<std::size_t>(bin_starts_[b + 1] - bin_starts_[b])};
+}
+
+template <int dim>
+bool CellLocator<dim>::contains(std::int32_t cell, const Vector<dim>& x) const {
+  return nearest_facet(cell, x).distance >= -maps_[cell].tolerance;
+}
+
+template <int dim>
+bool CellLocator<dim>::in_bounds(const Vector<dim>& x) const {
+  for (int i = 0; i < dim; ++i) {  // written so that NaN is outside
+    if (!(x[i] >= low_[i] && x[i] <= high_[i])) return false;
+  }
+  return true;
+}
+
+template <int dim>
+std::int32_t CellLocator<dim>::search_bins(const Vector<dim>& x) const {
+  for (const std::int32_t cell : candidates(x)) {
+    if (contains(cell, x)) return cell;
   }
   return -1;
 }
 
 template <int dim>
-std::int32_t CellLocator<dim>::locate(const Vector<dim>& x, std::int32_t hint) const {
-  for (int i = 0; i < dim; ++i) {  // written so that NaN is outside
-    if (!(x[i] >= low_[i] && x[i] <= high_[i])) return -1;
+std::vector<std::int32_t> CellLocator<dim>::cells_at(const Vector<dim>& x) const {
+  std::vector<std::int32_t> cells;
+  if (!in_bounds(x)) return cells;
+  for (const std::int32_t cell : candidates(x)) {
+    if (contains(cell, x)) cells.push_back(cell);
   }
+  return cells;
+}
+
+template <int dim>
+std::int32_t CellLocator<dim>::locate(const Vector<dim>& x, std::int32_t hint) const {
+  if (!in_bounds(x)) return -1;
   if (hint >= 0 && hint < static_cast<std::int32_t>(maps_.size())) {
     const std::int32_t found = walk(x, hint);
     if (found >= 0) return found;

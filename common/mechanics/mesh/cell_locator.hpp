@@ -27,6 +27,9 @@ class CellLocator {
   /// Cell that contains x, or -1. @param hint  cell to start from; -1 when there is none
   std::int32_t locate(const Vector<dim>& x, std::int32_t hint) const;
 
+  /// All cells that contain x, ascending: several where x lies on a facet, edge or node.
+  std::vector<std::int32_t> cells_at(const Vector<dim>& x) const;
+
   /// Reference coordinates of x in a cell. Affine cells (simplices, parallelograms, bricks):
   /// direct, valid outside the cell too; other quads and hexes: Newton's method.
   /// @throws Error  Newton's method finds none (a point far from a distorted cell)
@@ -57,6 +60,10 @@ class CellLocator {
   Nearest nearest_facet(std::int32_t cell, const Vector<dim>& x) const;
   std::int32_t walk(const Vector<dim>& x, std::int32_t cell) const;
   std::int32_t search_bins(const Vector<dim>& x) const;
+  bool in_bounds(const Vector<dim>& x) const;
+  /// Cells whose bounds, a little widened, share the bin of x, ascending. @pre in_bounds(x)
+  std::span<const std::int32_t> candidates(const Vector<dim>& x) const;
+  bool contains(std::int32_t cell, const Vector<dim>& x) const;
 
   const Mesh<dim>& mesh_;
   bool simplex_;

@@ -19,6 +19,7 @@ struct Balance {
   NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
   std::optional<mpm::WallConditions<dim>> walls;
   std::optional<mpm::Equilibrium<dim>> equilibrium;
+  std::optional<mpm::GhostStiffness<dim>> ghost;
   BlockMatrix<dim> K;
 
   Balance(CellType type, int cells, int points_per_cell, const MaterialLaw<dim>& law,
@@ -43,6 +44,7 @@ struct Balance {
     walls.emplace(soil.grid.mesh, wall_settings);
     walls->select(soil.nodes);
     for (auto& boundary : boundaries) boundary.begin_step(soil.grid, soil.nodes, soil.occupied());
+    if (ghost) ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
     const typename mpm::Equilibrium<dim>::Parts parts{comm(),
                                                       soil.grid,
                                                       soil.bodies,
@@ -58,7 +60,11 @@ struct Balance {
                                                       1.0 / 3,
                                                       same_strain,
                                                       0.1,
-                                                      with_inertia};
+                                                      with_inertia,
+                                                      {},
+                                                      {},
+                                                      /*average_volumes=*/false,
+                                                      ghost ? &*ghost : nullptr};
     equilibrium.emplace(parts);
     std::vector<std::int32_t> offsets, nodes;
     equilibrium->pattern(offsets, nodes);
@@ -194,6 +200,17 @@ TEST(InternalForces, known_stresses_are_bridged_by_their_tangent) {
     for (std::size_t e = 0; e < anew.trial.tau.size(); ++e) {
       EXPECT_EQ(bridged.trial.tau[e], anew.trial.tau[e]) << name(type) << " entry " << e;
     }
+  });
+}
+
+TEST(EquilibriumTangent, ghost_stiffness_of_half_filled_cells) {
+  for_each_cell_type([]<int dim>(CellType type) {
+    Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
+    for (double& V0 : balance.soil.points.V0) V0 *= 0.5;
+    balance.ghost.emplace(balance.soil.grid.mesh, balance.soil.bodies, 0.3);
+    balance.start({{"bottom", true, "here", {}}});
+    EXPECT_GT(balance.ghost->num_facets(), 1);
+    EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
   });
 }
 

@@ -135,6 +135,27 @@ TEST(MpmConfig, volumes_are_averaged_where_soil_would_lock) {
   expect_error(json, {"/locking/method"});
 }
 
+TEST(MpmConfig, small_cuts) {
+  Json json = valid();
+  json["small_cuts"] = {{"method", "hope"}};
+  expect_error(json, {"/small_cuts/method", "hope", "none, ghost, mass_cutoff"});
+  json["small_cuts"] = {{"method", "ghost"}, {"ghost_factor", 0}};
+  expect_error(json, {"/small_cuts/ghost_factor", "0", "> 0"});
+  json["small_cuts"] = {{"method", "none"}, {"ghost_factor", 0.1}};
+  expect_error(json, {"/small_cuts/ghost_factor", "ghost"});
+  json["small_cuts"] = {{"method", "mass_cutoff"}, {"mass_share", 0.1}};
+  expect_error(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
+  json["small_cuts"] = {{"method", "ghost"}, {"mass_share", 1e-4}};
+  expect_error(json, {"/small_cuts/mass_share", "mass_cutoff", "quasi_static"});
+  json["small_cuts"] = {{"method", "ghost"}};
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["basis"] = "bspline";
+  expect_error(json, {"/small_cuts/method", "ghost", "bspline"});
+  json = valid();
+  json["small_cuts"] = {{"factor", 1}};
+  expect_error(json, {"/small_cuts/factor", "unknown"});
+}
+
 TEST(MpmConfig, missing_mesh_file) {
   Json json = valid();
   json["grid"] = {{"file", "nowhere.msh"}};
@@ -163,6 +184,19 @@ TEST(MpmConfig, basis_needs_cells_in_rows) {
     json["basis"] = basis;
     EXPECT_EQ(make_mpm(json)->summary()["basis"], basis);
   }
+}
+
+TEST(MpmConfig, boxes_of_soil_in_a_box_of_cells_get_domains) {
+  const auto basis = [](const Json& json) { return make_mpm(json)->summary().at("basis"); };
+  EXPECT_EQ(mpm_solver<3>(valid_3d())->summary().at("basis"), "gimp");
+  Json json = valid();
+  EXPECT_EQ(basis(json), "linear");  // triangles
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "tri3");
+  EXPECT_EQ(basis(json), "linear");  // whose points have no domains that fill them
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "quad4");
+  json["bodies"][0]["points_per_cell"] = 4;
+  EXPECT_EQ(basis(json), "gimp");
 }
 
 TEST(MpmConfig, points_of_gimp_fill_their_body) {

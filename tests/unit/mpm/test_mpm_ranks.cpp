@@ -7,12 +7,14 @@ namespace gabion::test {
 namespace {
 
 /// The same steps on all ranks together and on each rank alone.
-void check_ranks(const std::string& basis, const std::string& cells, const std::string& locking) {
-  SCOPED_TRACE(basis + " " + cells + " " + locking);
+void check_ranks(const std::string& basis, const std::string& cells, const std::string& locking,
+                 const std::string& small_cuts = "none", int steps = 10) {
+  SCOPED_TRACE(basis + " " + cells + " " + locking + " " + small_cuts);
   Json json = pushed();
   json["grid"] = box({0, 0}, {2, 1}, {8, 4}, cells);
   json["basis"] = basis;
   json["locking"] = {{"method", locking}};
+  json["small_cuts"] = {{"method", small_cuts}};
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
@@ -20,7 +22,7 @@ void check_ranks(const std::string& basis, const std::string& cells, const std::
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   EXPECT_EQ(shared->probe_names(), alone->probe_names());
   InterfaceValues together, single;
-  for (int n = 1; n <= 10; ++n) {
+  for (int n = 1; n <= steps; ++n) {
     const StepRequest request{n, 0, (n - 1) * 0.002, 0.002};
     shared->solve_step(request, plate_at(0.002 * n), together);
     alone->solve_step(request, plate_at(0.002 * n), single);
@@ -40,12 +42,18 @@ void check_ranks(const std::string& basis, const std::string& cells, const std::
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_NEAR(a[k], b[k], 1e-7 * (1e-3 + std::abs(b[k]))) << shared->probe_names()[k];
   }
+  EXPECT_EQ(shared->summary()["small_cuts"], alone->summary()["small_cuts"]);
 }
 
 TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
   check_ranks("linear", "tri3", "none");
   check_ranks("gimp", "quad4", "none");
   check_ranks("bspline", "quad4", "none");
+}
+
+TEST(MpmRanks, number_of_ranks_does_not_change_the_cures_of_small_cuts) {
+  check_ranks("linear", "tri3", "none", "ghost", 3);
+  check_ranks("linear", "tri3", "none", "mass_cutoff", 3);
 }
 
 /// Groups whose points are on several ranks are averaged over all of them.

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mpm_solver/rigid_motion.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+template <int dim>
+mpm::RigidMotion<dim> read(const Json& json) {
+  return mpm::read_rigid_motion<dim>(ConfigReader(json, "mpm.json"));
+}
+
+TEST(RigidMotion, velocity_and_table) {
+  const std::vector<Vector<2>> X = {{1, 2}, {3, 4}};
+  EXPECT_EQ(read<2>({{"velocity", {0.5, -1}}}).displacement(X, 2),
+            (std::vector<double>{1, -2, 1, -2}));
+  const auto table = read<2>({{"table", {{0, 0, 0}, {1, 2, 0}, {3, 2, 4}}}});
+  EXPECT_EQ(table.translation(0), Vector<2>(0, 0));
+  EXPECT_EQ(table.translation(0.5), Vector<2>(1, 0));
+  EXPECT_EQ(table.translation(1), Vector<2>(2, 0));
+  EXPECT_EQ(table.translation(2), Vector<2>(2, 2));
+  EXPECT_EQ(table.translation(9), Vector<2>(2, 4));
+  EXPECT_EQ(read<3>(Json::object()).translation(1), (Vector<3>::Zero()));
+}
+
+TEST(RigidMotion, rotation_about_a_centre_that_moves) {
+  const Json turn = {{"centre", {1, 0}}, {"rate", M_PI / 2}};
+  const auto u = read<2>({{"velocity", {0, 1}}, {"rotation", turn}}).displacement({{2, 0}}, 1);
+  EXPECT_NEAR(u[0], -1, 1e-15);  // (2, 0) goes to (1, 1), and 1 upwards
+  EXPECT_NEAR(u[1], 2, 1e-15);
+  const Json about_x = {{"centre", {0, 0, 0}}, {"rate", M_PI / 2}, {"axis", {3, 0, 0}}};
+  const auto w = read<3>({{"rotation", about_x}}).displacement({{5, 1, 0}}, 1);
+  EXPECT_NEAR(w[0], 0, 1e-15);
+  EXPECT_NEAR(w[1], -1, 1e-15);
+  EXPECT_NEAR(w[2], 1, 1e-15);
+}
+
+/// Soil on a fixed floor and a wall on its right.
+Json walled() {
+  return {{"dimension", 2},
+          {"grid", box({0, 0}, {2, 1}, {8, 4}, "quad4")},
+          {"basis", "linear"},
+          {"walls", {wall("bottom", "fixed")}},
+          {"bodies",
+           {body("soil", box({0.5, 0}, {1, 0.5}, {4, 4}, "quad4"), 4,
+                 elastic_soil("neo_hookean", 1e5, 0.3, 1000))}},
+          {"newton", exact_newton},
+          {"rigid_walls",
+           {{{"name", "ram"},
+             {"surface", {{"polyline", {{1, 0.5}, {1, 0}}}, {"spacing", 0.25}}},
+             {"friction", 0.3},
+             {"motion", {{"velocity", {-0.1, 0.02}}}}}}}};
+}
+
+void expect_error(const Json& json, const std::vector<std::string>& parts) {
+  try {
+    make_mpm(json);
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    for (const auto& part : parts) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+          << "\"" << part << "\" is not in: " << error.what();
+    }
+  }
+}
+
+TEST(RigidWalls, bad_input) {
+  const auto with = [](const Json& motion) {
+    Json json = walled();
+    json["rigid_walls"][0]["motion"] = motion;
+    return json;
+  };
+  expect_error(with({{"velocity", {1}}}), {"/rigid_walls/0/motion/velocity", "2 numbers"});
+  expect_error(with({{"speed", 1}}), {"/rigid_walls/0/motion/speed", "unknown"});
+  expect_error(with({{"velocity", {1, 0}}, {"table", {{0, 0, 0}}}}),
+               {"/rigid_walls/0/motion/table", "one of"});
+  expect_error(with({{"table", {{1, 0, 0}}}}),
+               {"/rigid_walls/0/motion/table", "1 s", "start with 0"});
+  expect_error(with({{"table", {{0, 0, 0}, {2, 1, 0}, {2, 1, 1}}}}),
+               {"/rigid_walls/0/motion/table", "2 s", "ascend"});
+  expect_error(with({{"table", {{0, 1, 0}}}}), {"/rigid_walls/0/motion/table", "at the time 0"});
+  expect_error(with({{"table", Json::array()}}), {"/rigid_walls/0/motion/table", "one row"});
+  expect_error(with({{"rotation", {{"centre", {0, 0}}}}}), {"/rigid_walls/0/motion/rotation/rate"});
+  Json json = walled();
+  json["rigid_walls"][0]["method"] = "boundary_points";
+  expect_error(json, {"/rigid_walls/0/method", "unknown"});
+  json = walled();
+  json["rigid_walls"].push_back(json["rigid_walls"][0]);
+  expect_error(json, {"/rigid_walls/1/name", "ram", "second time"});
+}
+
+TEST(RigidWalls, force_and_moment_are_probes_and_interfaces_do_not_see_walls) {
+  const auto solver = make_mpm(walled());
+  EXPECT_TRUE(solver->interfaces().empty());
+  const auto names = solver->probe_names();
+  EXPECT_EQ(std::vector<std::string>(names.end() - 3, names.end()),
+            (std::vector<std::string>{"ram.fx", "ram.fy", "ram.mz"}));
+  EXPECT_EQ(probe(*solver, "ram.fx"), 0);
+  InterfaceValues sent;
+  const StepRequest request{1, 0, 0, 0.01};
+  const StepReport report = solver->solve_step(request, {}, sent);
+  EXPECT_TRUE(sent.empty());
+  EXPECT_FALSE(report.interface_active);
+  EXPECT_EQ(report.details.at("ram.closed_points"), 4);
+  EXPECT_GT(report.details.at("ram.max_penetration"), 0);
+  EXPECT_FALSE(report.details.contains("closed_points"));
+  solver->accept_step(request, true);
+  EXPECT_GT(probe(*solver, "ram.fx"), 0);
+  EXPECT_LT(probe(*solver, "ram.mz"), 0);  // a push to the right, above the origin
+}
+
+/// The wall lies on a line of the grid; soil is in the cells of the higher or the lower number.
+TEST(RigidWalls, soil_on_either_side_of_a_grid_line_is_felt) {
+  for (const char* type : {"quad4", "tri3"}) {
+    std::vector<double> force;
+    for (const bool mirrored : {false, true}) {
+      Json json = walled();
+      json["grid"] = box({-1, 0}, {1, 1}, {8, 4}, type);
+      json["grid"]["box"]["alternate"] = true;
+      json["bodies"][0]["mesh"] = mirrored ? box({0, 0}, {0.5, 0.5}, {4, 4}, "quad4")
+                                           : box({-0.5, 0}, {0, 0.5}, {4, 4}, "quad4");
+      auto& ram = json["rigid_walls"][0];
+      ram["surface"]["polyline"] = {{0, 0.5}, {0, 0}};
+      ram["motion"]["velocity"] = {-0.1, 0};
+      if (mirrored) {
+        ram["surface"]["polyline"] = {{0, 0}, {0, 0.5}};
+        ram["motion"]["velocity"] = {0.1, 0};
+      }
+      if (std::string(type) == "quad4") json["grid"]["box"].erase("alternate");
+      const auto solver = make_mpm(json);
+      run_steps(*solver, 0.01, 1);
+      force.push_back(probe(*solver, "ram.fx"));
+    }
+    EXPECT_GT(force[0], 1) << type;
+    EXPECT_NEAR(force[0], -force[1], 1e-8 * force[0]) << type;
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test

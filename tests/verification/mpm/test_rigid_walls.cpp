@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// V8: a bar that flies against a rigid wall (E, density, L; nu = 0, smooth walls on its sides):
+///
+///     sigma = rho c v0 ,  time of contact 2 L / c ,  rebound with -v0
+///
+/// The penalty acts like a further piece of bar of the length E / eps.
+constexpr double E = 1e6, density = 1e3, L = 1, v0 = 0.1;
+constexpr int cells = 40;
+
+Json flying_bar() {
+  const double h = L / cells;
+  return {{"dimension", 2},
+          {"grid", box({-2 * h, 0}, {L + 4 * h, h}, {cells + 6, 1}, "quad4")},
+          {"basis", "linear"},
+          {"walls", {wall("bottom", "slip"), wall("top", "slip")}},
+          {"bodies",
+           {body("bar", box({0, 0}, {L, h}, {cells, 1}, "quad4"), 4,
+                 elastic_soil("linear_elastic", E, 0, density), {-v0, 0})}},
+          {"time_integration", trapezoid},
+          {"newton", {{"residual_tolerance", 1e-12}, {"increment_tolerance", 1e-12}}},
+          {"rigid_walls",
+           {{{"name", "wall"},
+             {"surface", {{"polyline", {{0, 0}, {0, h}}}, {"spacing", h}}},
+             {"mode", "slip"},
+             {"penalty_factor", 5}}}}};
+}
+
+TEST(RigidWalls, bar_that_hits_a_wall) {
+  const auto solver = make_mpm(flying_bar());
+  const double c = std::sqrt(E / density), contact = 2 * L / c, h = L / cells;
+  const int steps = 400;
+  const double dt = contact / steps;
+  const double before = probe(*solver, "momentum_x");
+  double impulse = 0, force = 0, last = 0, mean = 0;
+  for (int n = 1; n <= 1.25 * steps; ++n) {
+    run_steps(*solver, dt, 1, n);
+    force = probe(*solver, "wall.fx");
+    impulse += 0.5 * dt * (force + last);
+    if (n > 0.2 * steps && n <= 0.8 * steps) mean += force / (0.6 * steps);
+    last = force;
+  }
+  EXPECT_EQ(force, 0);  // it left
+  const double after = probe(*solver, "momentum_x"), mass = probe(*solver, "mass");
+  verify({.id = "V8",
+          .what = "bar on a rigid wall, contact stress, 2D, 40 cells",
+          .exact = density * c * v0,
+          .computed = -mean / h,
+          .bound = 0.01,
+          .unit = "Pa"});
+  verify({.id = "V8",
+          .what = "bar on a rigid wall, time of contact (impulse by force), 2D, 40 cells",
+          .exact = contact,
+          .computed = -impulse / h / (density * c * v0),
+          .bound = 0.02,
+          .unit = "s"});
+  verify({.id = "V8",
+          .what = "bar on a rigid wall, velocity after the rebound, 2D, 40 cells",
+          .exact = v0,
+          .computed = after / mass,
+          .bound = 0.05,
+          .unit = "m/s",
+          .limitation =
+              "linear cells disperse the wave front: part of the energy stays in vibration"});
+  verify({.id = "V8",
+          .what = "momentum gained by the bar against the impulse of the wall force",
+          .exact = -impulse,
+          .computed = after - before,
+          .bound = 1e-10,
+          .unit = "N s"});
+}
+
+/// V9: a block on an incline of 30 degrees, a = g (sin - mu cos). Gravity is turned instead.
+double speed_on_incline(double mu) {
+  const double angle = M_PI / 6, g = 9.81;
+  Json rigid = {{"name", "incline"},
+                {"surface", {{"polyline", {{2, 0.1}, {0, 0.1}}}, {"spacing", 0.1}}},
+                {"mode", "slip"},
+                {"penalty_factor", 10}};
+  if (mu > 0) {
+    rigid["mode"] = "contact";
+    rigid["friction"] = mu;
+  }
+  const auto solver = make_mpm({{"dimension", 2},
+                                {"grid", box({0, 0}, {2, 1}, {20, 10}, "quad4")},
+                                {"basis", "linear"},
+                                {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
+                                {"bodies",
+                                 {body("block", box({0.53, 0.1}, {1.03, 0.4}, {10, 6}, "quad4"), 4,
+                                       elastic_soil("neo_hookean", 1e7, 0.2, 1000))}},
+                                {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
+                                {"rigid_walls", {rigid}}});
+  run_steps(*solver, 5e-4, 200);
+  return probe(*solver, "momentum_x") / probe(*solver, "mass");
+}
+
+TEST(RigidWalls, block_on_an_incline) {
+  for (const double mu : {0.0, 0.1}) {
+    verify({.id = "V9",
+            .what = mu > 0 ? "block on an incline of 30 degrees, mu = 0.1, speed after 0.1 s"
+                           : "block on an incline of 30 degrees, mu = 0, speed after 0.1 s",
+            .exact = 9.81 * (0.5 - mu * std::sqrt(0.75)) * 0.1,
+            .computed = speed_on_incline(mu),
+            .bound = 5e-3,
+            .unit = "m/s"});
+  }
+}
+
+/// A plate presses a column: F = D / (L / (M A) + 1 / (eps A)), penetration F / (eps A); steps so
+/// long and soil so light that inertia vanishes. Then the plate goes back, and the force is gone
+/// within the step that opens the gap.
+struct Pressed {
+  double force, penetration, after;
+};
+Pressed press(double eps) {
+  const double D = 1e-6;
+  const auto solver =
+      make_mpm({{"dimension", 2},
+                {"grid", box({0, 0}, {1.25, 0.5}, {5, 2}, "quad4")},
+                {"basis", "linear"},
+                {"walls", {wall("left", "fixed"), wall("bottom", "slip"), wall("top", "slip")}},
+                {"bodies",
+                 {body("soil", box({0, 0}, {1, 0.5}, {4, 2}, "quad4"), 4,
+                       elastic_soil("linear_elastic", E, 0.25, 1e-8))}},
+                {"newton", {{"residual_tolerance", 1e-12}, {"increment_tolerance", 1e-12}}},
+                {"rigid_walls",
+                 {{{"name", "plate"},
+                   {"surface", {{"polyline", {{1, 0.5}, {1, 0}}}, {"spacing", 0.25}}},
+                   {"penalty", eps},
+                   {"motion", {{"table", {{0, 0, 0}, {1, -D, 0}, {2, D, 0}}}}}}}}});
+  InterfaceValues sent;
+  const auto report = solver->solve_step({1, 0, 0, 1}, {}, sent);
+  solver->accept_step({1, 0, 0, 1}, true);
+  const double force = probe(*solver, "plate.fx");
+  run_steps(*solver, 1, 1, 2);
+  return {force, report.details.at("plate.max_penetration"), probe(*solver, "plate.fx")};
+}
+
+TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
+  const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, D = 1e-6;
+  for (const double kappa : {1.0, 10.0, 100.0}) {
+    const double eps = kappa * M / 0.25, F = D / (L / (M * A) + 1 / (eps * A));
+    const Pressed pressed = press(eps);
+    EXPECT_NEAR(pressed.force, F, 1e-5 * F) << kappa;
+    EXPECT_NEAR(pressed.penetration, F / (eps * A), 1e-5 * F / (eps * A)) << kappa;
+    EXPECT_EQ(pressed.after, 0) << kappa;
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
