@@ -58,8 +58,8 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   settings.receives = program.receives;
   settings.sends = program.sends;
   settings.connect_deadline = options.connect_deadline;
+  interrupt::install();  // all ranks: the first one ends the run
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
-    interrupt::install();
     Connection connection(settings);
     serve(ranked, connection);
   });

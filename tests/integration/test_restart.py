@@ -9,7 +9,7 @@ import signal
 from pathlib import Path
 
 import launch
-from launch import ALONE, IntegrationCase, meeting
+from launch import ALONE, IntegrationCase, endless, meeting
 
 TABLES = ("steps", "probes")
 
@@ -63,8 +63,7 @@ def structure_alone(method: str) -> dict:
     """A cantilever that is pushed and let go; modified Newton keeps its matrix over the steps."""
     structure = meeting()["fem"]
     del structure["interfaces"]
-    structure["loads"] = [{"point": [0.25, 0.05], "force": [3, 0],
-                           "factor": {"times": [0, 0.01, 0.011], "values": [0, 1, 0]}}]
+    structure["loads"] = [{"point": [0.25, 0.05], "force": [3, 0], "table": [[0, 0], [0.01, 1], [0.011, 0]]}]
     structure["linear_solver"] = {"method": method}
     return {**structure, **json.loads(json.dumps(ALONE)), "time": {"end": 0.02, "dt": 1e-3, "dt_min": 1e-5}}
 
@@ -175,6 +174,68 @@ class Alone(RestartCase):
                 ended = self.run_program("mpm_solver", self.scene, "--check", "--set",
                                          f"mpm.json:/checkpoint={value}", code=2)
                 self.assert_says(ended.text, "mpm.json: at " + words)
+
+
+class Coupled(RestartCase):
+    """The soil meets the wall at step 18; history of mvqn from then on, steps that are cut."""
+
+    tables = (*TABLES, "iterations")
+
+    def two_parts(self, files: dict[str, dict], step: int, **how) -> None:
+        """Run in one piece; run to this step and go on from there."""
+        self.write_scene(files)
+        self.launch_into("straight", **how)
+        rows = rows_without_seconds(self.folder / "straight" / "steps.csv")
+        time = rows[step][rows[0].index("time")]
+        self.launch_into("first", "--set", f"coupler.json:/time/end={time}", **how)
+        self.launch_into("second", "--restart", str(self.folder / "first"), **how)
+        self.assert_same_rows(first_step=step + 1)
+        restart = self.summary("second")["restart"]
+        self.assertEqual((restart["step"], restart["time"]), (step, float(time)))
+
+    def test_out_of_contact(self) -> None:
+        self.two_parts(meeting(), 6)
+
+    def test_in_contact_on_two_ranks(self) -> None:
+        self.two_parts(meeting(), 24, ranks={"mpm_solver": 2, "fem_solver": 2})
+        columns = rows_without_seconds(self.folder / "second" / "iterations.csv")
+        used = columns[0].index("columns")
+        self.assertGreater(max(int(row[used]) for row in columns[1:6]), 2)  # history of earlier steps
+
+    def test_other_methods_in_contact(self) -> None:
+        for method in ("iqn_ils", "mvqn_residual", "aitken"):
+            with self.subTest(method):
+                files = meeting()
+                files["coupler"]["coupling"]["acceleration"] = {"method": method}
+                self.two_parts(files, 22)
+
+    def test_sigterm(self) -> None:
+        files = endless(in_contact=True)
+        files["coupler"]["checkpoint"] = {"minutes": 60}
+        self.write_scene(files)
+        self.out = self.folder / "first"
+        run = self.start_and_step(20)
+        os.kill(run.process.pid, signal.SIGTERM)
+        ended = run.wait()
+        self.assertNotEqual(ended.code, 0)
+        self.assert_says((self.out / "coupler.log").read_text(), "interrupted by signal 15", "checkpoint of step")
+        step = len(rows_without_seconds(self.out / "steps.csv")) - 1
+        self.assertEqual(self.checkpoints("first"), [f"step_{step:06}"])
+        end = 5e-4 * (step + 10)
+        self.launch_into("straight", "--set", f"coupler.json:/time/end={end}")
+        self.launch_into("second", "--restart", str(self.folder / "first"), "--set", f"coupler.json:/time/end={end}")
+        self.assert_same_rows(first_step=step + 1)
+
+    def test_changed_scene_is_refused(self) -> None:
+        self.write_scene(meeting())
+        self.launch_into("first", "--set", "coupler.json:/time/end=0.001")
+        for setting, *words in (
+                ("fem.json:/material/density=1200", "fem.json: at /material/density: found 1200, allowed: 1100"),
+                ("coupler.json:/coupling/max_iterations=21", "coupler.json: at /coupling/max_iterations: found 21"),
+                ("mpm.json:/bodies/0/velocity=[0.6,0]", "mpm.json: at /bodies/0/velocity/0: found 0.6, allowed: 0.5")):
+            with self.subTest(setting):
+                ended = self.launch_into("second", "--restart", str(self.folder / "first"), "--set", setting, code=2)
+                self.assert_says(ended.text, "[cpl] error:", *words)
 
 
 if __name__ == "__main__":
