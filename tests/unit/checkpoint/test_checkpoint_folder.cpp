@@ -39,7 +39,8 @@ TEST_F(CheckpointFolder, ReadsBackEveryBit) {
   const Checkpoint found = read_checkpoint(find_checkpoint(results_), "coupler");
   EXPECT_EQ(found.point.step, 7);
   EXPECT_EQ(found.point.time, 0.1 * 7);
-  const State &saved = made(7).states.at("soil"), &back = found.state_of("soil");
+  const Checkpoint written = made(7);
+  const State &saved = written.state_of("soil"), &back = found.state_of("soil");
   EXPECT_EQ(back.facts, saved.facts);
   EXPECT_EQ(back.reals, saved.reals);
   EXPECT_TRUE(std::signbit(back.reals.at("x")[1]));
