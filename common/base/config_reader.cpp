@@ -124,6 +124,10 @@ bool ConfigReader::is_text(const std::string& key) const {
   return has(key) && value_.at(key).is_string();
 }
 
+bool ConfigReader::is_object(const std::string& key) const {
+  return has(key) && value_.at(key).is_object();
+}
+
 double ConfigReader::number(const std::string& key, const Range& range) {
   const double result = checked_number(require_key(key), key, range);
   note(key, result);

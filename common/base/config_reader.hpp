@@ -40,6 +40,7 @@ class ConfigReader {
   bool has(const std::string& key) const;
   /// Whether the key is there and holds a text.
   bool is_text(const std::string& key) const;
+  bool is_object(const std::string& key) const;
 
   double number(const std::string& key, const Range& range = any_number());
   double number_or(const std::string& key, double fallback, const Range& range = any_number());
