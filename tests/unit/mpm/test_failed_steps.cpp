@@ -57,21 +57,24 @@ std::vector<double> residuals_of(const std::string& text) {
   return {std::istream_iterator<double>(series), {}};
 }
 
-/// 5 % in one step of soil under its weight, most points at yield: once near the solution, e_{k+1} <= C e_k^2.
+/// 5 % in one step of soil under its weight, most points at yield: once near the solution, e_{k+1}
+/// <= C e_k^2.
 TEST(FailedSteps, residuals_of_a_plastic_step_fall_quadratically) {
   Json json = squeezed(0.05);
   json["gravity"] = {0, -10};
-  json["newton"] = {{"residual_tolerance", 1e-30}, {"max_iterations", 7}};
-  const auto solver = make_mpm(json);
-  std::string cause;
-  const auto e = residuals_of(failure_of(*solver, 1, cause));
-  ASSERT_EQ(cause, "iteration_limit");
-  ASSERT_EQ(e.size(), 8u);
+  std::vector<double> e;
+  for (int limit = 1; limit < 20; ++limit) {  // the last failure has the longest series
+    json["newton"] = {{"residual_tolerance", 1e-30}, {"max_iterations", limit}};
+    std::string cause;
+    const std::string text = failure_of(*make_mpm(json), 1, cause);
+    if (cause != "iteration_limit") break;
+    e = residuals_of(text);
+  }
   int checked = 0;
   for (std::size_t k = 0; k + 1 < e.size(); ++k) {
     std::printf("%zu: |r|/scale %.1e\n", k, e[k]);
-    if (e[k] > 1e-2 || e[k] < 1e-7) continue;
-    EXPECT_LT(e[k + 1], std::max(5 * e[k] * e[k], 1e-13)) << k;
+    if (e[k] > 0.05 || e[k] < 1e-7) continue;
+    EXPECT_LT(e[k + 1], std::max(0.5 * e[k] * e[k], 1e-13)) << k;
     ++checked;
   }
   EXPECT_GE(checked, 2);
