@@ -35,8 +35,15 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
   std::vector<ParticipantRole> result;
   for (auto& [name, entry] : in.named_objects("participants")) {
     const std::string sends = entry.choice("sends", {"force", "displacement"});
+    std::vector<std::string> command;
+    if (entry.has("command")) {
+      command = entry.texts("command");
+      if (command.empty() || command.front().empty()) {
+        entry.fail("command", "found no program, allowed: [program, argument, ...]");
+      }
+    }
     entry.finish();
-    result.push_back({name, sends == "force"});
+    result.push_back({name, sends == "force", command});
   }
   return result;
 }

@@ -36,6 +36,8 @@ struct CouplingSettings {
 struct ParticipantRole {
   std::string name;
   bool sends_force = false;  ///< soil: force; structure: displacement
+  /// Program and arguments that scripts/run starts in the scene's folder; empty = none.
+  std::vector<std::string> command = {};
 };
 
 /// All of coupler.json.

@@ -347,6 +347,7 @@ Json CouplingLoop::summary(bool participants_answer) {
                        {"acceleration", implicit ? coupling.acceleration.method : "none"},
                        {"predictor", coupling.predictor},
                        {"mapping", coupling.mapping.method}};
+  result["mapping"] = map_->report();
   result["wall_seconds"] = phases_.seconds();
   result["wall_seconds"]["total"] = watch_.seconds();
   if (!participants_answer) return result;

@@ -69,6 +69,20 @@ void add_resultant(const InterfaceMesh& mesh, const double* displacement, const 
   }
 }
 
+void log_report(const InterfaceSettings& names, const Mapping& mapping, const std::string& method) {
+  const MappingReport& report = mapping.report();
+  log::info("interface {}: {} vertices of {} on {} of {} ({}), farthest {:.3g} m", names.name,
+            report.soil_vertices, names.soil, report.structure_vertices, names.structure,
+            mapping.is_identity() ? "same vertices: mapping skipped" : method, report.farthest);
+  if (mapping.is_identity()) return;
+  log::info("interface {}: positions are mapped to {:.3g} m, largest weight {:.3g}", names.name,
+            report.largest_shift, report.largest_weight);
+  if (report.unused_vertices > 0) {
+    log::info("interface {}: no force comes to {} vertices of {}, no vertex of {} is near them",
+              names.name, report.unused_vertices, names.structure, names.soil);
+  }
+}
+
 }  // namespace
 
 InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes,
@@ -87,9 +101,7 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
         {names, soil, structure, Mapping(structure, soil, settings), size_, size});
     size_ += size;
     const Mapping& mapping = interfaces_.back().mapping;
-    log::info("interface {}: {} vertices of {} on {} of {} ({}), farthest {:.3g} m", names.name,
-              mapping.num_matched(), names.soil, structure.num_vertices(), names.structure,
-              settings.method, mapping.farthest());
+    log_report(names, mapping, settings.method);
   }
 }
 
@@ -135,6 +147,21 @@ void InterfaceMap::put_structure_values(const std::string& structure, const Inte
     all.segment(interface.offset, interface.size) =
         Eigen::Map<const Eigen::VectorXd>(values.data(), interface.size);
   }
+}
+
+Json InterfaceMap::report() const {
+  Json all = Json::object();
+  for (const Interface& interface : interfaces_) {
+    const MappingReport& report = interface.mapping.report();
+    all[interface.names.name] = {{"identity", interface.mapping.is_identity()},
+                                 {"soil_vertices", report.soil_vertices},
+                                 {"structure_vertices", report.structure_vertices},
+                                 {"unused_vertices", report.unused_vertices},
+                                 {"farthest", report.farthest},
+                                 {"largest_shift", report.largest_shift},
+                                 {"largest_weight", report.largest_weight}};
+  }
+  return all;
 }
 
 Resultant InterfaceMap::soil_resultant(const std::string& soil, const InterfaceValues& displacement,

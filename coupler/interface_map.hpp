@@ -38,6 +38,9 @@ class InterfaceMap {
   int dim() const { return dim_; }
   Eigen::Index size() const { return size_; }  ///< of x
 
+  /// MappingReport of each interface, for summary.json.
+  Json report() const;
+
   /// H x for the interfaces of one soil.
   InterfaceValues soil_displacement(const std::string& soil, const Eigen::VectorXd& x) const;
   /// force += H^T (what this soil sent). @throws Error  an interface is missing or has another size

@@ -3,9 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+#include <filesystem>
+
 #include "common/base/log.hpp"
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
+#include "coupler/participant_check.hpp"
 #include "protocol/interrupt.hpp"
 #include "protocol/server.hpp"
 
@@ -32,13 +36,60 @@ std::vector<Expected> expected_participants(const CouplerSettings& settings,
 
 namespace {
 
+/// A participant may run in another folder than the coupler.
+Json run_settings(const CouplerSettings& settings, const std::string& output) {
+  return {{"output", std::filesystem::absolute(output).lexically_normal().string()},
+          {"end", settings.time.end},
+          {"dt", settings.time.dt},
+          {"output_interval", settings.output_interval}};
+}
+
+/// For scripts/run, which starts the commands.
+void list_participants(const CouplerSettings& settings) {
+  std::vector<std::string> items = {settings.server.endpoint};
+  for (const ParticipantRole& role : settings.participants) {
+    items.insert(items.end(), {role.name, std::to_string(role.command.size())});
+    items.insert(items.end(), role.command.begin(), role.command.end());
+  }
+  for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
+}
+
+/// The other participants of the scene are not needed, and nothing is coupled.
+void check(const CouplerSettings& settings, const std::string& scene_hash,
+           const ProgramOptions& options, const MpiSession& session) {
+  const std::string& name = options.check_participant;
+  std::vector<Expected> expected = expected_participants(settings, scene_hash);
+  std::erase_if(expected, [&](const Expected& other) { return other.name != name; });
+  require<ConfigError>(!expected.empty(),
+                       fmt::format("--check-participant: found \"{}\", allowed: a participant of "
+                                   "coupler.json",
+                                   name));
+  const bool gets_force = expected.front().receives == force();
+  const double amplitude = options.amplitude > 0 ? options.amplitude : gets_force ? 1e-3 : 1e-6;
+  interrupt::install();
+  Server server(settings.server);
+  session.share("coupler", server.endpoint());
+  log::info("waiting for participant \"{}\" on {}", name, server.endpoint());
+  std::vector<CheckRow> rows;
+  {
+    const auto solvers = server.wait_for(expected, run_settings(settings, options.output));
+    rows = check_participant(*solvers.at(name), {settings.time.dt, amplitude});
+  }
+  try {
+    server.finish();
+    rows.push_back({"the end", CheckRow::Verdict::passed, ""});
+  } catch (const ProtocolError& lost) {
+    rows.push_back({"the end", CheckRow::Verdict::failed, lost.what()});
+  }
+  std::fputs(table_text(rows).c_str(), stdout);
+  std::fflush(stdout);
+  require(all_passed(rows), fmt::format("participant \"{}\" would spoil a coupled run", name));
+}
+
 void couple(Server& server, const CouplerSettings& settings, const std::string& scene_hash,
             RunRecord& files) {
-  const Json run = {{"output", files.folder()},
-                    {"end", settings.time.end},
-                    {"dt", settings.time.dt},
-                    {"output_interval", settings.output_interval}};
-  const auto solvers = server.wait_for(expected_participants(settings, scene_hash), run);
+  const auto solvers = server.wait_for(expected_participants(settings, scene_hash),
+                                       run_settings(settings, files.folder()));
   std::vector<NamedSolver> participants;
   for (const auto& [name, solver] : solvers) participants.push_back({name, *solver});
   CouplingLoop loop(settings, participants, files);
@@ -61,6 +112,8 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
     return;
   }
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
+  if (options.list_participants) return list_participants(settings);
+  if (!options.check_participant.empty()) return check(settings, scene.hash(), options, session);
 
   RunRecord files(options.output, "coupler");
   log::also_to_file(files.path("coupler.log"));

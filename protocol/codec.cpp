@@ -66,6 +66,8 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
   require<ProtocolError>(frame.size() <= limits.max_header_bytes,
                          fmt::format("header frame of {} bytes exceeds the limit of {}",
                                      frame.size(), limits.max_header_bytes));
+  require<ProtocolError>(!frame.starts_with("\xEF\xBB\xBF"),
+                         "header frame: starts with a byte order mark");
   check_depth(frame, limits.max_depth);
   try {
     Json header = Json::parse(frame);

@@ -60,19 +60,25 @@ void Connection::fail(const std::string& reason) {
 }
 
 void Connection::handshake(const Solver& solver) {
+  handshake(solver.interfaces(), solver.probe_names(), solver.probes());
+}
+
+void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
+                           const std::vector<std::string>& probe_names,
+                           const std::vector<double>& probes) {
   require<ProtocolError>(!welcomed(), "the handshake is done already");
   Hello hello;
   hello.participant = settings_.name;
   hello.program = settings_.program;
-  hello.program_version = version;
+  hello.program_version = settings_.program_version.empty() ? version : settings_.program_version;
   hello.session = session_;
   hello.scene_hash = settings_.scene_hash;
   hello.dimension = settings_.dimension;
   hello.receives = settings_.receives;
   hello.sends = settings_.sends;
-  hello.interfaces = solver.interfaces();
-  hello.probe_names = solver.probe_names();
-  hello.probes = solver.probes();
+  hello.interfaces = interfaces;
+  hello.probe_names = probe_names;
+  hello.probes = probes;
   hello.process = this_process();
   post(to_message(hello));
   const Message answer = await_answer_to_hello();

@@ -15,12 +15,13 @@
 namespace gabion {
 
 struct ParticipantSettings {
-  std::string endpoint;    ///< of the coupler, such as "tcp://127.0.0.1:40321"
-  std::string name;        ///< of this participant in coupler.json
-  std::string program;     ///< such as "fem_solver"
-  std::string scene_hash;  ///< Scene::hash(); empty = settings do not come from the scene
-  int dimension = 0;       ///< 2 or 3
-  Quantity receives;       ///< structure: force(); soil: displacement()
+  std::string endpoint;         ///< of the coupler, such as "tcp://127.0.0.1:40321"
+  std::string name;             ///< of this participant in coupler.json
+  std::string program;          ///< such as "fem_solver"
+  std::string program_version;  ///< empty = version of this library
+  std::string scene_hash;       ///< Scene::hash(); empty = settings do not come from the scene
+  int dimension = 0;            ///< 2 or 3
+  Quantity receives;            ///< structure: force(); soil: displacement()
   Quantity sends;
   double connect_deadline = 30;  ///< [s] until the coupler has answered
   /// End this process when the coupler is lost while the solver computes. For programs; a library
@@ -42,6 +43,10 @@ class Connection {
   /// Introduce the solver to the coupler.
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
+  /// The same of what a solver would say.
+  /// @param probes  in the initial state, as many as names
+  void handshake(const std::vector<InterfaceMesh>& interfaces,
+                 const std::vector<std::string>& probe_names, const std::vector<double>& probes);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.
   const Json& run_settings() const { return run_; }

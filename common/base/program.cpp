@@ -59,7 +59,18 @@ int run_program(int argc, char** argv, const std::string& program,
   app.add_option("--name", options.name, "Name of this participant")
       ->type_name("PARTICIPANT")
       ->capture_default_str();
-  if (program != "coupler") {
+  if (program == "coupler") {
+    app.add_flag("--list-participants", options.list_participants,
+                 "Print the endpoint, then name, number of words and words of each participant's "
+                 "command, then end; each item ends with a NUL");
+    app.add_option(
+           "--check-participant", options.check_participant,
+           "Drive this participant alone through repeated, rejected and cut steps, then end")
+        ->type_name("PARTICIPANT");
+    app.add_option("--amplitude", options.amplitude,
+                   "Random values of that check [N or m] (default: 1e-3 N, 1e-6 m)")
+        ->check(CLI::PositiveNumber);
+  } else {
     app.add_option("--connect-deadline", options.connect_deadline,
                    "Wait so long [s] for the coupler's answer")
         ->check(CLI::PositiveNumber)

@@ -17,7 +17,10 @@ struct ProgramOptions {
   bool check = false;                  ///< read and cross-check the scene, then end
   std::string coupler;  ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
   std::string name;     ///< of this participant, such as "soil"
-  double connect_deadline = 30;  ///< [s] > 0, solvers: until the coupler has answered
+  double connect_deadline = 30;    ///< [s] > 0, solvers: until the coupler has answered
+  bool list_participants = false;  ///< coupler: print who takes part and how, then end
+  std::string check_participant;   ///< coupler: drive this participant through a check, then end
+  double amplitude = 0;            ///< of that check's values [N or m]; 0 = not given
 };
 
 /// Frame of a program: options, log, MPI, and errors as exit codes.

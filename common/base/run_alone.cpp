@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/base/run_alone.hpp"
 
+#include <ctime>
 #include <gabion_version.hpp>
 
 #include "common/base/log.hpp"
@@ -44,6 +45,7 @@ class LoneRun {
             {"newton_iterations", newton_iterations_},
             {"linear_iterations", linear_iterations_},
             {"wall_seconds", wall},
+            {"cpu_seconds", static_cast<double>(std::clock()) / CLOCKS_PER_SEC},
             {"solver", solver_.summary()}};
   }
 

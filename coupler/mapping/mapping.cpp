@@ -5,10 +5,15 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <map>
 
 namespace gabion {
 
 namespace {
+
+using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Values = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::string point_text(const Eigen::Vector3d& x, int dim) {
   return dim == 2 ? fmt::format("({}, {})", x(0), x(1))
@@ -34,10 +39,23 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
 }  // namespace
 
 MappingSettings read_mapping_settings(ConfigReader in) {
+  static const std::map<std::string, Kernel> kernels = {{"wendland_c2", Kernel::wendland_c2},
+                                                        {"wendland_c4", Kernel::wendland_c4},
+                                                        {"wendland_c6", Kernel::wendland_c6},
+                                                        {"thin_plate", Kernel::thin_plate}};
   MappingSettings settings;
-  settings.method =
-      in.choice_or("method", {"nearest_projection", "nearest_neighbor"}, settings.method);
+  settings.method = in.choice_or(
+      "method", {"nearest_projection", "nearest_neighbor", "radial_basis"}, settings.method);
   settings.tolerance = in.number("tolerance", positive());
+  if (settings.method == "radial_basis") {
+    RadialBasisSettings& rbf = settings.radial_basis;
+    rbf.kernel = kernels.at(in.choice_or(
+        "kernel", {"wendland_c2", "wendland_c4", "wendland_c6", "thin_plate"}, "wendland_c4"));
+    rbf.cluster_size = in.integer_or("cluster_size", rbf.cluster_size, between(4, 1000));
+    if (rbf.kernel != Kernel::thin_plate && in.has("support")) {
+      rbf.support = in.number("support", positive());
+    }
+  }
   in.finish();
   return settings;
 }
@@ -51,46 +69,89 @@ Mapping::Mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
                                    structure.name, structure.dim, soil.dim));
   const Surface from(structure);
   const Surface to(soil);
+  check_distances(from, to, settings.tolerance);
+  if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);
+  identity_ = structure.coordinates == soil.coordinates;
+  if (identity_) {
+    H_.resize(from.num_vertices(), from.num_vertices());
+    H_.setIdentity();
+  } else {
+    find_rows(from, to, settings);
+  }
+  measure(from, to);
+}
+
+void Mapping::check_distances(const Surface& from, const Surface& to, double tolerance) {
+  for (std::int64_t v = 0; v < to.num_vertices(); ++v) {
+    const Eigen::Vector3d x = to.vertex(v);
+    const double distance =
+        (from.has_facets() ? from.nearest_on_facets(x) : from.nearest_vertex(x)).distance;
+    report_.farthest = std::max(report_.farthest, distance);
+    require<ConfigError>(
+        distance <= tolerance,
+        fmt::format("interface \"{}\": soil vertex {} at {} is {} m away from the structure's "
+                    "surface, allowed: {} m (coupling/mapping/tolerance)",
+                    to.name(), v, point_text(x, dim_), distance, tolerance));
+  }
+}
+
+void Mapping::find_rows(const Surface& from, const Surface& to, const MappingSettings& settings) {
+  if (settings.method == "radial_basis") {
+    H_ = radial_basis_weights(from, to, settings.radial_basis);
+    return;
+  }
   const bool project = settings.method == "nearest_projection";
   require<ConfigError>(!project || from.has_facets(),
                        fmt::format("interface \"{}\": the structure's side has no facets, which "
-                                   "nearest_projection needs; allowed: nearest_neighbor",
-                                   structure.name));
-  for (std::int64_t v = 0; v < soil.num_vertices(); ++v) {
+                                   "nearest_projection needs; allowed: nearest_neighbor, "
+                                   "radial_basis",
+                                   from.name()));
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::int64_t v = 0; v < to.num_vertices(); ++v) {
     const Eigen::Vector3d x = to.vertex(v);
-    rows_.push_back(project ? from.nearest_on_facets(x) : from.nearest_vertex(x));
-    const double distance = rows_.back().distance;
-    farthest_ = std::max(farthest_, distance);
-    require<ConfigError>(
-        distance <= settings.tolerance,
-        fmt::format("interface \"{}\": soil vertex {} at {} is {} m away from the structure's "
-                    "surface, allowed: {} m (coupling/mapping/tolerance)",
-                    soil.name, v, point_text(x, dim_), distance, settings.tolerance));
+    const SurfacePoint image = project ? from.nearest_on_facets(x) : from.nearest_vertex(x);
+    for (int a = 0; a < image.count; ++a) {
+      entries.emplace_back(v, image.vertices[a], image.weights[a]);
+    }
   }
-  if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);
+  H_.resize(to.num_vertices(), from.num_vertices());
+  H_.setFromTriplets(entries.begin(), entries.end());
+}
+
+void Mapping::measure(const Surface& from, const Surface& to) {
+  report_.soil_vertices = to.num_vertices();
+  report_.structure_vertices = from.num_vertices();
+  std::vector<bool> used(static_cast<std::size_t>(from.num_vertices()), false);
+  for (Eigen::Index v = 0; v < H_.rows(); ++v) {
+    Eigen::Vector3d image = Eigen::Vector3d::Zero();
+    for (Rows::InnerIterator entry(H_, v); entry; ++entry) {
+      image += entry.value() * from.vertex(entry.col());
+      report_.largest_weight = std::max(report_.largest_weight, std::abs(entry.value()));
+      if (entry.value() != 0) used[static_cast<std::size_t>(entry.col())] = true;
+    }
+    report_.largest_shift = std::max(report_.largest_shift, (image - to.vertex(v)).norm());
+  }
+  report_.unused_vertices = std::count(used.begin(), used.end(), false);
 }
 
 void Mapping::to_soil(std::span<const double> structure, std::span<double> soil) const {
-  assert(soil.size() == rows_.size() * dim_);
-  for (std::size_t v = 0; v < rows_.size(); ++v) {
-    for (int i = 0; i < dim_; ++i) {
-      double sum = 0;
-      for (int a = 0; a < rows_[v].count; ++a) {
-        sum += rows_[v].weights[a] * structure[rows_[v].vertices[a] * dim_ + i];
-      }
-      soil[v * dim_ + i] = sum;
-    }
+  assert(std::ssize(soil) == H_.rows() * dim_ && std::ssize(structure) == H_.cols() * dim_);
+  if (identity_) {
+    std::copy(structure.begin(), structure.end(), soil.begin());
+    return;
   }
+  Eigen::Map<Values>(soil.data(), H_.rows(), dim_) =
+      H_ * Eigen::Map<const Values>(structure.data(), H_.cols(), dim_);
 }
 
 void Mapping::add_to_structure(std::span<const double> soil, std::span<double> structure) const {
-  assert(soil.size() == rows_.size() * dim_);
-  for (std::size_t v = 0; v < rows_.size(); ++v) {
-    for (int a = 0; a < rows_[v].count; ++a) {
-      for (int i = 0; i < dim_; ++i) {
-        structure[rows_[v].vertices[a] * dim_ + i] += rows_[v].weights[a] * soil[v * dim_ + i];
-      }
-    }
+  assert(std::ssize(soil) == H_.rows() * dim_ && std::ssize(structure) == H_.cols() * dim_);
+  Eigen::Map<Values> sum(structure.data(), H_.cols(), dim_);
+  const Eigen::Map<const Values> values(soil.data(), H_.rows(), dim_);
+  if (identity_) {
+    sum += values;
+  } else {
+    sum += H_.transpose() * values;
   }
 }
 

@@ -1,28 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/config_reader.hpp"
 #include "common/base/solver.hpp"
+#include "coupler/mapping/radial_basis.hpp"
 #include "coupler/mapping/surface.hpp"
 
 namespace gabion {
 
 /// The "coupling/mapping" object of coupler.json.
 struct MappingSettings {
-  std::string method = "nearest_projection";  ///< nearest_projection | nearest_neighbor
-  double tolerance = 0;  ///< [m] > 0, largest distance of a soil vertex from its image
+  std::string method = "nearest_projection";  ///< | nearest_neighbor | radial_basis
+  double tolerance = 0;  ///< [m] > 0, largest distance of a soil vertex from the structure
+  RadialBasisSettings radial_basis = {};
 };
 MappingSettings read_mapping_settings(ConfigReader in);
 
+/// How well the two sides fit.
+struct MappingReport {
+  std::int64_t soil_vertices = 0;  ///< all of them have an image, else the mapping is refused
+  std::int64_t structure_vertices = 0;
+  std::int64_t unused_vertices = 0;  ///< of the structure: no soil vertex takes from them
+  double farthest = 0;               ///< [m] of a soil vertex from the structure's surface
+  double largest_shift = 0;   ///< [m] |H X_structure - X_soil|, the error for a rotation by 1
+  double largest_weight = 0;  ///< |H_ij|, 1 unless extrapolated
+};
+
 /// Linear map H between the two copies of one interface. Displacements go from structure to soil by
-/// H (constants are kept; linear fields too, with nearest_projection), forces come back by H^T:
-/// resultant force and work are equal on both sides whatever H is, the moment too when the soil's
-/// vertices lie on the structure's surface.
+/// H (constants are kept; linear fields too, unless by nearest_neighbor), forces come back by H^T:
+/// resultant force and work are equal on both sides whatever H is, the moment too where linear
+/// fields are kept and the soil's vertices lie on the structure's surface.
 class Mapping {
  public:
   /// @throws ConfigError  dimensions differ; a soil vertex is farther away than the tolerance;
@@ -35,13 +47,20 @@ class Mapping {
   /// structure += H^T soil
   void add_to_structure(std::span<const double> soil, std::span<double> structure) const;
 
-  double farthest() const { return farthest_; }  ///< [m] of a soil vertex from its image
-  std::int64_t num_matched() const { return static_cast<std::int64_t>(rows_.size()); }
+  /// Both sides have the same vertices in the same order: values are copied.
+  bool is_identity() const { return identity_; }
+  const MappingReport& report() const { return report_; }
+  std::int64_t num_weights() const { return H_.nonZeros(); }
 
  private:
+  void find_rows(const Surface& from, const Surface& to, const MappingSettings& settings);
+  void check_distances(const Surface& from, const Surface& to, double tolerance);
+  void measure(const Surface& from, const Surface& to);
+
   int dim_;
-  std::vector<SurfacePoint> rows_;  // of H, one a soil vertex
-  double farthest_ = 0;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> H_;  // soil's x structure's vertices
+  bool identity_ = false;
+  MappingReport report_;
 };
 
 }  // namespace gabion

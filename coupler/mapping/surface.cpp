@@ -129,6 +129,25 @@ SurfacePoint Surface::nearest_vertex(const Vector3& p) const {
   return result;
 }
 
+std::vector<std::int64_t> Surface::nearest_vertices(const Vector3& p, int count) const {
+  std::vector<std::size_t> found(static_cast<std::size_t>(count));
+  std::vector<double> squared(found.size());
+  found.resize(
+      trees_->vertex_tree->knnSearch(p.data(), found.size(), found.data(), squared.data()));
+  std::sort(found.begin(), found.end());
+  return {found.begin(), found.end()};
+}
+
+std::vector<std::int64_t> Surface::vertices_within(const Vector3& p, double radius) const {
+  std::vector<std::pair<std::size_t, double>> found;
+  trees_->vertex_tree->radiusSearch(p.data(), radius * radius, found,
+                                    nanoflann::SearchParams(0, 0, /*sorted=*/false));
+  std::vector<std::int64_t> vertices;
+  for (const auto& [v, unused] : found) vertices.push_back(static_cast<std::int64_t>(v));
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
 SurfacePoint Surface::closest_on_facet(const Vector3& p, std::int64_t facet) const {
   SurfacePoint result;
   result.count = mesh_.vertices_per_facet;

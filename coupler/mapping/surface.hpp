@@ -31,6 +31,8 @@ class Surface {
   Surface(Surface&&) = delete;
   Surface& operator=(Surface&&) = delete;
 
+  const std::string& name() const { return mesh_.name; }  ///< of the interface
+  std::int64_t num_vertices() const { return mesh_.num_vertices(); }
   bool has_facets() const { return !mesh_.facets.empty(); }
   std::int64_t num_facets() const;
   Eigen::Vector3d vertex(std::int64_t v) const;
@@ -38,6 +40,10 @@ class Surface {
   Eigen::Vector3d normal(std::int64_t facet) const;  ///< unit length, out of the structure
 
   SurfacePoint nearest_vertex(const Eigen::Vector3d& p) const;
+  /// The `count` vertices nearest to p (all, if there are fewer), ascending.
+  std::vector<std::int64_t> nearest_vertices(const Eigen::Vector3d& p, int count) const;
+  /// Vertices closer to p than `radius` [m], ascending.
+  std::vector<std::int64_t> vertices_within(const Eigen::Vector3d& p, double radius) const;
   /// Exact over all facets. @param preferred  among facets equally far away, the one whose normal
   /// agrees best with this direction; zero = any
   SurfacePoint nearest_on_facets(const Eigen::Vector3d& p,

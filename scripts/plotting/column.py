@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plotting.results import Results, ResultsError
+from plotting.results import Frame, Results, ResultsError
 from plotting.style import COLOURS, legend_beside, new_figure, save
 
 
@@ -65,6 +65,11 @@ def front_of(points: np.ndarray, spacing: float) -> float:
     return float(behind[-1] + 0.5 * spacing)
 
 
+def area_under(x: np.ndarray, height: np.ndarray) -> float:
+    """Area under a surface of surface_of [m^2]; left of the first point it is level."""
+    return float(np.sum(0.5 * (height[1:] + height[:-1]) * np.diff(x)) + height[0] * x[0])
+
+
 def compare_surface(points: np.ndarray, spacing: float, measured: np.ndarray) -> SurfaceError:
     """Height differences at the measured positions that either deposit covers."""
     x, height = surface_of(points, spacing)
@@ -75,6 +80,26 @@ def compare_surface(points: np.ndarray, spacing: float, measured: np.ndarray) ->
     return SurfaceError(
         float(difference.mean()), float(difference[worst]), float(covered[worst, 0]), front, front_measured
     )
+
+
+def failure_line(last: Frame, x: np.ndarray, moved: float, spacing: float) -> np.ndarray:
+    """Upper border of the soil that stayed, in the configuration at the start.
+
+    last: frame with the field displacement [m]; x: positions at the start [m]; moved: soil that went
+    farther does not count as at rest [m]; spacing: mean distance of points at the start [m].
+    returns: for each x, height below which no point within 1.5 spacings went farther than `moved`
+    """
+    u = last.fields["displacement"][:, :2]
+    start = last.points[:, :2] - u
+    far = np.linalg.norm(u, axis=1) > moved
+    heights = np.empty(len(x))
+    for i, position in enumerate(x):
+        near = np.abs(start[:, 0] - position) <= 1.5 * spacing
+        if not near.any():
+            raise ResultsError(f"no soil at x = {position:g} m at the start")
+        above = start[near & far, 1]
+        heights[i] = above.min() - 0.5 * spacing if len(above) else start[near, 1].max() + 0.5 * spacing
+    return heights
 
 
 def plot_column(results: Results, reference: Path, out: Path) -> tuple[Path, SurfaceError]:

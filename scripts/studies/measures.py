@@ -81,6 +81,16 @@ class Measured:
         """Wall time of the run [s]."""
         return float(self.summary["wall_seconds"]["total"])
 
+    def cpu_seconds(self) -> float:
+        """CPU time of a run without coupler, of its first rank [s]."""
+        if "cpu_seconds" not in self.summary:
+            raise ResultsError(f"{self.results.folder}: no cpu_seconds in the summary")
+        return float(self.summary["cpu_seconds"])
+
+    def newton_per_step(self) -> float:
+        """Newton iterations of the accepted tries by the number of steps, in a run without coupler."""
+        return self.summary["newton_iterations"] / self.summary["steps"]
+
     def iterations_in_contact(self) -> np.ndarray:
         """Coupling iterations of the steps in which soil and structure could touch."""
         table = self._need("steps.csv")

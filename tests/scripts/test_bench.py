@@ -13,8 +13,10 @@ from script_case import ScriptCase
 
 import made_up_results as made_up
 from plotting.results import Results, ResultsError
+from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
 from studies.measures import Curve, Measured, relative_rms
+from studies.run_out import height_law, run_out, run_out_law
 from studies.runner import Runner
 from studies.stability import cases, verdict
 
@@ -27,6 +29,24 @@ class MadeUpRunner(Runner):
     def run(self, label: str, scene: str, settings: list[str]) -> Measured:
         scale = self.scales.get(label, 1.0)
         return Measured(Results(made_up.write_results(self.folder / label, scale)))
+
+
+class MadeUpColumn(Runner):
+    """Columns of soil that stay as they are; `broken` names runs that fail."""
+
+    broken: tuple[str, ...] = ()
+
+    def run(self, label: str, scene: str, settings: list[str]) -> Measured:
+        if label in self.broken:
+            raise ResultsError(f"{label}: the run failed with exit code 3")
+        width = 0.2 if scene == COLLAPSE else 0.1
+        x, y = np.meshgrid(np.arange(0.001, width, 0.002), np.arange(0.001, 0.1, 0.002))
+        points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+        frames = [(time, points, None, {"displacement": np.zeros_like(points)}) for time in (0.0, 1.0)]
+        made_up.write_series(self.folder / label / "mpm", "soil", frames)
+        summary = {"completed": True, "steps": 10, "newton_iterations": 45, "cuts": 1, "cpu_seconds": 2.5}
+        (self.folder / label / "summary.json").write_text(json.dumps(summary))
+        return Measured(Results(self.folder / label))
 
 
 class Measures(ScriptCase):
@@ -112,6 +132,39 @@ class Studies(ScriptCase):
         for name, study in STUDIES.items():
             with self.subTest(name):
                 self.assertTrue(self.table(study, {}))
+
+
+class Columns(ScriptCase):
+    def rows(self, study, broken: tuple[str, ...] = ()) -> list[list[str]]:
+        runner = MadeUpColumn(self.folder, reuse=False, settings=[])
+        runner.broken = broken
+        with contextlib.redirect_stdout(io.StringIO()):
+            study(runner)
+        with (self.folder / "table.csv").open(newline="") as file:
+            return list(csv.reader(file))[1:]
+
+    def test_soil_that_stayed(self) -> None:
+        row = self.rows(lambda runner: compare(runner, {"as it was": []}))[0]
+        self.assertEqual(row[0], "as it was")
+        self.assertAlmostEqual(float(row[2]), 100 - 48.1, delta=1)  # at the gate: 100 mm, measured 48.1 mm
+        self.assertAlmostEqual(float(row[3]), 0.1988)
+        self.assertAlmostEqual(float(row[4]), 0.2, delta=1e-3)
+        self.assertEqual([float(value) for value in row[6:]], [1, 4.5, 1, 2.5])
+
+    def test_failed_run_stands_in_the_table(self) -> None:
+        rows = self.rows(lambda runner: compare(runner, FACTORS), broken=("TPIC",))
+        self.assertEqual(len(rows), len(FACTORS))
+        self.assertEqual([row[1] for row in rows if row[0] == "TPIC"], ["failed"])
+
+    def test_studies_run(self) -> None:
+        self.assertEqual(len(self.rows(columns)), 11)
+        rows = self.rows(run_out)
+        self.assertEqual([float(row[0]) for row in rows], [0.5, 1, 2, 5])
+        self.assertAlmostEqual(float(rows[1][4]), 1, delta=0.02)  # height by width of a square column
+
+    def test_laws(self) -> None:
+        np.testing.assert_allclose([run_out_law(a) for a in (0.5, 1, 2, 5)], [0.6, 1.2, 3.016, 5.556], rtol=1e-3)
+        np.testing.assert_allclose([height_law(a) for a in (0.5, 1, 2, 5)], [0.5, 1, 1.3195, 1.9037], rtol=1e-4)
 
 
 if __name__ == "__main__":

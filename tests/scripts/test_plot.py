@@ -9,8 +9,8 @@ import numpy as np
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
-from plotting.column import compare_surface, front_of, read_reference, surface_of
-from plotting.results import Results, ResultsError, Series, Table
+from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
+from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.summary import summary_lines
 
 
@@ -68,6 +68,18 @@ class Column(ScriptCase):
         self.assertAlmostEqual(error.mean_abs_m, 0.01, delta=0.002)
         self.assertGreaterEqual(error.max_abs_m, error.mean_abs_m)
 
+    def test_failure_line_is_the_border_of_what_moved(self) -> None:
+        start = self.points()[:-1]
+        u = np.zeros((len(start), 3))
+        u[start[:, 1] > 0.03, 0] = 0.05  # soil above 3 cm went 5 cm
+        points = np.column_stack([start, np.zeros(len(start))]) + u
+        last = Frame(1.0, points, None, {"displacement": u})
+        # At 0.36 m the wedge is 1 cm high and all of it stayed.
+        line = failure_line(last, np.array([0.05, 0.1, 0.36]), 2e-3, 0.002)
+        np.testing.assert_allclose(line, [0.03, 0.03, 0.01], atol=1e-3)
+        with self.assertRaisesRegex(ResultsError, "no soil at x = 0.5 m at the start"):
+            failure_line(last, np.array([0.5]), 2e-3, 0.002)
+
     def test_reference_of_the_scene(self) -> None:
         series = read_reference(ROOT / "configs/column_collapse/data/bui2008_column_collapse.csv")
         surface = series["exp_surface"]
@@ -92,6 +104,18 @@ class Drawing(ScriptCase):
             self.draw(self.folder / "a"),
             ["probes.png", "residuals.png", "iterations.png", "forces.png", "energies.png", "scene.png"],
         )
+
+    def test_run_without_contact_has_no_residuals_to_draw(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        head, *rows = (folder / "iterations.csv").read_text(encoding="utf-8").splitlines()
+        zero = [i for i, name in enumerate(head.split(",")) if "residual" in name]
+        for k, row in enumerate(rows):
+            cells = row.split(",")
+            for i in zero:
+                cells[i] = "0"
+            rows[k] = ",".join(cells)
+        self.write("a/iterations.csv", "\n".join([head, *rows, ""]))
+        self.assertNotIn("residuals.png", self.draw(folder))
 
     def test_choices(self) -> None:
         a, b = (made_up.write_results(self.folder / name) for name in "ab")

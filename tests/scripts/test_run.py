@@ -47,6 +47,9 @@ class Usage(ScriptCase):
     def test_empty_scene(self) -> None:
         self.expect_refusal(self.scene("notes.txt"), words="none of coupler.json, mpm.json, fem.json")
 
+    def test_check_of_a_participant_without_coupler(self) -> None:
+        self.expect_refusal(self.scene("mpm.json"), "--check-participant", "soil", words="has no coupler.json")
+
     def test_two_solvers_without_coupler(self) -> None:
         self.expect_refusal(self.scene("mpm.json", "fem.json"), words="no coupler.json")
 

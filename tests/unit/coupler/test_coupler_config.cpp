@@ -60,6 +60,14 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
   EXPECT_EQ(again.resolved(), resolved);
 }
 
+TEST(CouplerConfig, a_participant_may_have_a_command) {
+  Json config = good();
+  config["participants"]["structure"]["command"] = {"python3", "wall.py"};
+  const CouplerSettings s = read_coupler_settings(ConfigReader(config, "coupler.json"));
+  EXPECT_EQ(s.participants[1].command, (std::vector<std::string>{"python3", "wall.py"}));
+  EXPECT_TRUE(s.participants[0].command.empty());
+}
+
 TEST(CouplerConfig, mistakes_are_named_with_their_place) {
   expect_error("/coupling/predictr", 1, "/coupling/predictr", "did you mean \"predictor\"?");
   expect_error("/coupling/predictor", 3, "/coupling/predictor", "a number from 0 to 2");
@@ -88,8 +96,28 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
   expect_error("/interfaces/1", {{"name", "wall"}, {"soil", "soil"}, {"structure", "structure"}},
                "/interfaces/1/name", "each name once");
   expect_error("/participants/rock", {{"sends", "force"}}, "/participants/rock", "no entry");
+  expect_error("/participants/soil/command", Json::array(), "/participants/soil/command",
+               "allowed: [program, argument, ...]");
+  expect_error("/participants/soil/command", {""}, "/participants/soil/command",
+               "found no program");
+  expect_error("/participants/soil/command", "python3 soil.py", "/participants/soil/command",
+               "allowed: a list");
   expect_error("/participants/rock", {{"sends", "heat"}}, "/participants/rock/sends",
                "force, displacement");
+}
+
+TEST(CouplerConfig, radial_basis_keys_belong_to_the_radial_basis) {
+  const std::string at = "/coupling/mapping";
+  expect_error(at, {{"tolerance", 1}, {"kernel", "thin_plate"}}, at + "/kernel", "unknown");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "gauss"}},
+               at + "/kernel", "wendland_c2, wendland_c4, wendland_c6, thin_plate");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"cluster_size", 3}},
+               at + "/cluster_size", "4 to 1000");
+  expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"support", 0}}, at + "/support",
+               "> 0");
+  expect_error(
+      at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "thin_plate"}, {"support", 1}},
+      at + "/support", "unknown");
 }
 
 }  // namespace

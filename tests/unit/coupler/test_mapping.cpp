@@ -99,8 +99,14 @@ TEST(Mapping, projection_reproduces_constants_and_linear_fields) {
       const Values expected = linear_field(pair.soil, a, gradient);
       for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-13);
     }
-    EXPECT_LE(mapping.farthest(), 1e-15);
-    EXPECT_EQ(mapping.num_matched(), pair.soil.num_vertices());
+    const MappingReport& report = mapping.report();
+    EXPECT_LE(report.farthest, 1e-15);
+    EXPECT_LE(report.largest_shift, 1e-15);
+    EXPECT_LE(report.largest_weight, 1);
+    EXPECT_EQ(report.soil_vertices, pair.soil.num_vertices());
+    EXPECT_EQ(report.structure_vertices, pair.structure.num_vertices());
+    EXPECT_EQ(report.unused_vertices, 0);
+    EXPECT_FALSE(mapping.is_identity());
   }
 }
 
@@ -140,11 +146,19 @@ TEST(Mapping, forces_keep_sum_moment_and_work) {
 TEST(Mapping, matching_meshes_are_mapped_by_the_identity) {
   for (const InterfaceMesh& mesh : {polyline({0, 0.3, 0.7, 1}), plane(3, 4, 3), plane(3, 4, 4)}) {
     const Mapping mapping(mesh, mesh, projection);
+    EXPECT_TRUE(mapping.is_identity());
     const Values x = random_values(mesh.coordinates.size(), 5);
-    Values u(x.size());
+    Values u(x.size()), f = x;
     mapping.to_soil(x, u);
-    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(u[i], x[i], 1e-14);
+    EXPECT_EQ(u, x);
+    mapping.add_to_structure(x, f);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_EQ(f[i], 2 * x[i]);
   }
+}
+
+TEST(Mapping, vertices_that_get_no_force_are_counted) {
+  const Mapping mapping(polyline({0, 0.25, 0.5, 0.75, 1}), polyline({0, 0.3}), projection);
+  EXPECT_EQ(mapping.report().unused_vertices, 2);  // at 0.75 and 1
 }
 
 TEST(Mapping, finds_the_closest_facet_even_if_none_of_its_vertices_is_close) {
@@ -242,8 +256,8 @@ TEST(Mapping, unusable_meshes_are_refused) {
   EXPECT_NE(error_of([&] { Mapping(plane(1, 1, 3), good, projection); }).find("dimension"),
             std::string::npos);
   EXPECT_NE(error_of([&] {
-              Mapping(polyline({0, 1}, false), good, projection);
-            }).find("allowed: nearest_neighbor"),
+              Mapping(polyline({0, 1}, false), polyline({0, 0.5, 1}), {"nearest_projection", 2});
+            }).find("allowed: nearest_neighbor, radial_basis"),
             std::string::npos);
 }
 

@@ -186,6 +186,19 @@ TEST(MpmConfig, basis_needs_cells_in_rows) {
   }
 }
 
+TEST(MpmConfig, boxes_of_soil_in_a_box_of_cells_get_domains) {
+  const auto basis = [](const Json& json) { return make_mpm(json)->summary().at("basis"); };
+  EXPECT_EQ(mpm_solver<3>(valid_3d())->summary().at("basis"), "gimp");
+  Json json = valid();
+  EXPECT_EQ(basis(json), "linear");  // triangles
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "tri3");
+  EXPECT_EQ(basis(json), "linear");  // whose points have no domains that fill them
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "quad4");
+  json["bodies"][0]["points_per_cell"] = 4;
+  EXPECT_EQ(basis(json), "gimp");
+}
+
 TEST(MpmConfig, points_of_gimp_fill_their_body) {
   Json json = valid_3d();
   json["basis"] = "gimp";

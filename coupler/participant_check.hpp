@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+
+namespace gabion {
+
+/// What one trial of a participant showed.
+struct CheckRow {
+  enum class Verdict {
+    passed,
+    inexact,  ///< equal to the solver's tolerance, as a warm start from the last solution makes it
+    failed,
+    not_asked
+  };
+  std::string what;
+  Verdict verdict = Verdict::passed;
+  std::string found;  ///< why it is inexact, failed, or was not asked
+};
+
+struct CheckSettings {
+  double dt = 0;         ///< [s] > 0
+  double amplitude = 0;  ///< > 0, of the random values sent to it: [N] forces or [m] displacements
+};
+
+/// Drive a participant through what a coupled run may ask of it: the same request twice, another
+/// trial in between, rejected steps, smaller dt, accepted steps, output, a skipped step. From the
+/// same state, that is after reject_step and accept_step, equal requests must give equal bits;
+/// after another trial of the same step, values that agree to 1e-8 of the largest. The values sent
+/// are the same in every check.
+///
+/// A participant that is lost on the way ends the table with a row that says so.
+std::vector<CheckRow> check_participant(Solver& solver, const CheckSettings& settings);
+
+bool all_passed(const std::vector<CheckRow>& rows);
+
+/// A line a row, aligned.
+std::string table_text(const std::vector<CheckRow>& rows);
+
+}  // namespace gabion

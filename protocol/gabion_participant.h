@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#pragma once
+
+/* The participant's side of the contract in C99: the calls of participant.hpp, which says more.
+ *
+ *     gabion_participant *p = gabion_create("structure", "tcp://127.0.0.1:5555", 2, "force");
+ *     if (!p) die(gabion_last_error(NULL));
+ *     CHECK(gabion_set_interface(p, "wall", num_vertices, coordinates, 2, num_facets, facets));
+ *     CHECK(gabion_initialize(p));
+ *     while (gabion_is_coupling_ongoing(p, &ongoing) == GABION_OK && ongoing) {
+ *       CHECK(gabion_requires_writing_checkpoint(p, &answer));
+ *       if (answer) save();
+ *       CHECK(gabion_get_max_time_step_size(p, &dt));
+ *       CHECK(gabion_read_data(p, "wall", force, num_values));
+ *       solve(dt, force, displacement);
+ *       CHECK(gabion_write_data(p, "wall", displacement, num_values));
+ *       CHECK(gabion_advance(p, dt));
+ *       CHECK(gabion_requires_reading_checkpoint(p, &answer));
+ *       if (answer) restore();
+ *     }
+ *     CHECK(gabion_finalize(p));
+ *     gabion_destroy(p);
+ *
+ * Functions return a gabion_status; gabion_last_error has the text. No exception crosses this
+ * boundary. A participant is used by one thread at a time. Answers are 1 or 0. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum gabion_status {
+  GABION_OK = 0,
+  GABION_ERROR = 1,         /* anything else, such as no memory */
+  GABION_ERROR_USAGE = 2,   /* wrong order of calls, or values that do not fit */
+  GABION_ERROR_PROTOCOL = 4 /* refused, coupler lost, run ended by the coupler: final */
+} gabion_status;
+
+typedef struct gabion_participant gabion_participant;
+
+/* A participant that is not connected yet; NULL on failure.
+ *   name       of the participant in coupler.json
+ *   endpoint   of the coupler, such as "tcp://127.0.0.1:5555"
+ *   dimension  2 or 3
+ *   receives   "force" for a structure, which sends displacement; "displacement" for a soil */
+gabion_participant* gabion_create(const char* name, const char* endpoint, int dimension,
+                                  const char* receives);
+
+/* Before the calls below. The foreign code and its version, for messages; [s] > 0 until the coupler
+ * must have answered (30). */
+gabion_status gabion_set_program(gabion_participant* p, const char* program, const char* version);
+gabion_status gabion_set_connect_deadline(gabion_participant* p, double seconds);
+
+/* A coupled surface in its reference configuration.
+ *   coordinates         [m], num_vertices x dimension, row by row
+ *   vertices_per_facet  2, 3, 4; 0 for bare points
+ *   facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out of
+ *                       the structure: in 2D to the right of the way along the segment */
+gabion_status gabion_set_interface(gabion_participant* p, const char* name, size_t num_vertices,
+                                   const double* coordinates, int vertices_per_facet,
+                                   size_t num_facets, const int64_t* facets);
+
+/* Numbers that the run shall record: names, and values in the initial state; later values at the
+ * end of a step. */
+gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,
+                                const double* values);
+gabion_status gabion_write_probes(gabion_participant* p, size_t count, const double* values);
+
+/* write(time [s], user) is called when the coupler wants the accepted state on disk. It returns 0,
+ * or anything else to end the run. */
+gabion_status gabion_set_output(gabion_participant* p, int (*write)(double time, void* user),
+                                void* user);
+
+/* Connect, introduce, and wait for the first step. */
+gabion_status gabion_initialize(gabion_participant* p);
+
+gabion_status gabion_is_coupling_ongoing(gabion_participant* p, int* answer);
+gabion_status gabion_is_time_window_complete(gabion_participant* p, int* answer);
+gabion_status gabion_get_max_time_step_size(gabion_participant* p, double* seconds);
+gabion_status gabion_get_time(gabion_participant* p, double* seconds);
+gabion_status gabion_requires_writing_checkpoint(gabion_participant* p, int* answer);
+gabion_status gabion_requires_reading_checkpoint(gabion_participant* p, int* answer);
+
+/* count must be num_vertices x dimension. */
+gabion_status gabion_read_data(gabion_participant* p, const char* interface_name, double* values,
+                               size_t count);
+gabion_status gabion_write_data(gabion_participant* p, const char* interface_name,
+                                const double* values, size_t count);
+
+/* The code has gone on by dt [s]; or the open step has no solution, and the coupler shall try a
+ * smaller one. */
+gabion_status gabion_advance(gabion_participant* p, double dt);
+gabion_status gabion_fail_step(gabion_participant* p, const char* reason);
+
+/* Close. Before the end of the coupling: tell the coupler that this participant gives up. */
+gabion_status gabion_finalize(gabion_participant* p);
+
+/* Text of the last failure of this participant, valid until its next call; of the last
+ * gabion_create of this thread when p is NULL. Never NULL. */
+const char* gabion_last_error(const gabion_participant* p);
+void gabion_destroy(gabion_participant* p);
+
+#ifdef __cplusplus
+}
+#endif

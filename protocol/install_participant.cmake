@@ -1,0 +1,23 @@
+# What a foreign code needs: cmake --install BUILD --component gabion_participant --prefix PREFIX, then
+#     find_package(gabion_participant REQUIRED)
+#     target_link_libraries(my_code PRIVATE gabion::participant)
+include(CMakePackageConfigHelpers)
+set(gabion_participant_package ${CMAKE_INSTALL_LIBDIR}/cmake/gabion_participant)
+
+install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_participant
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT gabion_participant)
+install(FILES ${PROJECT_SOURCE_DIR}/common/base/config_reader.hpp ${PROJECT_SOURCE_DIR}/common/base/error.hpp
+  ${PROJECT_SOURCE_DIR}/common/base/solver.hpp ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/base COMPONENT gabion_participant)
+install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp message.hpp participant.hpp peer_watch.hpp
+  process.hpp serve.hpp socket.hpp gabion_participant.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
+install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake
+  DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)
+configure_package_config_file(gabion_participant-config.cmake.in
+  ${CMAKE_CURRENT_BINARY_DIR}/gabion_participant-config.cmake INSTALL_DESTINATION ${gabion_participant_package})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/gabion_participant-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/gabion_participant-config.cmake
+  ${CMAKE_CURRENT_BINARY_DIR}/gabion_participant-config-version.cmake
+  DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)

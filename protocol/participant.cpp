@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/participant.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "protocol/exchange.hpp"
+
+namespace gabion {
+namespace {
+
+constexpr double same_time = 1e-12;  // of a step: smaller remainders are round-off of sub-steps
+
+Message message_of(const std::string& type) {
+  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
+}
+
+Message accepted_of(const std::vector<double>& probes) {
+  AcceptReport report;
+  report.probes = probes;
+  Message message = message_of("accepted");
+  put(message, report);
+  return message;
+}
+
+}  // namespace
+
+Participant::Participant(ParticipantSettings settings) : settings_(std::move(settings)) {
+  require<UsageError>(settings_.dimension == 2 || settings_.dimension == 3,
+                      fmt::format("dimension: found {}, allowed: 2 or 3", settings_.dimension));
+}
+
+Participant::~Participant() = default;
+
+void Participant::set_interface(const std::string& name, std::span<const double> coordinates,
+                                int vertices_per_facet, std::span<const std::int64_t> facets) {
+  before_initialize("set_interface");
+  const auto dim = static_cast<std::size_t>(settings_.dimension);
+  require<UsageError>(
+      !coordinates.empty() && coordinates.size() % dim == 0,
+      fmt::format("interface \"{}\": found {} coordinates, allowed: num_vertices x {}", name,
+                  coordinates.size(), dim));
+  require<UsageError>(
+      vertices_per_facet == 0 || (vertices_per_facet >= 2 && vertices_per_facet <= 4),
+      fmt::format("interface \"{}\": found {} vertices per facet, allowed: 0, 2, 3, 4", name,
+                  vertices_per_facet));
+  const std::size_t width = vertices_per_facet == 0 ? 1 : std::size_t(vertices_per_facet);
+  require<UsageError>(
+      facets.size() % width == 0 && (vertices_per_facet > 0 || facets.empty()),
+      fmt::format("interface \"{}\": found {} facet entries, allowed: num_facets x {}", name,
+                  facets.size(), vertices_per_facet));
+  meshes_.push_back({name,
+                     settings_.dimension,
+                     {coordinates.begin(), coordinates.end()},
+                     vertices_per_facet,
+                     {facets.begin(), facets.end()}});
+}
+
+void Participant::set_probes(std::vector<std::string> names, std::span<const double> values) {
+  before_initialize("set_probes");
+  probe_names_ = std::move(names);
+  write_probes(values);
+}
+
+void Participant::write_probes(std::span<const double> values) {
+  require<UsageError>(values.size() == probe_names_.size(),
+                      fmt::format("probes: found {} values, allowed: as many as names, {}",
+                                  values.size(), probe_names_.size()));
+  probes_.assign(values.begin(), values.end());
+}
+
+void Participant::set_output(std::function<void(double)> write) {
+  before_initialize("set_output");
+  output_ = std::move(write);
+}
+
+void Participant::set_summary(Json summary) {
+  summary_ = std::move(summary);
+}
+
+void Participant::initialize() {
+  before_initialize("initialize");
+  require<UsageError>(!meshes_.empty(), "interfaces: found none, allowed: one or more");
+  // Read back by the rules of the coupler: what it would refuse is found here.
+  Hello hello;
+  hello.participant = settings_.name;
+  hello.dimension = settings_.dimension;
+  hello.receives = settings_.receives;
+  hello.sends = settings_.sends;
+  hello.interfaces = meshes_;
+  hello.probe_names = probe_names_;
+  hello.probes = accepted_probes_ = probes_;
+  try {
+    read_hello(to_message(hello));
+  } catch (const ProtocolError& problem) {
+    throw UsageError(problem.what());
+  }
+  connection_ = std::make_unique<Connection>(settings_);
+  guarded([this] { connection_->handshake(meshes_, probe_names_, probes_); });
+  must_write_ = true;
+  settle();
+}
+
+const Json& Participant::run_settings() const {
+  after_initialize();
+  return connection_->run_settings();
+}
+
+bool Participant::is_coupling_ongoing() {
+  settle();
+  return !finished_;
+}
+
+bool Participant::is_time_window_complete() const {
+  after_initialize();
+  return window_complete_;
+}
+
+double Participant::get_max_time_step_size() {
+  settle();
+  return remaining_;
+}
+
+double Participant::get_time() {
+  return open_step("get_time").time;
+}
+
+bool Participant::requires_writing_checkpoint() {
+  settle();
+  return std::exchange(must_write_, false) && !finished_;
+}
+
+bool Participant::requires_reading_checkpoint() {
+  after_initialize();
+  return std::exchange(must_read_, false);
+}
+
+std::vector<double> Participant::read_data(const std::string& interface) {
+  open_step("read_data");
+  const InterfaceMesh& surface = mesh(interface);
+  if (!received_.empty()) return received_.at(interface);
+  require<ProtocolError>(
+      settings_.receives == force(),
+      fmt::format("the coupler gives no displacement of \"{}\" in this step: the interface is free",
+                  interface));
+  return std::vector<double>(surface.coordinates.size(), 0.0);  // a free surface carries no force
+}
+
+void Participant::write_data(const std::string& interface, std::span<const double> values) {
+  open_step("write_data");
+  const std::size_t expected = num_values(interface);
+  require<UsageError>(values.size() == expected,
+                      fmt::format("write_data: found {} values for \"{}\", allowed: {}",
+                                  values.size(), interface, expected));
+  written_[interface].assign(values.begin(), values.end());
+}
+
+void Participant::advance(double dt, const StepReport& report) {
+  const StepRequest& request = checked_step("advance");
+  const double tolerance = same_time * request.dt;
+  require<UsageError>(
+      dt > 0 && dt <= remaining_ + tolerance,
+      fmt::format("advance: found dt {} s, allowed: > 0 and at most {} s", dt, remaining_));
+  window_complete_ = false;
+  remaining_ -= dt;
+  if (remaining_ > tolerance) return;
+  for (const InterfaceMesh& surface : meshes_) {
+    require<UsageError>(written_.contains(surface.name),
+                        fmt::format("advance: nothing was written for \"{}\"", surface.name));
+  }
+  Message answer = message_of("solved");
+  put(answer, report);
+  put_values(answer, settings_.sends.name, meshes_, written_);
+  answer_step(std::move(answer));
+  has_solution_ = true;
+  guarded([this] { await_verdict(); });
+}
+
+void Participant::fail_step(const std::string& reason) {
+  checked_step("fail_step");
+  window_complete_ = false;
+  Message answer = message_of("failed");
+  answer.fields["reason"] = reason;
+  answer_step(std::move(answer));
+  guarded([this] { await_verdict(); });
+}
+
+void Participant::finalize() {
+  if (!connection_) return;
+  if (!finished_) connection_->abort("the participant ended before the run was finished");
+  connection_->close();
+}
+
+/// Let a step be open, or the run finished.
+void Participant::settle() {
+  after_initialize();
+  if (request_ || finished_) return;
+  require<UsageError>(
+      !must_read_,
+      "the last step was not accepted: ask requires_reading_checkpoint() and go back first");
+  guarded([this] { await_step(); });
+}
+
+void Participant::await_step() {
+  if (pending_) {
+    reply(std::move(*pending_));
+    pending_.reset();
+  }
+  while (!request_ && !finished_) {
+    const Message request = next();
+    if (request.type == "accept_step") {
+      const StepRequest step = read_step_request(request);
+      require<ProtocolError>(
+          !request.boolean("solved"),
+          fmt::format("the coupler accepts step {}, which has no solution", step.step));
+      write_if_asked(request);
+      reply(accepted_of(accepted_probes_));
+    } else if (request.type == "reject_step") {
+      reply(message_of("rejected"));
+    } else {
+      other_request(request);
+    }
+  }
+}
+
+/// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
+void Participant::await_verdict() {
+  while (!finished_) {
+    const Message request = next();
+    if (request.type == "accept_step") return accepted(request);
+    if (request.type == "reject_step") {
+      pending_ = message_of("rejected");
+      must_read_ = true;
+      has_solution_ = false;
+      return;
+    }
+    require<ProtocolError>(request.type != "write_output" || !output_,
+                           "the coupler wants the accepted state on disk in the middle of a step: "
+                           "this participant writes it between steps only");
+    other_request(request);
+    if (request_) {
+      must_read_ = true;
+      return;
+    }
+  }
+}
+
+void Participant::accepted(const Message& request) {
+  const StepRequest step = read_step_request(request);
+  if (!request.boolean("solved")) {
+    must_read_ = true;  // asked, but accepted as if it had not been: the accepted state stays
+  } else {
+    require<ProtocolError>(
+        has_solution_,
+        fmt::format("the coupler accepts step {}, which has no solution", step.step));
+    accepted_probes_ = probes_;
+    must_write_ = window_complete_ = true;
+    write_if_asked(request);
+  }
+  has_solution_ = false;
+  pending_ = accepted_of(accepted_probes_);
+}
+
+void Participant::other_request(const Message& request) {
+  if (request.type == "solve_step") {
+    const StepRequest step = read_step_request(request);
+    received_.clear();
+    if (!request.arrays.empty()) {
+      received_ = read_values(request, settings_.receives.name, meshes_);
+    }
+    written_.clear();
+    remaining_ = step.dt;
+    has_solution_ = false;
+    request_ = step;
+  } else if (request.type == "write_output") {
+    if (output_) output_(request.number("time"));
+    reply(message_of("written"));
+  } else if (request.type == "summarize") {
+    Message answer = message_of("summary");
+    answer.fields["summary"] = summary_;
+    reply(std::move(answer));
+  } else if (request.type == "finish") {
+    reply(message_of("finished"));
+    finished_ = true;
+    connection_->close();
+  } else {
+    throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
+                                    request.type, protocol_version));
+  }
+}
+
+void Participant::write_if_asked(const Message& request) {
+  if (request.boolean("write_output") && output_) output_(request.number("output_time"));
+}
+
+Message Participant::next() {
+  Message request = connection_->next_request();
+  busy_ = Stopwatch();
+  return request;
+}
+
+void Participant::reply(Message message) {
+  message.fields["busy_seconds"] = busy_.seconds();
+  connection_->reply(std::move(message));
+}
+
+void Participant::answer_step(Message message) {
+  guarded([&] { reply(std::move(message)); });
+  request_.reset();
+  remaining_ = 0;
+}
+
+/// Whatever fails is told to the coupler.
+template <class Action>
+void Participant::guarded(Action action) {
+  try {
+    action();
+  } catch (const std::exception& problem) {
+    connection_->abort(problem.what());
+    throw;
+  } catch (...) {
+    connection_->abort("an exception of unknown type");
+    throw;
+  }
+}
+
+void Participant::before_initialize(const char* call) const {
+  require<UsageError>(!connection_,
+                      fmt::format("{}: allowed before initialize() only, once", call));
+}
+
+void Participant::after_initialize() const {
+  require<UsageError>(connection_ != nullptr, "initialize() comes first");
+}
+
+const StepRequest& Participant::open_step(const char* call) {
+  settle();
+  require<UsageError>(request_.has_value(),
+                      fmt::format("{}: the coupling has ended; ask is_coupling_ongoing()", call));
+  return *request_;
+}
+
+const StepRequest& Participant::checked_step(const char* call) {
+  const StepRequest& request = open_step(call);
+  for (const auto& [due, question] : {std::pair(must_read_, "requires_reading_checkpoint"),
+                                      std::pair(must_write_, "requires_writing_checkpoint")}) {
+    require<UsageError>(
+        !due,
+        fmt::format("{}: ask {}() in this step first; not to do so would spoil repeated steps",
+                    call, question));
+  }
+  return request;
+}
+
+const InterfaceMesh& Participant::mesh(const std::string& name) const {
+  const auto found = std::find_if(meshes_.begin(), meshes_.end(),
+                                  [&](const InterfaceMesh& m) { return m.name == name; });
+  std::vector<std::string> names;
+  for (const InterfaceMesh& surface : meshes_) names.push_back(surface.name);
+  require<UsageError>(found != meshes_.end(),
+                      fmt::format("found interface \"{}\", allowed: {}", name, names));
+  return *found;
+}
+
+std::size_t Participant::num_values(const std::string& interface) const {
+  return mesh(interface).coordinates.size();
+}
+
+}  // namespace gabion

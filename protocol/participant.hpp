@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/solver.hpp"
+#include "common/base/timer.hpp"
+#include "protocol/connection.hpp"
+
+namespace gabion {
+
+/// A call in the wrong order, or with values that do not fit. The message says what is allowed.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 2; }
+};
+
+/// One coupler, driven by the time loop of a foreign code; serve() is the face for codes that are
+/// driven.
+///
+///     Participant participant(settings);
+///     participant.set_interface("wall", coordinates, 2, facets);
+///     participant.initialize();
+///     while (participant.is_coupling_ongoing()) {
+///       if (participant.requires_writing_checkpoint()) save();
+///       const double dt = std::min(own_dt, participant.get_max_time_step_size());
+///       solve(dt, participant.read_data("wall"));
+///       participant.write_data("wall", displacement);
+///       participant.advance(dt);
+///       if (participant.requires_reading_checkpoint()) restore();
+///     }
+///     participant.finalize();
+///
+/// All calls throw UsageError, ProtocolError or Interrupted; what is wrong on the wire is final.
+class Participant {
+ public:
+  explicit Participant(ParticipantSettings settings);
+  ~Participant();  ///< before the end of the coupling: tells the coupler
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+  Participant(Participant&&) = delete;
+  Participant& operator=(Participant&&) = delete;
+
+  /// A coupled surface in its reference configuration. Before initialize().
+  /// @param coordinates         [m], num_vertices x dim, row-major
+  /// @param vertices_per_facet  2, 3, 4; 0 for bare points
+  /// @param facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out
+  ///                            of the structure: in 2D to the right of the way along the segment
+  void set_interface(const std::string& name, std::span<const double> coordinates,
+                     int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
+  /// Numbers that the run shall record. Before initialize().
+  /// @param values  in the initial state, as many as names
+  void set_probes(std::vector<std::string> names, std::span<const double> values);
+  /// Values of the probes at the end of the step, before advance().
+  void write_probes(std::span<const double> values);
+  /// `write(time)` [s] is called when the coupler wants the accepted state on disk, which then is
+  /// the code's current state. Without it the code writes when it likes, such as after
+  /// is_time_window_complete(). Before initialize().
+  void set_output(std::function<void(double)> write);
+  /// What summary.json shall say of this participant.
+  void set_summary(Json summary);
+
+  /// Connect, introduce, and wait for the first step.
+  void initialize();
+  /// Settings of the run as the coupler gave them: end time, dt, folders.
+  const Json& run_settings() const;
+
+  /// Whether there is a step to solve. Tells the coupler that the last one is done with, and waits
+  /// for the next.
+  bool is_coupling_ongoing();
+  /// Whether the last advance() ended with an accepted step.
+  bool is_time_window_complete() const;
+  /// [s] that are left of the open step; 0 after the end.
+  double get_max_time_step_size();
+  /// [s] of the accepted state from which the open step starts.
+  double get_time();
+
+  /// Whether to save the current, accepted state. To ask is the promise to do so.
+  bool requires_writing_checkpoint();
+  /// Whether to go back to the state that was saved. To ask is the promise to do so.
+  bool requires_reading_checkpoint();
+
+  /// Received values at the end of the step, num_vertices x dim: force [N] or displacement [m].
+  std::vector<double> read_data(const std::string& interface);
+  /// Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N].
+  void write_data(const std::string& interface, std::span<const double> values);
+
+  /// The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step:
+  /// send what was written, and wait for the verdict.
+  void advance(double dt, const StepReport& report = {});
+  /// Instead of advance(): the open step has no solution. The coupler will try a smaller one; go
+  /// back to the saved state.
+  void fail_step(const std::string& reason);
+
+  /// Close. Before the end of the coupling: tell the coupler that this participant gives up.
+  void finalize();
+
+  /// Number of values of an interface, num_vertices x dim.
+  std::size_t num_values(const std::string& interface) const;
+
+ private:
+  void settle();
+  void await_step();
+  void await_verdict();
+  void accepted(const Message& request);
+  void other_request(const Message& request);
+  void write_if_asked(const Message& request);
+  Message next();
+  void reply(Message message);
+  void answer_step(Message message);
+  template <class Action>
+  void guarded(Action action);
+
+  void before_initialize(const char* call) const;
+  void after_initialize() const;
+  const StepRequest& open_step(const char* call);
+  const StepRequest& checked_step(const char* call);
+  const InterfaceMesh& mesh(const std::string& name) const;
+
+  ParticipantSettings settings_;
+  std::vector<InterfaceMesh> meshes_;
+  std::vector<std::string> probe_names_;
+  std::vector<double> probes_;           // of the code's current state
+  std::vector<double> accepted_probes_;  // of the accepted state
+  std::function<void(double)> output_;
+  Json summary_ = Json::object();
+  std::unique_ptr<Connection> connection_;  // after initialize()
+
+  std::optional<StepRequest> request_;  // the open solve_step
+  std::optional<Message> pending_;      // answer that waits until the code has done its part
+  InterfaceValues received_;
+  InterfaceValues written_;
+  double remaining_ = 0;                         // [s] of the open step
+  Stopwatch busy_;                               // since the request under way came
+  bool must_write_ = false, must_read_ = false;  // checkpoints that were not asked for yet
+  bool has_solution_ = false;
+  bool window_complete_ = false;
+  bool finished_ = false;
+};
+
+}  // namespace gabion

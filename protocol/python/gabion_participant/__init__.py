@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Couple a Python code with Gabion; the contract is protocol/README.md. Needs numpy and pyzmq.
+
+serve(solver, settings)   for codes that offer a few functions: derive from Solver
+Participant(settings)     for codes that keep their own time loop
+"""
+
+from .connection import Connection
+from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageError
+from .handshake import PROTOCOL_VERSION, ParticipantSettings
+from .participant import Participant
+from .service import serve, serve_over
+from .solver import AcceptReport, InterfaceMesh, InterfaceValues, Solver, StepReport, StepRequest
+
+__all__ = ["PROTOCOL_VERSION", "AcceptReport", "Connection", "ConvergenceError", "InterfaceMesh",
+           "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
+           "Solver", "StepReport", "StepRequest", "UsageError", "serve", "serve_over"]

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What can go wrong, by what the caller can do about it."""
+
+
+class ParticipantError(Exception):
+    """Base of the errors of this package. Each ends the run, except ConvergenceError."""
+
+
+class ConvergenceError(ParticipantError):
+    """The step has no solution; the accepted state is untouched. The coupler tries a smaller dt."""
+
+
+class ProtocolError(ParticipantError):
+    """The coupler was lost, refused this participant, ended the run, or spoke something else."""
+
+
+class UsageError(ParticipantError):
+    """A call in the wrong order, or with values that do not fit. The message says what is allowed."""

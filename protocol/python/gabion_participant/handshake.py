@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hello and welcome (protocol/README.md, sections 4 and 7), step requests and values."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .errors import ProtocolError, UsageError
+from .message import Message, require_finite
+from .process import ProcessIdentity, this_process
+from .solver import AcceptReport, InterfaceMesh, InterfaceValues, StepReport, StepRequest
+
+PROTOCOL_VERSION = "1.0"
+SIGN_CONVENTION = "displacement: total from reference; force: by soil on structure"
+UNITS = {"displacement": "m", "force": "N"}
+NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")
+
+
+@dataclass
+class ParticipantSettings:
+    """Who takes part, and where the coupler listens."""
+
+    name: str  # of the participant in coupler.json
+    endpoint: str  # such as "tcp://127.0.0.1:5555"
+    dimension: int  # 2 or 3
+    receives: str = "force"  # a structure receives force and sends displacement, a soil the reverse
+    program: str = "python"  # for messages
+    program_version: str = "0"
+    scene_hash: str = ""  # "" = this code does not read the scene
+    connect_deadline: float = 30.0  # [s] until the coupler has answered
+    # End this process when the coupler is lost while the solver computes. A library inside another program
+    # says false and notices the loss when its solver returns.
+    exit_when_coupler_is_lost: bool = True
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise UsageError(f'name: found "{self.name}", allowed: 1 to 64 letters, digits, "_", "-" or "."')
+        if self.dimension not in (2, 3):
+            raise UsageError(f"dimension: found {self.dimension}, allowed: 2 or 3")
+        if self.receives not in UNITS:
+            raise UsageError(f'receives: found "{self.receives}", allowed: {", ".join(UNITS)}')
+        if not self.connect_deadline > 0:
+            raise UsageError(f"connect_deadline: found {self.connect_deadline}, allowed: > 0 s")
+
+    @property
+    def sends(self) -> str:
+        return "displacement" if self.receives == "force" else "force"
+
+
+@dataclass
+class Welcome:
+    """What the coupler answers to an accepted hello. Times in s."""
+
+    protocol: str
+    process: ProcessIdentity
+    silence_deadline: float
+    idle_deadline: float
+    heartbeat: float
+    run: dict[str, Any] = field(default_factory=dict)  # settings of the run: end time, dt, folders
+
+
+def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> None:
+    """Raise UsageError for a mesh that the coupler would refuse."""
+    names = [mesh.name for mesh in interfaces]
+    if not names or len(set(names)) != len(names):
+        raise UsageError(f"interfaces: found {names}, allowed: one or more, each name once")
+    for mesh in interfaces:
+        where = f'interface "{mesh.name}"'
+        if mesh.coordinates.ndim != 2 or mesh.coordinates.shape[1] != dimension:
+            raise UsageError(f"{where}: found coordinates of shape {list(mesh.coordinates.shape)}, "
+                             f"allowed: num_vertices x {dimension}")
+        if not np.isfinite(mesh.coordinates).all():
+            raise UsageError(f"{where}: coordinates must be finite")
+        if mesh.facets is None:
+            continue
+        if mesh.facets.ndim != 2 or mesh.facets.shape[1] not in (2, 3, 4):
+            raise UsageError(f"{where}: found facets of shape {list(mesh.facets.shape)}, "
+                             "allowed: num_facets x 2, 3 or 4")
+        if mesh.facets.size and not (0 <= mesh.facets.min() and mesh.facets.max() < len(mesh.coordinates)):
+            raise UsageError(f"{where}: facets name vertices {mesh.facets.min()} to {mesh.facets.max()}, "
+                             f"allowed: 0 to {len(mesh.coordinates) - 1}")
+
+
+def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[InterfaceMesh],
+          probe_names: Sequence[str], probes: Sequence[float]) -> Message:
+    """What a participant says about itself. `probes`: values in the initial state, as many as names."""
+    check_interfaces(interfaces, settings.dimension)
+    if len(probe_names) != len(probes):
+        raise UsageError(f"probes: found {len(probes)} values, allowed: as many as names, {len(probe_names)}")
+    message = Message("hello", fields={
+        "protocol": PROTOCOL_VERSION, "participant": settings.name, "program": settings.program,
+        "program_version": settings.program_version, "session": session, "scene_hash": settings.scene_hash,
+        "dimension": settings.dimension,
+        "receives": {"quantity": settings.receives, "unit": UNITS[settings.receives]},
+        "sends": {"quantity": settings.sends, "unit": UNITS[settings.sends]},
+        "convention": SIGN_CONVENTION,
+        "interfaces": [
+            {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1]}
+            for mesh in interfaces],
+        "probe_names": list(probe_names), "heartbeat": True, "process": this_process().to_fields(),
+    })
+    for mesh in interfaces:
+        message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
+        if mesh.facets is not None:
+            message.arrays[f"facets:{mesh.name}"] = mesh.facets
+    message.arrays["probes"] = np.array(probes, dtype="<f8")
+    return message
+
+
+def major_version(version: str) -> int:
+    """The major of "major.minor"."""
+    found = re.match(r"(\d+)\.", version)
+    if not found:
+        raise ProtocolError(f'protocol version: expected "major.minor", found "{version}"')
+    return int(found[1])
+
+
+def read_welcome(message: Message) -> Welcome:
+    """Raises ProtocolError when a field is missing, or the major of the protocol is another one."""
+    protocol = message.text("protocol")
+    if major_version(protocol) != major_version(PROTOCOL_VERSION):
+        raise ProtocolError(f"protocol version: coupler {protocol}, participant {PROTOCOL_VERSION}")
+    process = message.object("process")
+    return Welcome(protocol,
+                   ProcessIdentity(process.text("host"), process.integer("pid"),
+                                   process.integer("start_time")),
+                   message.positive_number("silence_deadline"), message.positive_number("idle_deadline"),
+                   message.positive_number("heartbeat"), message.object("run").fields)
+
+
+def read_step_request(message: Message) -> StepRequest:
+    return StepRequest(message.integer("step"), message.count("iteration"), message.number("time"),
+                       message.positive_number("dt"))
+
+
+def read_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh]) -> InterfaceValues:
+    """One array "<quantity>:<interface>" of num_vertices x dim an interface; none at all: free interfaces,
+    {}."""
+    if not message.arrays:
+        return {}
+    values = {mesh.name: message.reals(f"{quantity}:{mesh.name}", mesh.coordinates.shape)
+              for mesh in interfaces}
+    if len(message.arrays) != len(values):
+        raise ProtocolError(
+            f'message "{message.type}": expected {len(values)} arrays, found {len(message.arrays)}')
+    return values
+
+
+def put_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh],
+               values: InterfaceValues) -> None:
+    """Raises UsageError for a missing or unknown interface and another shape, ProtocolError for NaN or
+    infinity."""
+    names = [mesh.name for mesh in interfaces]
+    if set(values) != set(names):
+        raise UsageError(f"{quantity}: found values of interfaces {sorted(values)}, allowed: {sorted(names)}")
+    for mesh in interfaces:
+        array = np.asarray(values[mesh.name], dtype="<f8")
+        if array.shape != mesh.coordinates.shape:
+            raise UsageError(f'{quantity} of "{mesh.name}": found shape {list(array.shape)}, '
+                             f"allowed: {list(mesh.coordinates.shape)}")
+        require_finite(array, f"{quantity}:{mesh.name}")
+        message.arrays[f"{quantity}:{mesh.name}"] = array
+
+
+def plain(value: Any) -> Any:
+    """Numbers of numpy as Python's own; NaN and infinity, which JSON lacks, as null."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def solved(report: StepReport) -> Message:
+    return Message("solved", fields={
+        "newton_iterations": int(report.newton_iterations),
+        "linear_iterations": int(report.linear_iterations),
+        "interface_active": bool(report.interface_active), "details": plain(report.details)})
+
+
+def accepted(report: AcceptReport, probes: Sequence[float]) -> Message:
+    return Message("accepted", fields={
+        "at_rest": bool(report.at_rest), "proposed_dt": float(report.proposed_dt),
+        "details": plain(report.details),
+    }, arrays={"probes": np.array(probes, dtype="<f8")})

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""serve(solver): for codes that offer a few functions."""
+
+import time
+
+from .connection import Connection
+from .errors import ConvergenceError, ProtocolError
+from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, plain, put_values, read_step_request,
+                        read_values, solved)
+from .message import Message
+from .solver import Solver
+
+
+class Service:
+    """The solver as the coupler's requests drive it."""
+
+    def __init__(self, solver: Solver, settings: ParticipantSettings) -> None:
+        self._solver = solver
+        self._settings = settings
+        self._interfaces = solver.interfaces()
+        self._has_solution = False
+
+    def answer(self, request: Message) -> Message:
+        begin = time.monotonic()
+        reply = self._dispatch(request)
+        reply.fields["busy_seconds"] = time.monotonic() - begin
+        return reply
+
+    def _dispatch(self, request: Message) -> Message:
+        match request.type:
+            case "solve_step":
+                return self._solve(request)
+            case "accept_step":
+                return self._accept(request)
+            case "reject_step":
+                self._solver.reject_step()
+                self._has_solution = False
+                return Message("rejected")
+            case "write_output":
+                self._solver.write_output(request.number("time"))
+                return Message("written")
+            case "summarize":
+                return Message("summary", fields={"summary": plain(self._solver.summary())})
+            case "finish":
+                return Message("finished")
+        raise ProtocolError(
+            f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
+
+    def _solve(self, request: Message) -> Message:
+        received = read_values(request, self._settings.receives, self._interfaces)
+        self._has_solution = False
+        try:
+            values, report = self._solver.solve_step(read_step_request(request), received)
+        except ConvergenceError as problem:
+            return Message("failed", fields={"reason": str(problem)})
+        reply = solved(report)
+        put_values(reply, self._settings.sends, self._interfaces, values)
+        self._has_solution = True
+        return reply
+
+    def _accept(self, request: Message) -> Message:
+        step = read_step_request(request)
+        was_solved = request.boolean("solved")
+        if was_solved and not self._has_solution:
+            raise ProtocolError(f"the coupler accepts step {step.step}, which has no solution")
+        report = self._solver.accept_step(step, was_solved)
+        self._has_solution = False
+        if request.boolean("write_output"):
+            self._solver.write_output(request.number("output_time"))
+        return accepted(report, self._solver.probes())
+
+
+def serve(solver: Solver, settings: ParticipantSettings) -> None:
+    """Do what the coupler asks until the run is finished.
+
+    A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is
+    told to the coupler too, ends the run and goes on to the caller. Raises ProtocolError: refused, coupler
+    lost, run ended.
+    """
+    with Connection(settings) as connection:
+        serve_over(solver, connection)
+
+
+def serve_over(solver: Solver, connection: Connection) -> None:
+    """The same over a connection that the caller made, so as to read run_settings() after its handshake."""
+    if connection.welcome is None:
+        connection.handshake(solver.interfaces(), solver.probe_names(), solver.probes())
+    service = Service(solver, connection.settings)
+    while True:
+        request = connection.next_request()
+        connection.reply(service.answer(request))
+        if request.type == "finish":
+            break
+    connection.close()

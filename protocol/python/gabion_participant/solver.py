@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a solver is, seen from outside: meshes, requests, reports (protocol/README.md, sections 3 to 5)."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass
+class InterfaceMesh:
+    """The surface through which a solver is coupled, in its reference configuration.
+
+    coordinates: [m], num_vertices x dim
+    facets:      num_facets x 2, 3 or 4 vertex numbers from 0; None for bare points. Normals point out of the
+                 structure: in 2D to the right of the way from the first vertex to the second, in 3D by the
+                 right hand
+    """
+
+    name: str
+    coordinates: np.ndarray
+    facets: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        self.coordinates = np.array(self.coordinates, dtype="<f8", ndmin=2)
+        if self.facets is not None:
+            self.facets = np.array(self.facets, dtype="<i8", ndmin=2)
+
+
+# Interface name -> values at its vertices, num_vertices x dim: displacement [m], total from the reference
+# configuration, or nodal force [N] of the soil on the structure (2D: per metre of thickness).
+InterfaceValues = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class StepRequest:
+    """One solution of one step: from the accepted state at `time` [s] to `time + dt` [s]."""
+
+    step: int  # 1, 2, 3, ...
+    iteration: int  # of the coupling, 0 = first solution of this step
+    time: float
+    dt: float
+
+
+@dataclass
+class StepReport:
+    """What a solver says about one solution, for the tables of the run."""
+
+    newton_iterations: int = 0
+    linear_iterations: int = 0
+    interface_active: bool = True  # false: the received values cannot change this solution, whatever they are
+    details: dict[str, float] = field(default_factory=dict)  # numbers for the log, by name
+
+
+@dataclass
+class AcceptReport:
+    """What a solver says when a step was accepted."""
+
+    at_rest: bool = False  # nothing moves and the load is balanced: steps without new load may be skipped
+    proposed_dt: float = 0.0  # [s], 0 = no opinion
+    details: dict[str, float] = field(default_factory=dict)
+
+
+class Solver(ABC):
+    """A time-stepping solver for serve().
+
+    A step is a function of the accepted state: the same `solve_step` after accept_step or
+    reject_step gives the same bits. Whatever a
+    solution changes must be restored before the next one, except by `accept_step`.
+    """
+
+    @abstractmethod
+    def interfaces(self) -> list[InterfaceMesh]:
+        """The coupled surfaces."""
+
+    @abstractmethod
+    def solve_step(self, request: StepRequest,
+                   received: InterfaceValues) -> tuple[InterfaceValues, StepReport]:
+        """Solve from the accepted state. `received`: values at the end of the step; empty means free
+        interfaces.
+
+        Returns the values to send, of all interfaces. Raises ConvergenceError when there is no solution: the
+        coupler repeats the step with a smaller dt.
+        """
+
+    @abstractmethod
+    def accept_step(self, request: StepRequest, solved: bool) -> AcceptReport:
+        """Make the last solution the accepted state. `solved` false: this solver was skipped, only time goes
+        on."""
+
+    def reject_step(self) -> None:
+        """Forget the last solution. Nothing to do where solve_step starts from the accepted state anyway."""
+
+    def write_output(self, time: float) -> None:
+        """Write the accepted state to disk; called at time 0 [s] too."""
+
+    def probe_names(self) -> list[str]:
+        """Names of the numbers that the run shall record of this solver."""
+        return []
+
+    def probes(self) -> list[float]:
+        """Their values in the accepted state; NaN is allowed."""
+        return []
+
+    def summary(self) -> dict[str, Any]:
+        """Methods that ran, counts, wall seconds, for the run's summary.json."""
+        return {}

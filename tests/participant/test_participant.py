@@ -1,0 +1,240 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Participant: a foreign time loop, its checkpoints, and calls in the wrong order."""
+
+import unittest
+
+import numpy as np
+from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
+from gabion_participant import Participant, StepReport, UsageError
+
+STEP = 0.1  # [s] of the coupler
+
+
+class Loop:
+    """A code with a loop of its own: du/dt = f / 4 at every vertex, explicit Euler with steps of at most
+    `own_dt`."""
+
+    def __init__(self, settings, own_dt: float = 1.0, writes: bool = True) -> None:
+        self.u, self.saved = 0.0, 0.0
+        self.own_dt = own_dt
+        self.calls: list[str] = []
+        self.fails_above = np.inf  # [N]
+        self.participant = Participant(settings)
+        self.participant.set_interface("wall", SQUARE, SEGMENTS)
+        self.participant.set_probes({"u": 0.0})
+        self.participant.set_summary({"method": "Euler"})
+        if writes:
+            self.participant.set_output(lambda time: self.calls.append(f"write {time:g} u {self.u:g}"))
+
+    def run(self) -> None:
+        participant = self.participant
+        participant.initialize()
+        while participant.is_coupling_ongoing():
+            if participant.requires_writing_checkpoint():
+                self.saved = self.u
+                self.calls.append(f"save {self.u:g}")
+            dt = min(self.own_dt, participant.get_max_time_step_size())
+            force = participant.read_data("wall")
+            self.step(dt, force)
+            if participant.requires_reading_checkpoint():
+                self.u = self.saved
+                self.calls.append(f"restore {self.u:g}")
+            if participant.is_time_window_complete():
+                self.calls.append("complete")
+        participant.finalize()
+
+    def step(self, dt: float, force: np.ndarray) -> None:
+        self.u += dt * force[0, 0] / 4
+        self.participant.write_data("wall", np.full((3, 2), self.u))
+        self.participant.set_probes({"u": self.u})
+        if force[0, 0] > self.fails_above:
+            self.participant.fail_step("too much")
+        else:
+            self.participant.advance(dt, StepReport(newton_iterations=7))
+
+
+class OwnLoop(ParticipantCase):
+    def begin(self, **how) -> Loop:
+        loop = Loop(self.settings(), **how)
+        self.start(loop.run)
+        hello = self.coupler.welcome()
+        self.assertEqual(hello.fields["probe_names"], ["u"])
+        return loop
+
+    def displacement(self, reply) -> float:
+        self.assertEqual(reply.type, "solved")
+        values = reply.arrays["displacement:wall"]
+        np.testing.assert_array_equal(values, np.full((3, 2), values[0, 0]))
+        return values[0, 0]
+
+    def test_repeat_reject_cut_and_accept(self) -> None:
+        loop, coupler = self.begin(), self.coupler
+        self.assertEqual(coupler.ask("write_output", time=0.0).type, "written")
+        first = coupler.solve(1, 8.0)
+        self.assertEqual(first.fields["newton_iterations"], 7)
+        self.assertEqual(self.displacement(first), 0.2)
+        self.assertEqual(self.displacement(coupler.solve(1, 4.0, 1)), 0.1)
+        self.assertEqual(self.displacement(coupler.solve(1, 8.0, 2)), 0.2)
+        self.assertEqual(coupler.ask("reject_step").type, "rejected")
+        self.assertEqual(coupler.ask("write_output", time=0.0).type, "written")  # the accepted state, u = 0
+        self.assertEqual(self.displacement(coupler.solve(1, 8.0, dt=0.05)), 0.1)
+        accepted = coupler.accept(1, write_output=True, output_time=0.05)
+        self.assertEqual((accepted.type, accepted.arrays["probes"][0]), ("accepted", 0.1))
+        self.assertEqual(coupler.ask("reject_step").type, "rejected")  # nothing to forget
+        self.assertAlmostEqual(self.displacement(coupler.solve(2, 4.0)), 0.2, delta=1e-16)
+        self.assertEqual(coupler.ask("summarize").fields["summary"], {"method": "Euler"})
+        accepted = coupler.accept(2)
+        self.assertAlmostEqual(accepted.arrays["probes"][0], 0.2, delta=1e-16)
+        self.assertEqual(coupler.ask("finish").type, "finished")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls, ["write 0 u 0", "save 0", "restore 0", "restore 0", "restore 0", "write 0 u 0",
+                                      "write 0.05 u 0.1", "complete", "save 0.1", "complete"])
+
+    def test_a_skipped_step_changes_nothing(self) -> None:
+        loop, coupler = self.begin(), self.coupler
+        coupler.solve(1, 8.0)
+        coupler.accept(1)
+        self.assertEqual(coupler.accept(2, solved=False).arrays["probes"][0], 0.2)
+        coupler.solve(3, 4.0)
+        self.assertEqual(coupler.accept(3, solved=False).arrays["probes"][0], 0.2)  # asked, but not taken
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.u, 0.2)
+
+    def test_a_failed_step_is_repeated(self) -> None:
+        loop, coupler = self.begin(), self.coupler
+        loop.fails_above = 5.0
+        reply = coupler.solve(1, 8.0)
+        self.assertEqual((reply.type, reply.fields["reason"]), ("failed", "too much"))
+        self.assertEqual(coupler.ask("reject_step").type, "rejected")
+        self.assertAlmostEqual(self.displacement(coupler.solve(1, 4.0, dt=0.05)), 0.05, delta=1e-16)
+        coupler.accept(1)
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls, ["save 0", "restore 0", "complete"])
+
+    def test_steps_of_its_own(self) -> None:
+        loop, coupler = self.begin(own_dt=0.03), self.coupler
+        for _ in range(2):  # four sub-steps, and none is left over from round-off
+            self.assertAlmostEqual(self.displacement(coupler.solve(1, 8.0)), 0.2, delta=1e-15)
+        coupler.accept(1)
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls, ["save 0", "restore 0", "complete"])
+
+    def test_free_interfaces_carry_no_force(self) -> None:
+        self.begin()
+        self.assertEqual(self.displacement(self.coupler.solve(1, None)), 0.0)
+        self.coupler.accept(1)
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_writing_in_the_middle_of_a_step(self) -> None:
+        for writes, answer in ((False, "written"), (True, "abort")):
+            with self.subTest(writes=writes):
+                self.problem = None
+                self.begin(writes=writes)
+                self.coupler.solve(1, 8.0)
+                self.assertEqual(self.coupler.ask("write_output", time=0.0).type, answer)
+                if not writes:
+                    self.coupler.accept(1)
+                    self.coupler.ask("finish")
+                self.assertIn("between steps only" if writes else "", self.end())
+
+    def test_the_code_gives_up(self) -> None:
+        def give_up() -> None:
+            participant = Participant(self.settings())
+            participant.set_interface("wall", SQUARE)
+            participant.initialize()
+            participant.finalize()
+
+        self.start(give_up)
+        hello = self.coupler.welcome()
+        self.assertEqual(hello.fields["interfaces"], [{"name": "wall", "vertices_per_facet": 0}])
+        self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=0, time=0.0, dt=STEP)
+        reply = self.coupler.receive()
+        self.assertEqual(reply.type, "abort")
+        self.assertEqual(reply.fields["reason"], "the participant ended before the run was finished")
+        self.assertEqual(self.end(), "")
+
+
+class WrongCalls(ParticipantCase):
+    """Each is an error with the name of what is allowed."""
+
+    def expect(self, words: str, body) -> None:
+        def run() -> None:
+            participant = Participant(self.settings())
+            participant.set_interface("wall", SQUARE, SEGMENTS)
+            participant.set_probes({"u": 0.0})
+            participant.initialize()
+            try:
+                body(participant)
+            finally:
+                participant.finalize()
+
+        self.problem = None
+        self.start(run)
+        self.coupler.welcome()
+        self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=0, time=0.0, dt=STEP)
+        self.assertEqual(self.coupler.receive().type, "abort")
+        self.assertRegex(self.end(), f"UsageError: .*{words}")
+
+    def test_before_initialize(self) -> None:
+        for call in ("is_coupling_ongoing", "get_max_time_step_size", "is_time_window_complete", "run_settings",
+                     "requires_writing_checkpoint", "requires_reading_checkpoint"):
+            with self.subTest(call), self.assertRaisesRegex(UsageError, "initialize.. comes first"):
+                getattr(Participant(self.settings()), call)()
+        with self.assertRaisesRegex(UsageError, "one or more"):
+            Participant(self.settings()).initialize()
+
+    def test_after_initialize(self) -> None:
+        self.expect("set_interface: allowed before initialize", lambda p: p.set_interface("roof", SQUARE))
+        self.expect("initialize: allowed before initialize", lambda p: p.initialize())
+        self.expect("set_probes: found .'v'., allowed: the names given at first", lambda p: p.set_probes({"v": 1.0}))
+
+    def test_steps(self) -> None:
+        def ready(participant: Participant) -> Participant:
+            participant.requires_writing_checkpoint()
+            participant.write_data("wall", SQUARE)
+            return participant
+
+        self.expect("ask requires_writing_checkpoint", lambda p: p.advance(STEP))
+        self.expect("found dt 0.11 s, allowed: > 0 and at most 0.1 s", lambda p: ready(p).advance(0.11))
+        self.expect("found dt 0 s", lambda p: ready(p).advance(0))
+        self.expect("found interface \"roof\", allowed: wall", lambda p: p.read_data("roof"))
+        self.expect("found shape .6. for", lambda p: p.write_data("wall", np.zeros(6)))
+
+        def silent(participant: Participant) -> None:
+            participant.requires_writing_checkpoint()
+            participant.advance(STEP)
+
+        self.expect("displacement: found values of interfaces .., allowed: .'wall'.", silent)
+
+    def test_going_on_without_going_back(self) -> None:
+        problems = []
+
+        def run() -> None:
+            participant = Participant(self.settings())
+            participant.set_interface("wall", SQUARE)
+            participant.initialize()
+            for _ in range(2):
+                participant.requires_writing_checkpoint()
+                participant.write_data("wall", SQUARE)
+                try:
+                    participant.advance(STEP)
+                except UsageError as problem:
+                    problems.append(str(problem))
+            participant.finalize()
+
+        self.start(run)
+        self.coupler.welcome()
+        self.coupler.solve(1, 1.0)
+        self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=1, time=0.0, dt=STEP)
+        self.assertEqual(self.coupler.receive().type, "abort")
+        self.assertEqual(self.end(), "")
+        self.assertRegex(problems[0], "ask requires_reading_checkpoint")
+
+
+if __name__ == "__main__":
+    unittest.main()

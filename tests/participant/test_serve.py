@@ -1,0 +1,267 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""serve(): handshake, requests, failures, deadlines."""
+
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
+from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, Solver, StepReport, UsageError, serve)
+from gabion_participant.message import Message
+from gabion_participant.process import ProcessIdentity, read_stat, this_host
+
+
+class Spring(Solver):
+    """u = f / stiffness + what the accepted steps have added."""
+
+    def __init__(self) -> None:
+        self.accepted, self.trial = 0.0, 0.0
+        self.calls: list[str] = []
+        self.seconds = 0.0  # [s] that a solution takes
+        self.answer = None  # instead of the right one
+        self.problem: Exception | None = None
+
+    def interfaces(self) -> list[InterfaceMesh]:
+        return [InterfaceMesh("wall", SQUARE, SEGMENTS)]
+
+    def solve_step(self, request, received):
+        time.sleep(self.seconds)
+        if self.problem:
+            raise self.problem
+        self.trial = self.accepted + request.dt
+        u = np.full((3, 2), self.accepted) + (received["wall"] / 4 if received else 0)
+        answer = {"wall": u} if self.answer is None else self.answer
+        return answer, StepReport(2, 5, True, {"energy": np.float64("nan")})
+
+    def accept_step(self, request, solved):
+        self.calls.append(f"accept {solved}")
+        if solved:
+            self.accepted = self.trial
+        return AcceptReport(at_rest=not solved, proposed_dt=0.25)
+
+    def reject_step(self):
+        self.calls.append("reject")
+
+    def write_output(self, time):
+        self.calls.append(f"write {time}")
+
+    def probe_names(self):
+        return ["tip"]
+
+    def probes(self):
+        return [self.accepted]
+
+    def summary(self):
+        return {"steps": np.int64(2)}
+
+
+class Serve(ParticipantCase):
+    def begin(self, **changes) -> Message:
+        self.solver = Spring()
+        self.start(lambda: serve(self.solver, self.settings(**changes)))
+        return self.coupler.welcome()
+
+    def test_a_whole_run(self) -> None:
+        hello = self.begin(program="spring", program_version="3")
+        self.assertEqual(hello.fields["receives"], {"quantity": "force", "unit": "N"})
+        self.assertEqual(hello.fields["sends"], {"quantity": "displacement", "unit": "m"})
+        self.assertEqual((hello.fields["program"], hello.fields["program_version"]), ("spring", "3"))
+        np.testing.assert_array_equal(hello.arrays["coordinates:wall"], SQUARE)
+        np.testing.assert_array_equal(hello.arrays["facets:wall"], SEGMENTS)
+        coupler = self.coupler
+        self.assertEqual(coupler.ask("write_output", time=0.0).type, "written")
+        reply = coupler.solve(1, 2.0)
+        np.testing.assert_array_equal(reply.arrays["displacement:wall"], np.full((3, 2), 0.5))
+        self.assertEqual(reply.type, "solved")
+        self.assertEqual((reply.fields["newton_iterations"], reply.fields["linear_iterations"]), (2, 5))
+        self.assertEqual(reply.fields["details"], {"energy": None})
+        self.assertGreaterEqual(reply.fields["busy_seconds"], 0)
+        self.assertEqual(coupler.ask("reject_step").type, "rejected")
+        self.assertEqual(coupler.solve(1, 2.0, dt=0.05).type, "solved")
+        reply = coupler.accept(1, write_output=True, output_time=0.05)
+        self.assertEqual((reply.type, reply.arrays["probes"][0], reply.fields["proposed_dt"]), ("accepted", 0.05, 0.25))
+        np.testing.assert_array_equal(coupler.solve(2, None).arrays["displacement:wall"], np.full((3, 2), 0.05))
+        self.assertTrue(coupler.accept(2, solved=False).fields["at_rest"])
+        self.assertEqual(coupler.ask("summarize").fields["summary"], {"steps": 2})
+        self.assertEqual(coupler.ask("finish").type, "finished")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(self.solver.calls, ["write 0.0", "reject", "accept True", "write 0.05", "accept False"])
+
+    def test_a_step_without_solution_is_the_couplers_business(self) -> None:
+        self.begin()
+        self.solver.problem = ConvergenceError("dt too large")
+        reply = self.coupler.solve(1, 1.0)
+        self.assertEqual((reply.type, reply.fields["reason"]), ("failed", "dt too large"))
+        self.solver.problem = None
+        self.assertEqual(self.coupler.solve(1, 1.0).type, "solved")
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_any_other_exception_ends_the_run(self) -> None:
+        self.begin()
+        self.solver.problem = ZeroDivisionError("no stiffness")
+        reply = self.coupler.solve(1, 1.0)
+        self.assertEqual((reply.type, reply.fields["reason"]), ("abort", "no stiffness"))
+        self.assertEqual(self.end(), "ZeroDivisionError: no stiffness")
+
+    def test_wrong_answers_are_not_sent(self) -> None:
+        nan = np.zeros((3, 2))
+        nan[1, 0] = np.nan
+        for answer, words in (({"wall": nan}, '"displacement:wall" is nan at vertex 1, component 0'),
+                              ({"wall": np.zeros(6)}, "found shape [6], allowed: [3, 2]"),
+                              ({}, "found values of interfaces [], allowed: ['wall']")):
+            with self.subTest(words):
+                self.problem = None
+                self.begin()
+                self.solver.answer = answer
+                reply = self.coupler.solve(1, 1.0)
+                self.assertEqual(reply.type, "abort")
+                self.assertIn(words, reply.fields["reason"])
+                self.assertIn(words, self.end())
+
+    def test_wrong_requests_end_the_run(self) -> None:
+        force = {"force:wall": np.zeros((3, 2))}
+        step = {"step": 1, "iteration": 0, "time": 0.0, "dt": 0.1}
+        for kind, arrays, fields, words in (
+                ("solve_step", {"force:wall": np.zeros((2, 2))}, step, "shape [3, 2]"),
+                ("solve_step", {"force:wall": np.full((3, 2), np.inf)}, step, "is inf at vertex 0"),
+                ("solve_step", force | {"force:roof": np.zeros((3, 2))}, step, "expected 1 arrays, found 2"),
+                ("solve_step", force, step | {"dt": 0.0}, "a number > 0"),
+                ("solve_step", force, {"step": 1}, '"iteration"'),
+                ("accept_step", {}, step | {"solved": True, "write_output": False}, "step 1, which has no solution"),
+                ("dance", {}, {}, 'asked for "dance"')):
+            with self.subTest(words):
+                self.problem = None
+                self.begin()
+                reply = self.coupler.ask(kind, arrays, **fields)
+                self.assertEqual(reply.type, "abort")
+                self.assertIn(words, reply.fields["reason"])
+                self.assertIn(words, self.end())
+
+    def test_a_repeated_sequence_number_ends_the_run(self) -> None:
+        self.begin()
+        self.coupler.ask("reject_step")
+        self.coupler.send(Message("reject_step", 1))
+        self.assertEqual(self.coupler.receive().type, "abort")
+        self.assertIn('"reject_step" with sequence number 1 after 1', self.end())
+
+    def test_broken_frames_end_the_run(self) -> None:
+        self.begin()
+        self.coupler.send_frames([b"{"])
+        self.assertEqual(self.coupler.receive().type, "abort")
+        self.assertIn("sent a message that is not understood: header frame is not JSON", self.end())
+
+    def test_the_couplers_abort_is_told(self) -> None:
+        self.begin()
+        self.coupler.send(Message("abort", 0, {"reason": "disk full"}))
+        self.assertEqual(self.end(), "ProtocolError: the coupler ended the run: disk full")
+
+
+class Handshake(ParticipantCase):
+    def test_refusal_is_told(self) -> None:
+        self.start(lambda: serve(Spring(), self.settings()))
+        self.coupler.receive()
+        self.coupler.send(Message("refused", 0, {"reason": "dimension: coupler 3, participant 2", "mismatches": []}))
+        self.assertIn('refused participant "structure": dimension: coupler 3, participant 2', self.end())
+
+    def test_another_major_version(self) -> None:
+        self.start(lambda: serve(Spring(), self.settings()))
+        self.coupler.welcome(protocol="2.0")
+        self.assertIn("protocol version: coupler 2.0, participant 1.0", self.end())
+
+    def test_a_newer_minor_version_with_unknown_fields(self) -> None:
+        self.start(lambda: serve(Spring(), self.settings()))
+        self.coupler.welcome(protocol="1.7", more="of it")
+        self.assertEqual(self.coupler.ask("finish").type, "finished")
+        self.assertEqual(self.end(), "")
+
+    def test_nobody_answers(self) -> None:
+        self.start(lambda: serve(Spring(), self.settings(connect_deadline=0.3)))
+        self.assertRegex(self.end(), r"no answer from a coupler at tcp://127.0.0.1:\d+ within 0.3 s")
+
+    def test_settings_are_checked(self) -> None:
+        for change, words in (({"name": "a b"}, "letters, digits"), ({"dimension": 4}, "2 or 3"),
+                              ({"receives": "heat"}, "displacement, force"), ({"connect_deadline": 0}, "> 0 s")):
+            with self.subTest(words), self.assertRaisesRegex(UsageError, words):
+                self.settings(**change)
+
+    def test_meshes_are_checked_before_they_are_sent(self) -> None:
+        for mesh, words in ((InterfaceMesh("wall", np.zeros((3, 3))), "num_vertices x 2"),
+                            (InterfaceMesh("wall", SQUARE * np.nan), "finite"),
+                            (InterfaceMesh("wall", SQUARE, [[0, 3]]), "vertices 0 to 3, allowed: 0 to 2"),
+                            (InterfaceMesh("wall", SQUARE, [[0]]), "num_facets x 2, 3 or 4")):
+            solver = Spring()
+            solver.interfaces = lambda mesh=mesh: [mesh]
+            with self.subTest(words), self.assertRaisesRegex(UsageError, words):
+                serve(solver, self.settings())
+
+
+class Deadlines(ParticipantCase):
+    def begin(self, **welcome) -> Spring:
+        solver = Spring()
+        self.start(lambda: serve(solver, self.settings()))
+        self.coupler.welcome(**welcome)
+        return solver
+
+    def test_signs_of_life_while_it_computes(self) -> None:
+        solver = self.begin()
+        solver.seconds = 0.6
+        self.coupler.solve(12, 1.0, iteration=3)
+        phases = [message.fields["phase"] for message in self.coupler.alive]
+        self.assertGreaterEqual(phases.count("solve_step 12 iteration 3"), 2)
+        self.assertEqual({message.fields["participant"] for message in self.coupler.alive}, {"structure"})
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_a_silent_coupler(self) -> None:
+        self.begin(silence_deadline=0.4)
+        self.assertRegex(self.end(), r"the coupler \(pid \d+\) is silent for .* s \(limit 0.4 s, option "
+                                     'protocol/silence_deadline in coupler.json.*phase "coupling"')
+
+    def test_signs_of_life_keep_it_waiting(self) -> None:
+        self.begin(silence_deadline=0.4)
+        for _ in range(8):
+            self.coupler.send(Message("alive", 0, {"phase": "acceleration", "seconds": 1.0}))
+            self.coupler.listen(0.1)
+        self.assertEqual(self.coupler.ask("finish").type, "finished")
+        self.assertEqual(self.end(), "")
+
+    def test_an_idle_coupler(self) -> None:
+        self.begin(idle_deadline=0.3)
+        self.assertRegex(self.end(), r"alive but has asked nothing for .* s \(limit 0.3 s, option protocol/idle_deadline")
+
+    def test_a_dead_coupler(self) -> None:
+        gone = ProcessIdentity(this_host(), 2**22 + 1, 1)
+        begin = time.monotonic()
+        self.begin(process=gone.to_fields())
+        self.assertIn("has died: no process", self.end())
+        self.assertLess(time.monotonic() - begin, 2)
+
+    def test_no_orphan_computes_on(self) -> None:
+        """The coupler dies while the solver computes: the process ends a second later."""
+        command = [sys.executable, str(Path(__file__).parent / "sleeper.py"), self.coupler.endpoint]
+        stand_in = subprocess.Popen(["/bin/sleep", "60"])  # whose death is the coupler's
+        orphan = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        try:
+            identity = ProcessIdentity(this_host(), stand_in.pid, read_stat(stand_in.pid)[1])
+            self.coupler.welcome(process=identity.to_fields())
+            self.coupler.request("solve_step", step=5, iteration=2, time=0.0, dt=0.1)
+            self.coupler.listen(0.3)
+            stand_in.kill()
+            begin = time.monotonic()
+            self.assertEqual(orphan.wait(10), 4)
+            self.assertLess(time.monotonic() - begin, 3)
+            self.assertRegex(orphan.stderr.read(), "has died.*this process ends in phase .solve_step 5 iteration 2")
+        finally:
+            for process in (stand_in, orphan):
+                process.kill()
+                process.wait()
+            orphan.stderr.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

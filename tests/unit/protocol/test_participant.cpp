@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Participant, driven by a loop of its own, against a coupler in this process; its C face too.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <future>
+
+#include "dummy_solver.hpp"
+#include "protocol/gabion_participant.h"
+#include "protocol/participant.hpp"
+
+namespace gabion::test {
+namespace {
+
+const std::vector<double> coordinates = {0, 0, 0, 1, 0, 2};
+const std::vector<std::int64_t> facets = {0, 1, 1, 2};
+
+/// A code with a loop of its own: du/dt = f / 4 at every vertex, explicit Euler.
+struct Loop {
+  double u = 0, saved = 0;
+  double own_dt = 1;           // [s]
+  double fails_above = 1e300;  // [N]
+  std::vector<std::string> calls;
+
+  void run(const ParticipantSettings& settings) {
+    Participant participant(settings);
+    participant.set_interface("wall", coordinates, 2, facets);
+    participant.set_probes({"tip"}, std::vector<double>{u});
+    participant.set_summary({{"method", "Euler"}});
+    participant.set_output([this](double time) { calls.push_back(fmt_call("write", time)); });
+    participant.initialize();
+    while (participant.is_coupling_ongoing()) {
+      if (participant.requires_writing_checkpoint()) {
+        saved = u;
+        calls.push_back(fmt_call("save", u));
+      }
+      step(participant, std::min(own_dt, participant.get_max_time_step_size()));
+      if (participant.requires_reading_checkpoint()) {
+        u = saved;
+        calls.push_back(fmt_call("restore", u));
+      }
+      if (participant.is_time_window_complete()) calls.push_back("complete");
+    }
+    participant.finalize();
+  }
+
+  void step(Participant& participant, double dt) {
+    const double force = participant.read_data("wall")[0];
+    u += dt * force / 4;
+    participant.write_data("wall", std::vector<double>(6, u));
+    participant.write_probes(std::vector<double>{u});
+    if (force > fails_above) return participant.fail_step("too much");
+    StepReport report;
+    report.newton_iterations = 7;
+    participant.advance(dt, report);
+  }
+
+  static std::string fmt_call(const std::string& what, double value) {
+    return what + " " + std::to_string(value).substr(0, 4);
+  }
+};
+
+/// A coupler and the loop in a thread.
+class OwnLoop : public testing::Test {
+ protected:
+  void start() {
+    server_ = std::make_unique<Server>(short_deadlines());
+    const auto settings = participant("structure", server_->endpoint());
+    end_ = std::async(std::launch::async,
+                      [this, settings] { return message_of<Error>([&] { loop_.run(settings); }); });
+    solvers_ = server_->wait_for({expected("structure")}, {{"end", 1.5}});
+  }
+  Solver& solver() { return *solvers_.at("structure"); }
+  double solve(std::int64_t step, double force, double dt = 0.1) {
+    InterfaceValues sent;
+    const StepReport report =
+        solver().solve_step({step, 0, 0.0, dt}, {{"wall", std::vector<double>(6, force)}}, sent);
+    EXPECT_EQ(report.newton_iterations, 7);
+    EXPECT_EQ(sent["wall"], std::vector<double>(6, sent["wall"][0]));
+    return sent["wall"][0];
+  }
+  AcceptReport accept(std::int64_t step, bool solved = true) {
+    return solver().accept_step({step, 0, 0.0, 0.1}, solved);
+  }
+
+  Loop loop_;
+  std::unique_ptr<Server> server_;
+  std::map<std::string, std::unique_ptr<Solver>> solvers_;
+  std::future<std::string> end_;
+};
+
+TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
+  start();
+  solver().write_output(0);
+  EXPECT_EQ(solve(1, 8), 0.2);
+  EXPECT_EQ(solve(1, 4), 0.1);
+  EXPECT_EQ(solve(1, 8), 0.2);
+  solver().reject_step();
+  solver().write_output(0);
+  EXPECT_EQ(solve(1, 8, 0.05), 0.1);
+  EXPECT_EQ(
+      static_cast<RemoteSolver&>(solver()).accept_and_write({1, 0, 0, 0.05}, true, 0.05).probes,
+      std::vector<double>{0.1});
+  solver().reject_step();
+  EXPECT_NEAR(solve(2, 4), 0.2, 1e-16);
+  EXPECT_EQ(accept(3, false).probes, std::vector<double>{0.1});  // asked, but not taken
+  EXPECT_NEAR(solve(4, 4), 0.2, 1e-16);
+  EXPECT_NEAR(accept(4).probes[0], 0.2, 1e-16);
+  EXPECT_EQ(accept(5, false).probes, accept(6, false).probes);
+  EXPECT_EQ(solver().summary()["method"], "Euler");
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+  EXPECT_EQ(loop_.calls,
+            (std::vector<std::string>{"write 0.00", "save 0.00", "restore 0.00", "restore 0.00",
+                                      "restore 0.00", "write 0.00", "write 0.05", "complete",
+                                      "save 0.10", "restore 0.10", "complete"}));
+}
+
+TEST_F(OwnLoop, AFailedStepIsRepeated) {
+  loop_.fails_above = 5;
+  start();
+  const std::string failure = message_of<ConvergenceError>([&] { solve(1, 8); });
+  EXPECT_NE(failure.find("too much"), std::string::npos) << failure;
+  solver().reject_step();
+  EXPECT_NEAR(solve(1, 4, 0.05), 0.05, 1e-16);
+  accept(1);
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+}
+
+TEST_F(OwnLoop, StepsOfItsOwn) {
+  loop_.own_dt = 0.03;
+  start();
+  for (int n = 0; n < 2; ++n) EXPECT_NEAR(solve(1, 8), 0.2, 1e-15);
+  accept(1);
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+  EXPECT_EQ(loop_.calls, (std::vector<std::string>{"save 0.00", "restore 0.00", "complete"}));
+}
+
+TEST_F(OwnLoop, TheCouplersEndIsTold) {
+  start();
+  solve(1, 8);
+  server_->abort("disk full");
+  const std::string end = end_.get();
+  EXPECT_NE(end.find("the coupler ended the run: disk full"), std::string::npos) << end;
+}
+
+/// What `body` throws when a participant, connected and with an open step, does it.
+std::string usage_error(const std::function<void(Participant&)>& body) {
+  Server server(short_deadlines());
+  const auto settings = participant("structure", server.endpoint());
+  auto end = std::async(std::launch::async, [&] {
+    return message_of<UsageError>([&] {
+      Participant participant(settings);
+      participant.set_interface("wall", coordinates, 2, facets);
+      participant.initialize();
+      body(participant);
+    });
+  });
+  auto solvers = server.wait_for({expected("structure")});
+  InterfaceValues sent;
+  const std::string lost = message_of<ProtocolError>([&] {
+    solvers.at("structure")
+        ->solve_step({1, 0, 0, 0.1}, {{"wall", std::vector<double>(6, 0)}}, sent);
+  });
+  EXPECT_NE(lost.find("ended before the run was finished"), std::string::npos) << lost;
+  return end.get();
+}
+
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+#define EXPECT_SAYS(text, part) EXPECT_PRED2(says, text, part)
+
+TEST(Participant, WrongCallsAreNamed) {
+  const std::vector<double> six(6, 0.0);
+  EXPECT_SAYS(usage_error([&](Participant& p) { p.set_interface("roof", six); }),
+              "set_interface: allowed before initialize() only");
+  EXPECT_SAYS(usage_error([&](Participant& p) { p.advance(0.1); }),
+              "advance: ask requires_writing_checkpoint()");
+  EXPECT_SAYS(usage_error([&](Participant& p) { p.read_data("roof"); }),
+              "found interface \"roof\", allowed: [\"wall\"]");
+  EXPECT_SAYS(usage_error([&](Participant& p) {
+                p.write_data("wall", {six.data(), 4});
+              }),
+              "write_data: found 4 values for \"wall\", allowed: 6");
+  EXPECT_SAYS(usage_error([&](Participant& p) {
+                p.requires_writing_checkpoint();
+                p.write_data("wall", six);
+                p.advance(0.2);
+              }),
+              "found dt 0.2 s, allowed: > 0 and at most 0.1 s");
+  EXPECT_SAYS(usage_error([&](Participant& p) {
+                p.requires_writing_checkpoint();
+                p.advance(0.1);
+              }),
+              "nothing was written for \"wall\"");
+}
+
+TEST(Participant, WrongSettingsAreNamed) {
+  auto settings = participant("structure", "tcp://127.0.0.1:9");
+  EXPECT_SAYS(message_of<UsageError>([&] { Participant(settings).is_coupling_ongoing(); }),
+              "initialize() comes first");
+  EXPECT_SAYS(message_of<UsageError>([&] { Participant(settings).initialize(); }), "found none");
+  EXPECT_SAYS(message_of<UsageError>([&] {
+                Participant p(settings);
+                p.set_interface("wall", coordinates, 2, std::vector<std::int64_t>{0, 3});
+                p.initialize();
+              }),
+              "a facet names vertex 3, there are 3");
+  EXPECT_SAYS(message_of<UsageError>([&] {
+                Participant p(settings);
+                p.set_interface("wall", {coordinates.data(), 5});
+              }),
+              "found 5 coordinates, allowed: num_vertices x 2");
+  settings.dimension = 4;
+  EXPECT_SAYS(message_of<UsageError>([&] { Participant{settings}; }), "found 4, allowed: 2 or 3");
+}
+
+TEST(ParticipantInC, FailuresAreStatusAndText) {
+  EXPECT_EQ(gabion_create("structure", "tcp://127.0.0.1:9", 2, "heat"), nullptr);
+  EXPECT_SAYS(gabion_last_error(nullptr), "found \"heat\", allowed: force, displacement");
+  EXPECT_EQ(gabion_create(nullptr, "tcp://127.0.0.1:9", 2, "force"), nullptr);
+  EXPECT_SAYS(gabion_last_error(nullptr), "name: found NULL");
+  EXPECT_EQ(gabion_initialize(nullptr), GABION_ERROR_USAGE);
+
+  gabion_participant* p = gabion_create("structure", "tcp://127.0.0.1:9", 2, "force");
+  ASSERT_NE(p, nullptr);
+  EXPECT_EQ(gabion_set_connect_deadline(p, 0), GABION_ERROR_USAGE);
+  EXPECT_EQ(gabion_set_connect_deadline(p, 0.2), GABION_OK);
+  EXPECT_STREQ(gabion_last_error(p), "");
+  int answer = 0;
+  EXPECT_EQ(gabion_is_coupling_ongoing(p, &answer), GABION_ERROR_USAGE);
+  EXPECT_SAYS(gabion_last_error(p), "initialize() comes first");
+  EXPECT_EQ(gabion_set_interface(p, "wall", 3, coordinates.data(), 2, 2, facets.data()), GABION_OK);
+  EXPECT_EQ(gabion_write_data(p, "wall", coordinates.data(), 5), GABION_ERROR_USAGE);
+  EXPECT_SAYS(gabion_last_error(p), "found 5 values for \"wall\", allowed: 6");
+  EXPECT_EQ(gabion_initialize(p), GABION_ERROR_PROTOCOL);
+  EXPECT_SAYS(gabion_last_error(p), "no answer from a coupler at tcp://127.0.0.1:9 within 0.2 s");
+  gabion_destroy(p);
+}
+
+}  // namespace
+}  // namespace gabion::test
