@@ -28,4 +28,13 @@ void ContactWatch::accept(const std::vector<StepReport>& reports) {
   }
 }
 
+void ContactWatch::visit_state(StateVisitor& visitor) {
+  Json active = active_, signatures = signatures_;
+  visitor.flag("contact.known", known_);
+  visitor.fact("contact.active", active);
+  visitor.fact("contact.signatures", signatures);
+  active_ = active.get<std::vector<bool>>();
+  signatures_ = signatures.get<std::vector<Json>>();
+}
+
 }  // namespace gabion

@@ -16,6 +16,7 @@ class ContactWatch {
   bool changed(const std::vector<StepReport>& reports) const;
   /// The step with these reports was accepted.
   void accept(const std::vector<StepReport>& reports);
+  void visit_state(StateVisitor& visitor);
 
  private:
   bool known_ = false;

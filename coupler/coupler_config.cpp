@@ -122,6 +122,7 @@ CouplerSettings read_coupler_settings(ConfigReader in) {
   ConfigReader output = in.object("output");
   s.output_interval = output.number("interval", positive());
   output.finish();
+  s.checkpoint = read_checkpoint_settings(in);
   s.participants = read_participants(in);
   s.interfaces = read_interfaces(in, s.participants);
   s.coupling = read_coupling(in.object("coupling"));

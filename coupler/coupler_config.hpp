@@ -6,6 +6,7 @@
 
 #include "common/base/scene.hpp"
 #include "common/base/time_steps.hpp"
+#include "common/checkpoint/checkpoints.hpp"
 #include "coupler/acceleration/acceleration.hpp"
 #include "coupler/convergence.hpp"
 #include "coupler/interface_map.hpp"
@@ -53,6 +54,7 @@ struct ParticipantRole {
 struct CouplerSettings {
   TimeSettings time;
   double output_interval = 0;  ///< [s] > 0
+  CheckpointSettings checkpoint;
   std::vector<ParticipantRole> participants;
   std::vector<InterfaceSettings> interfaces;
   CouplingSettings coupling;

@@ -7,6 +7,7 @@
 #include <gabion_version.hpp>
 #include <utility>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 
 namespace gabion {
@@ -24,14 +25,16 @@ Solver& find_solver(const std::vector<NamedSolver>& participants, const std::str
 }  // namespace
 
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
-                           const std::vector<NamedSolver>& participants, RunRecord& files)
+                           const std::vector<NamedSolver>& participants, RunRecord& files,
+                           RunKeeper* keeper)
     : settings_(settings),
       predictor_(settings.coupling.predictor),
       convergence_(settings.coupling.convergence),
       steps_(settings.time),
       clock_(settings.output_interval),
       progress_(settings.time.end, files.writes()),
-      files_(files) {
+      files_(files),
+      keeper_(keeper) {
   std::map<std::string, std::vector<InterfaceMesh>> meshes;
   for (const ParticipantRole& entry : settings_.participants) {
     Solver& solver = find_solver(participants, entry.name);
@@ -75,11 +78,60 @@ void CouplingLoop::run_steps() {
     probes.insert(probes.end(), values.begin(), values.end());
   }
   record_->start(probe_names);
-  record_->probes(0, probes);
-  predictor_.accept(0, stacked(accepted_x_, accepted_x_));  // no displacement, no force
-  if (clock_.due(0)) write_output();
-  while (!steps_.finished()) advance();
+  if (keeper_ != nullptr && keeper_->start() != nullptr) {
+    go_on_from(*keeper_->start());
+  } else {
+    record_->probes(0, probes);
+    predictor_.accept(0, stacked(accepted_x_, accepted_x_));  // no displacement, no force
+    if (clock_.due(0)) write_output();
+  }
+  while (!steps_.finished()) {
+    advance();
+    keep();
+  }
   write_output();
+  if (keeper_ != nullptr && saved_ != steps_.step()) save();
+}
+
+void CouplingLoop::visit_state(StateVisitor& visitor) {
+  steps_.visit_state(visitor);
+  record_->visit_state(visitor);
+  acceleration_->visit_state(visitor);
+  predictor_.visit_state(visitor);
+  contact_.visit_state(visitor);
+  visit_vector(visitor, "accepted_x", accepted_x_);
+  visitor.integer("forgotten_columns", forgotten_columns_);
+  soil_work_.visit_state(visitor, "soil_work.");
+  structure_work_.visit_state(visitor, "structure_work.");
+  for (Side* side : sides()) visitor.flag("may_sleep." + side->name(), side->may_sleep);
+}
+
+void CouplingLoop::go_on_from(const RestartPoint& start) {
+  StateReader reader(start.run);
+  visit_state(reader);
+  require<ConfigError>(!steps_.finished(),
+                       fmt::format("{}: is at {} s, so nothing is left to do; allowed: an end "
+                                   "behind it (/time/end)",
+                                   start.path, start.point.time));
+  first_step_ = saved_ = steps_.step();
+  clock_.due(steps_.time());  // what is due here was written by the run that is continued
+  log::info("going on from {}, step {}, {} s", start.path, start.point.step, start.point.time);
+}
+
+void CouplingLoop::keep() {
+  if (keeper_ == nullptr) return;
+  const int signal = keeper_->signal();
+  if (keeper_->due(steps_.step() - 1) || signal != 0) save();
+  if (signal != 0) throw Interrupted(signal);
+}
+
+void CouplingLoop::save() {
+  const ScopedTimer timer(phases_, "checkpoint");
+  State run;
+  StateWriter writer(run);
+  visit_state(writer);
+  keeper_->save({steps_.step() - 1, steps_.time()}, run);
+  saved_ = steps_.step();
 }
 
 void CouplingLoop::advance() {
@@ -215,7 +267,10 @@ Json CouplingLoop::summary(bool participants_answer) {
   result["program"] = files_.kind();
   result["version"] = version;
   result["end_time"] = steps_.time();
-  result["steps"] = steps_.step() - 1;
+  result["steps"] = steps_.step() - first_step_;
+  if (keeper_ != nullptr && keeper_->start() != nullptr) {
+    result["restart"] = keeper_->start()->summary();
+  }
   result["cuts"] = steps_.cuts();
   result["methods"] = {{"scheme", name(coupling.scheme)},
                        {"acceleration", implicit ? coupling.acceleration.method : "none"},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/progress.hpp"
+#include "common/base/run_keeper.hpp"
 #include "common/base/run_record.hpp"
 #include "common/base/solver.hpp"
 #include "common/base/time_steps.hpp"
@@ -33,13 +34,15 @@ struct NamedSolver {
 class CouplingLoop {
  public:
   /// @param participants  one for each entry of settings.participants, in any order
+  /// @param keeper        null: no checkpoints; see run_alone()
   /// @throws ConfigError  participants or interfaces do not fit the settings
   CouplingLoop(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
-               RunRecord& files);
+               RunRecord& files, RunKeeper* keeper = nullptr);
 
   /// Run to the end. The files of a run that fails are complete up to the last accepted step, and
   /// summary.json says why it ended.
   /// @throws ConvergenceError  a step needs less than dt_min, or on_limit is "stop"
+  /// @throws Interrupted       the keeper has got a signal; after a checkpoint
   void run();
 
  private:
@@ -60,6 +63,10 @@ class CouplingLoop {
   };
 
   void run_steps();
+  void visit_state(StateVisitor& visitor);
+  void go_on_from(const RestartPoint& start);
+  void keep();
+  void save();
   void advance();
   Attempt try_step(const StepRequest& request);
   Attempt iterate(StepRequest request);
@@ -101,6 +108,7 @@ class CouplingLoop {
   OutputClock clock_;
   Progress progress_;
   RunRecord& files_;
+  RunKeeper* keeper_;
   std::unique_ptr<CouplingRecord> record_;
   Eigen::VectorXd accepted_x_;
   int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
@@ -108,7 +116,9 @@ class CouplingLoop {
   double acceleration_seconds_ = 0;  // since the last accepted step
   InterfaceWork soil_work_;
   InterfaceWork structure_work_;
-  double written_ = -1;  // [s] time of the last frame
+  double written_ = -1;          // [s] time of the last frame
+  std::int64_t first_step_ = 1;  // of this run
+  std::int64_t saved_ = 0;       // step under way at the last checkpoint
 
   CouplingCounts counts_;
   PhaseTimes phases_;

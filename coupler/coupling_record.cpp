@@ -92,7 +92,7 @@ void CouplingRecord::iteration(const IterationRow& row) {
 }
 
 void CouplingRecord::start_steps(const Json& details) {
-  details_.start(details);
+  if (!details_.started()) details_.start(details);
   Columns columns = {
       "step",          "time", "dt", "iterations", "status", "skipped", "displacement_residual",
       "force_residual"};

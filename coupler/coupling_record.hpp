@@ -53,6 +53,8 @@ class CouplingRecord {
   void iteration(const IterationRow& row);
   void step(const StepRow& row);
   void probes(double time, const std::vector<double>& values);
+  /// Save or load the columns of steps.csv.
+  void visit_state(StateVisitor& visitor) { details_.visit_state(visitor, "columns"); }
 
  private:
   void start_steps(const Json& details);

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
+
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 
@@ -21,6 +24,12 @@ class InterfaceWork {
     u_ = u;
     f_ = f;
     return work;
+  }
+
+  /// Names begin with `prefix`.
+  void visit_state(StateVisitor& visitor, const std::string& prefix) {
+    visit_vector(visitor, prefix + "u", u_);
+    visit_vector(visitor, prefix + "f", f_);
   }
 
  private:

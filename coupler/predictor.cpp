@@ -3,6 +3,8 @@
 
 #include <cassert>
 
+#include "coupler/state_vectors.hpp"
+
 namespace gabion {
 
 void Predictor::accept(double time, const Eigen::VectorXd& x) {
@@ -25,6 +27,16 @@ Eigen::VectorXd Predictor::predict(double time) const {
   const Eigen::VectorXd slope_before = (states_[1].x - states_[2].x) / (t1 - t2);
   result += (time - t0) * (time - t1) / (t0 - t2) * (slope - slope_before);
   return result;
+}
+
+void Predictor::visit_state(StateVisitor& visitor) {
+  visit_vectors(
+      visitor, "predictor.x", states_.size(), [&](std::size_t count) { states_.resize(count); },
+      [&](std::size_t k) -> Eigen::VectorXd& { return states_[k].x; });
+  std::vector<double> times;
+  for (const Accepted& state : states_) times.push_back(state.time);
+  visitor.reals("predictor.time", times);
+  for (std::size_t k = 0; k < times.size(); ++k) states_[k].time = times[k];
 }
 
 }  // namespace gabion

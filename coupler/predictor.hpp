@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <deque>
 
+#include "common/base/state.hpp"
+
 namespace gabion {
 
 /// Extrapolates the interface displacement with the polynomial through the last accepted states,
@@ -17,14 +19,15 @@ class Predictor {
   void accept(double time, const Eigen::VectorXd& x);
   /// @pre at least one state was accepted
   Eigen::VectorXd predict(double time) const;
+  void visit_state(StateVisitor& visitor);
 
  private:
-  struct State {
-    double time;  // [s]
+  struct Accepted {
+    double time = 0;  // [s]
     Eigen::VectorXd x;
   };
   int order_;
-  std::deque<State> states_;  // newest first
+  std::deque<Accepted> states_;  // newest first
 };
 
 }  // namespace gabion

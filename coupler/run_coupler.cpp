@@ -5,12 +5,13 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/participant_check.hpp"
-#include "protocol/interrupt.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion {
@@ -41,7 +42,8 @@ Json run_settings(const CouplerSettings& settings, const std::string& output) {
   return {{"output", std::filesystem::absolute(output).lexically_normal().string()},
           {"end", settings.time.end},
           {"dt", settings.time.dt},
-          {"output_interval", settings.output_interval}};
+          {"output_interval", settings.output_interval},
+          {"checkpoints", true}};
 }
 
 /// For scripts/run, which starts the commands.
@@ -86,13 +88,43 @@ void check(const CouplerSettings& settings, const std::string& scene_hash,
   require(all_passed(rows), fmt::format("participant \"{}\" would spoil a coupled run", name));
 }
 
-void couple(Server& server, const CouplerSettings& settings, const std::string& scene_hash,
+/// Whether all participants save their states; if not, says who does not.
+bool all_keep_states(const std::vector<NamedSolver>& participants,
+                     const std::optional<Checkpoint>& restart) {
+  for (const NamedSolver& participant : participants) {
+    if (participant.solver.keeps_state()) continue;
+    const std::string reason =
+        fmt::format("participant \"{}\" does not save its state", participant.name);
+    require<ConfigError>(!restart, "--restart: " + reason);
+    log::info("no checkpoints: {}", reason);
+    return false;
+  }
+  return true;
+}
+
+void couple(Server& server, const CouplerSettings& settings, const Scene& scene,
+            const ProgramOptions& options, const std::optional<Checkpoint>& restart,
             RunRecord& files) {
-  const auto solvers = server.wait_for(expected_participants(settings, scene_hash),
+  const auto solvers = server.wait_for(expected_participants(settings, scene.hash()),
                                        run_settings(settings, files.folder()));
   std::vector<NamedSolver> participants;
-  for (const auto& [name, solver] : solvers) participants.push_back({name, *solver});
-  CouplingLoop loop(settings, participants, files);
+  Checkpoints::Parts parts{.folder = files.folder(), .kind = files.kind(), .solvers = {}};
+  for (const auto& entry : solvers) {
+    Solver& solver = *entry.second;
+    participants.push_back({entry.first, solver});
+    parts.solvers.emplace_back(entry.first, [&solver] { return solver.save_state(); });
+  }
+  std::optional<Checkpoints> checkpoints;
+  if (all_keep_states(participants, restart)) {
+    std::optional<RestartPoint> start;
+    if (restart) {
+      for (const auto& [name, solver] : solvers) solver->load_state(restart->state_of(name));
+      start = restart_point(options.restart, *restart);
+    }
+    checkpoints.emplace(settings.checkpoint, scene, parts, start);
+    server.defer_signals();
+  }
+  CouplingLoop loop(settings, participants, files, checkpoints ? &*checkpoints : nullptr);
   loop.run();
   server.finish();
   log::info("done: {}", files.folder());
@@ -115,6 +147,10 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   if (options.list_participants) return list_participants(settings);
   if (!options.check_participant.empty()) return check(settings, scene.hash(), options, session);
 
+  std::optional<Checkpoint> restart;
+  if (!options.restart.empty()) {
+    restart = Checkpoints::load(options.restart, options.output, "coupler", scene);
+  }
   RunRecord files(options.output, "coupler");
   log::also_to_file(files.path("coupler.log"));
   files.write_json("resolved_config.json", {{"coupler.json", reader.resolved()}});
@@ -122,7 +158,7 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   Server server(settings.server);
   session.share("coupler", server.endpoint());
   try {
-    couple(server, settings, scene.hash(), files);
+    couple(server, settings, scene, options, restart, files);
   } catch (const std::exception& error) {
     server.abort(error.what());
     throw;

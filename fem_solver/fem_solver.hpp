@@ -37,6 +37,9 @@ class FemSolver final : public Solver {
   void write_output(double time) override;
   std::vector<double> probes() const override;
   Json summary() const override;
+  bool keeps_state() const override { return true; }
+  State save_state() override;
+  void load_state(const State& state) override;
 
   const FemState& state() const { return state_; }
   /// Start from other displacements and velocities, num_nodes x dim [m, m/s], at time 0.

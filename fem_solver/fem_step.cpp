@@ -122,6 +122,7 @@ FemState FemStep<dim>::initial_state() {
   state.balanced = true;
   state.external_work = 0;
   state.tangent.reset();
+  state.rescue.reset();
   return state;
 }
 
@@ -173,11 +174,15 @@ bool FemStep<dim>::prepare_matrix(const FemState& state_n, double dt, bool with_
   if (!newton_.reuse_matrix) return false;
   if (last_) return fits(held_tangent_);
   if (!fits(state_n.tangent)) return false;
-  if (state_n.tangent == held_tangent_) return true;
+  if (state_n.tangent == held_tangent_) {
+    linear_.set_rescue(state_n.rescue);
+    return true;
+  }
   const ScopedTimer timer(times_, "restore");
   held_tangent_ = state_n.tangent;
   equilibrium_.assemble_tangent(held_tangent_->u, dt, with_inertia, K_);
   linear_.set_matrix(K_, new_pattern_);
+  linear_.set_rescue(state_n.rescue);
   new_pattern_ = false;
   ++restored_matrices_;
   return true;
@@ -228,6 +233,7 @@ void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext
   trial.f_ext = std::move(f_ext);
   trial.external_work = state_n.external_work + work(state_n, trial, du);
   trial.tangent = held_tangent_;
+  trial.rescue = linear_.rescue();
 }
 
 /// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the instants

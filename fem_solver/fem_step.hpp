@@ -28,6 +28,10 @@ struct FemState {
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
   /// gives other last bits with another matrix.
   std::optional<TangentPoint> tangent;
+  std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
+
+  /// Save or load; the arrays have their sizes already.
+  void visit_state(StateVisitor& visitor);
 };
 
 /// Solves one step from an accepted state.

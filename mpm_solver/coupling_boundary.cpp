@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/flat.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 
 namespace gabion::mpm {
@@ -321,6 +323,22 @@ void CouplingBoundary<dim>::accept() {
     }
     b.gap[0] = normal;
   }
+}
+
+template <int dim>
+void CouplingBoundary<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
+  const std::pair<const char*, Vector<dim> Point::*> vectors[] = {
+      {"x", &Point::x}, {"gap", &Point::gap}, {"force", &Point::force}};
+  for (const auto& [name, member] : vectors) {
+    std::vector<Vector<dim>> values;
+    for (const Point& b : points_) values.push_back(b.*member);
+    visitor.reals(prefix + name, flat(values));
+    for (std::size_t k = 0; k < points_.size(); ++k) points_[k].*member = values[k];
+  }
+  std::vector<std::int32_t> cells;
+  for (const Point& b : points_) cells.push_back(b.cell);
+  visitor.integers(prefix + "cell", cells);
+  for (std::size_t k = 0; k < points_.size(); ++k) points_[k].cell = cells[k];
 }
 
 template class CouplingBoundary<2>;

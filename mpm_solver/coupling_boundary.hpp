@@ -101,6 +101,9 @@ class CouplingBoundary {
 
   void accept();
 
+  /// Save or load the accepted state of the points. Names begin with `prefix`.
+  void visit_state(StateVisitor& visitor, const std::string& prefix);
+
  private:
   struct Point {
     std::int32_t facet = 0;

@@ -2,6 +2,7 @@
 #include "mpm_solver/ledger.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/mechanics/ranks/sum.hpp"
 
@@ -205,6 +206,35 @@ std::vector<double> Ledger<dim>::values() const {
                             body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
   return values;
+}
+
+template <int dim>
+void Ledger<dim>::visit_state(StateVisitor& visitor) {
+  const std::pair<const char*, PointTotals<dim>*> parts[] = {
+      {"totals.", &totals_}, {"start.", &totals_start_}, {"removed.", &removed_}};
+  for (const auto& [part, totals] : parts) {
+    const std::string name = std::string("ledger.") + part;
+    visitor.real(name + "mass", totals->mass);
+    visitor.reals(name + "momentum", {totals->momentum.data(), dim});
+    visitor.real(name + "kinetic_energy", totals->kinetic_energy);
+    visitor.real(name + "elastic_energy", totals->elastic_energy);
+    visitor.reals(name + "front", totals->front);
+  }
+  const std::pair<const char*, Force*> forces[] = {
+      {"ledger.body.", &body_}, {"ledger.boundary.", &boundary_}, {"ledger.walls.", &walls_}};
+  for (const auto& [name, force] : forces) {
+    visitor.reals(std::string(name) + "inertia", {force->inertia.data(), dim});
+    visitor.reals(std::string(name) + "impulse", {force->impulse.data(), dim});
+  }
+  const std::pair<const char*, double*> sums[] = {{"plastic", &plastic_},
+                                                  {"time_damping", &time_damping_},
+                                                  {"transfer_loss", &transfer_loss_},
+                                                  {"wall_loss", &wall_loss_},
+                                                  {"body_work", &body_work_},
+                                                  {"boundary_work", &boundary_work_},
+                                                  {"lowest_energy", &lowest_energy_},
+                                                  {"created", &created_}};
+  for (const auto& [name, value] : sums) visitor.real(std::string("ledger.") + name, *value);
 }
 
 template StepBalance<2> step_balance<2>(const Equilibrium<2>&, std::span<const double>,

@@ -64,6 +64,8 @@ class Ledger {
   static std::vector<std::string> names();
   std::vector<double> values() const;
 
+  void visit_state(StateVisitor& visitor);
+
  private:
   /// An external force as the scheme sees it: what it gave to M a, and its impulse so far.
   struct Force {

@@ -3,6 +3,7 @@
 
 #include <numeric>
 
+#include "common/mechanics/flat.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -10,9 +11,9 @@ namespace gabion::mpm {
 namespace {
 
 // Concatenation of the ranks' values on the first rank.
-std::vector<double> gather(MPI_Comm comm, const std::vector<double>& own) {
+std::vector<double> gather(MPI_Comm comm, std::span<const double> own) {
   const int size = num_ranks(comm);
-  if (size == 1) return own;
+  if (size == 1) return {own.begin(), own.end()};
   const int count = static_cast<int>(own.size());
   std::vector<int> counts(size), starts(size + 1, 0);
   MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
@@ -21,12 +22,6 @@ std::vector<double> gather(MPI_Comm comm, const std::vector<double>& own) {
   MPI_Gatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE,
               0, comm);
   return all;
-}
-
-template <class Tensor>
-std::vector<double> flat(const std::vector<Tensor>& values) {
-  if (values.empty()) return {};
-  return {values.front().data(), values.front().data() + values.size() * values.front().size()};
 }
 
 }  // namespace

@@ -38,6 +38,9 @@ class MpmSolver final : public Solver {
   void write_output(double time) override;
   std::vector<double> probes() const override;
   Json summary() const override;
+  bool keeps_state() const override { return true; }
+  State save_state() override;
+  void load_state(const State& state) override;
 
   const MaterialPoints<dim>& points() const { return points_; }
   /// Start from other velocities [m/s] and accelerations [m/s^2] of this rank's points, num_points
@@ -72,6 +75,7 @@ class MpmSolver final : public Solver {
   void receive(const InterfaceValues& received);
   void move_rigid_walls(double time);
   void report_contact(StepReport& report, InterfaceValues& sent) const;
+  void visit_state(StateVisitor& visitor);
   void find_probe_points();
   void prepare_averages();
   void log_grid() const;

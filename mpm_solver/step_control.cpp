@@ -47,6 +47,11 @@ void StepControl::fail(double dt) {
   failed_dt_ = dt;
 }
 
+void StepControl::visit_state(StateVisitor& visitor) {
+  visitor.real("step_control.newton_dt", newton_dt_);
+  visitor.real("step_control.failed_dt", failed_dt_);
+}
+
 void StepControl::follow_newton(double dt, int iterations) {
   const double target = *settings_.newton_target;
   if (iterations > target) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/base/config_reader.hpp"
+#include "common/base/state.hpp"
 
 namespace gabion::mpm {
 
@@ -62,6 +63,7 @@ class StepControl {
   DtProposal accept(const StepMeasures& step, double phase_dt);
   /// Newton's method failed with a step of this dt [s].
   void fail(double dt);
+  void visit_state(StateVisitor& visitor);
 
  private:
   void follow_newton(double dt, int iterations);

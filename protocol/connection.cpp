@@ -6,18 +6,19 @@
 #include <random>
 #include <span>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "gabion_version.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
-#include "protocol/interrupt.hpp"
 
 namespace gabion {
 namespace {
 
 constexpr int slice_milliseconds = 100;
-constexpr double health_check_period = 0.05;  // [s]
-constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
+constexpr double health_check_period = 0.05;     // [s]
+constexpr double own_sleep = 1.0;                // [s] between two checks: this process did not run
+constexpr double last_checkpoint_patience = 60;  // [s] after a signal
 
 std::string random_text() {
   std::random_device device;
@@ -60,12 +61,12 @@ void Connection::fail(const std::string& reason) {
 }
 
 void Connection::handshake(const Solver& solver) {
-  handshake(solver.interfaces(), solver.probe_names(), solver.probes());
+  handshake(solver.interfaces(), solver.probe_names(), solver.probes(), solver.keeps_state());
 }
 
 void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
                            const std::vector<std::string>& probe_names,
-                           const std::vector<double>& probes) {
+                           const std::vector<double>& probes, bool keeps_state) {
   require<ProtocolError>(!welcomed(), "the handshake is done already");
   Hello hello;
   hello.participant = settings_.name;
@@ -79,6 +80,7 @@ void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
   hello.interfaces = interfaces;
   hello.probe_names = probe_names;
   hello.probes = probes;
+  hello.keeps_state = keeps_state;
   hello.process = this_process();
   post(to_message(hello));
   const Message answer = await_answer_to_hello();
@@ -167,7 +169,7 @@ void Connection::check_health(bool queue_is_empty) {
     collect_last_words(0.1);
     fail(*death);
   }
-  if (signal != 0) {
+  if (signal != 0 && !waits_for_last_checkpoint()) {
     // A launcher that saw another process die sends the signal before the coupler can explain.
     collect_last_words(0.3);
     if (const auto death = coupler_->death()) fail(*death);
@@ -175,6 +177,14 @@ void Connection::check_health(bool queue_is_empty) {
   }
   if (!queue_is_empty) return;
   if (const auto silence = coupler_->silence(deadlines_.silence)) fail(*silence);
+}
+
+/// A launcher sends the signal to all programs; the coupler then ends the run after the step under
+/// way, with a checkpoint.
+bool Connection::waits_for_last_checkpoint() {
+  if (!run_.value("checkpoints", false)) return false;
+  if (!since_signal_) since_signal_.emplace();
+  return since_signal_->seconds() < last_checkpoint_patience;
 }
 
 void Connection::collect_last_words(double seconds) {

@@ -44,9 +44,11 @@ class Connection {
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
   /// The same of what a solver would say.
-  /// @param probes  in the initial state, as many as names
+  /// @param probes       in the initial state, as many as names
+  /// @param keeps_state  requests "save" and "load" will be answered
   void handshake(const std::vector<InterfaceMesh>& interfaces,
-                 const std::vector<std::string>& probe_names, const std::vector<double>& probes);
+                 const std::vector<std::string>& probe_names, const std::vector<double>& probes,
+                 bool keeps_state = false);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.
   const Json& run_settings() const { return run_; }
@@ -68,6 +70,7 @@ class Connection {
   Message await_answer_to_hello();
   Message accept_request(const std::vector<std::string>& frames);
   void check_health(bool queue_is_empty);
+  bool waits_for_last_checkpoint();
   /// After a death or a signal: the coupler may have said why.
   void collect_last_words(double seconds);
   [[noreturn]] void fail(const std::string& reason);
@@ -84,6 +87,7 @@ class Connection {
   std::uint64_t last_sequence_ = 0;
   std::string failure_;
   Stopwatch since_health_check_;
+  std::optional<Stopwatch> since_signal_;  // while the coupler may still ask for the state
 };
 
 }  // namespace gabion

@@ -104,6 +104,40 @@ InterfaceValues read_values(const Message& message, const std::string& quantity,
   return values;
 }
 
+namespace {
+
+constexpr const char* real_prefix = "real:";
+constexpr const char* integer_prefix = "integer:";
+
+}  // namespace
+
+void put(Message& message, const State& state) {
+  message.fields["state"] = state.facts;
+  for (const auto& [name, values] : state.reals) {
+    message.add(real_prefix + name, {static_cast<std::int64_t>(values.size())}, values);
+  }
+  for (const auto& [name, values] : state.integers) {
+    message.add(integer_prefix + name, {static_cast<std::int64_t>(values.size())}, values);
+  }
+}
+
+State read_state(const Message& message) {
+  State state;
+  state.facts = message.field("state");
+  for (const auto& array : message.arrays) {
+    require<ProtocolError>(array.name.find('/') == std::string::npos,
+                           fmt::format("message \"{}\": array \"{}\" has a / in its name",
+                                       message.type, array.name));
+    const std::string reals = real_prefix, integers = integer_prefix;
+    if (array.name.starts_with(reals)) {
+      state.reals[array.name.substr(reals.size())] = message.reals(array.name, {-1});
+    } else if (array.name.starts_with(integers)) {
+      state.integers[array.name.substr(integers.size())] = message.integers(array.name, {-1});
+    }
+  }
+  return state;
+}
+
 std::string describe(const Message& request) {
   if (request.type == "solve_step") {
     return fmt::format("solve_step {} iteration {}", request.integer("step"),

@@ -29,6 +29,11 @@ void put_values(Message& message, const std::string& quantity,
 InterfaceValues read_values(const Message& message, const std::string& quantity,
                             const std::vector<InterfaceMesh>& interfaces);
 
+/// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension.
+void put(Message& message, const State& state);
+/// Arrays of other names are left out.
+State read_state(const Message& message);
+
 /// `solve_step 57 iteration 3`: what a request asks, for phases and messages.
 std::string describe(const Message& request);
 

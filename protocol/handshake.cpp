@@ -110,7 +110,8 @@ Message to_message(const Hello& hello) {
                 {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
                 {"sends", to_json(hello.sends)},      {"convention", hello.convention},
                 {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
-                {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)}};
+                {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)},
+                {"keeps_state", hello.keeps_state}};
   for (const InterfaceMesh& mesh : hello.interfaces) {
     out.fields["interfaces"].push_back(
         {{"name", mesh.name}, {"vertices_per_facet", mesh.vertices_per_facet}});
@@ -173,6 +174,7 @@ Hello read_hello(const Message& message) {
   hello.probes = message.reals("probes", {static_cast<std::int64_t>(hello.probe_names.size())});
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
+  if (message.fields.contains("keeps_state")) hello.keeps_state = message.boolean("keeps_state");
   std::set<std::string> names;
   for (const Message& description : nested_list(message, "interfaces")) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));

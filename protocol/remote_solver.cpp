@@ -100,6 +100,20 @@ Json RemoteSolver::summary() const {
   return call(request_of("summarize"), "summary").field("summary");
 }
 
+State RemoteSolver::save_state() {
+  const Message reply = call(request_of("save"), "saved");
+  return switchboard_.guarded([&] { return read_state(reply); });
+}
+
+void RemoteSolver::load_state(const State& state) {
+  Message message = request_of("load");
+  put(message, state);
+  const Message reply = call(std::move(message), "loaded");
+  probes_ = switchboard_.guarded([&] {
+    return reply.reals("probes", {static_cast<std::int64_t>(hello_.probe_names.size())});
+  });
+}
+
 void RemoteSolver::start(Message request) const {
   require<ProtocolError>(!outstanding_,
                          fmt::format("participant \"{}\": \"{}\" asked before the answer "

@@ -44,6 +44,9 @@ class RemoteSolver : public AsynchronousSolver {
   std::vector<double> probes() const override { return probes_; }
   /// Asks the participant: call it before Server::finish.
   Json summary() const override;
+  bool keeps_state() const override { return hello_.keeps_state; }
+  State save_state() override;
+  void load_state(const State& state) override;
   std::optional<double> last_busy_seconds() const override { return last_call_.busy_seconds; }
 
   /// Accept, then write the accepted state at this time, in one message.

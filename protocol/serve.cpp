@@ -33,6 +33,8 @@ class Service {
     if (request.type == "reject_step") return reject();
     if (request.type == "write_output") return write(request);
     if (request.type == "summarize") return summarize();
+    if (request.type == "save") return save();
+    if (request.type == "load") return load(request);
     if (request.type == "finish") return reply_of("finished");
     throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
                                     request.type, protocol_version));
@@ -88,6 +90,21 @@ class Service {
   Message summarize() {
     Message reply = reply_of("summary");
     reply.fields["summary"] = solver_.summary();
+    return reply;
+  }
+
+  Message save() {
+    Message reply = reply_of("saved");
+    put(reply, solver_.save_state());
+    return reply;
+  }
+
+  Message load(const Message& request) {
+    solver_.load_state(read_state(request));
+    has_solution_ = false;
+    Message reply = reply_of("loaded");
+    const std::vector<double> probes = solver_.probes();
+    reply.add("probes", {static_cast<std::int64_t>(probes.size())}, probes);
     return reply;
   }
 

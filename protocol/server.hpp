@@ -46,6 +46,9 @@ class Server {
   std::map<std::string, std::unique_ptr<Solver>> wait_for(const std::vector<Expected>& participants,
                                                           const Json& run = Json::object());
 
+  /// See Switchboard::defer_signals.
+  void defer_signals() { switchboard_.defer_signals(); }
+
   /// The run is complete: every participant ends with success.
   void finish();
 

@@ -5,11 +5,11 @@
 #include <csignal>
 #include <span>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/handshake.hpp"
-#include "protocol/interrupt.hpp"
 
 namespace gabion {
 namespace {
@@ -238,13 +238,13 @@ void Switchboard::refuse_late_arrivals() {
 void Switchboard::check_health(bool queue_is_empty) {
   const double elapsed = since_health_check_.seconds();
   const int signal = interrupt::requested();
-  if (elapsed < health_check_period && signal == 0) return;
+  if (elapsed < health_check_period && (signal == 0 || !signals_end_waits_)) return;
   since_health_check_ = Stopwatch();
   if (elapsed > own_sleep) {
     for (auto& [name, checked] : peers_) checked.watch->forgive();
   }
   check_deaths();
-  interrupt::check();
+  if (signals_end_waits_) interrupt::check();
   if (!queue_is_empty) return;
   for (auto& [name, checked] : peers_) {
     if (checked.released || !checked.sends_heartbeat) continue;

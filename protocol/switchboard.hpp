@@ -60,6 +60,9 @@ class Switchboard {
   /// @throws Interrupted    a signal came, and no participant's death explains it
   Message wait_reply(const std::string& participant, std::uint64_t sequence);
 
+  /// From now on a signal does not end a wait: the caller looks at it between steps.
+  void defer_signals() { signals_end_waits_ = false; }
+
   /// Latch a failure, tell it to all participants.
   void abort(const std::string& reason);
   /// Run `action`; when it throws, abort with the text of the exception.
@@ -102,6 +105,7 @@ class Switchboard {
   std::map<std::string, Peer> peers_;
   std::vector<Arrival> arrivals_;
   std::string failure_;
+  bool signals_end_waits_ = true;
   Stopwatch since_health_check_;
 
   std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below

@@ -46,6 +46,9 @@ int run_program(int argc, char** argv, const std::string& program,
   app.add_option("scene", options.scene, "Scene folder")->required()->type_name("SCENE");
   app.add_option("--output", options.output, "Folder of results (default: results/<scene>)")
       ->type_name("DIR");
+  app.add_option("--restart", options.restart,
+                 "Go on from the last checkpoint of the run with these results")
+      ->type_name("DIR");
   app.add_option("--set", options.overrides, "Replace one value of the scene; may be repeated")
       ->type_name("FILE:/json/pointer=VALUE")
       ->expected(1)

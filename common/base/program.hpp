@@ -13,6 +13,7 @@ namespace gabion {
 struct ProgramOptions {
   std::string scene;                   ///< folder
   std::string output;                  ///< folder of results
+  std::string restart;                 ///< results of the run to go on with; empty: from time 0
   std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
   bool check = false;                  ///< read and cross-check the scene, then end
   std::string coupler;  ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI

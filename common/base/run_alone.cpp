@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/base/run_alone.hpp"
 
+#include <fmt/format.h>
+
 #include <ctime>
 #include <gabion_version.hpp>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/progress.hpp"
 #include "common/base/timer.hpp"
@@ -14,9 +17,11 @@ namespace {
 
 class LoneRun {
  public:
-  LoneRun(Solver& solver, const TimeSettings& settings, double output_interval, RunRecord& record)
+  LoneRun(Solver& solver, const TimeSettings& settings, double output_interval, RunRecord& record,
+          RunKeeper* keeper)
       : solver_(solver),
         record_(record),
+        keeper_(keeper),
         steps_(settings),
         clock_(output_interval),
         progress_(settings.end, record.writes()) {}
@@ -25,10 +30,18 @@ class LoneRun {
     std::vector<std::string> columns = solver_.probe_names();
     columns.insert(columns.begin(), "time");
     record_.open_table("probes.csv", columns);
-    probe_row(solver_.probes());
-    write_output_if(clock_.due(0));
-    while (!steps_.finished()) advance();
+    if (keeper_ != nullptr && keeper_->start() != nullptr) {
+      go_on_from(*keeper_->start());
+    } else {
+      probe_row(solver_.probes());
+      write_output_if(clock_.due(0));
+    }
+    while (!steps_.finished()) {
+      advance();
+      keep();
+    }
     write_output_if(written_ != steps_.time());
+    if (keeper_ != nullptr && saved_ != steps_.step()) save();
   }
 
   /// The accepted state of a run that ended early.
@@ -37,19 +50,56 @@ class LoneRun {
   Json summary() const {
     Json wall(phases_.seconds());
     wall["total"] = watch_.seconds();
-    return {{"program", record_.kind()},
-            {"version", version},
-            {"end_time", steps_.time()},
-            {"steps", steps_.step() - 1},
-            {"cuts", steps_.cuts()},
-            {"newton_iterations", newton_iterations_},
-            {"linear_iterations", linear_iterations_},
-            {"wall_seconds", wall},
-            {"cpu_seconds", static_cast<double>(std::clock()) / CLOCKS_PER_SEC},
-            {"solver", solver_.summary()}};
+    Json summary = {{"program", record_.kind()},
+                    {"version", version},
+                    {"end_time", steps_.time()},
+                    {"steps", steps_.step() - first_step_},
+                    {"cuts", steps_.cuts()},
+                    {"newton_iterations", newton_iterations_},
+                    {"linear_iterations", linear_iterations_},
+                    {"wall_seconds", wall},
+                    {"cpu_seconds", static_cast<double>(std::clock()) / CLOCKS_PER_SEC},
+                    {"solver", solver_.summary()}};
+    if (keeper_ != nullptr && keeper_->start() != nullptr) {
+      summary["restart"] = keeper_->start()->summary();
+    }
+    return summary;
   }
 
  private:
+  void visit_state(StateVisitor& visitor) {
+    steps_.visit_state(visitor);
+    details_.visit_state(visitor, "columns");
+  }
+
+  void go_on_from(const RestartPoint& start) {
+    StateReader reader(start.run);
+    visit_state(reader);
+    require<ConfigError>(!steps_.finished(),
+                         fmt::format("{}: is at {} s, so nothing is left to do; allowed: an end "
+                                     "behind it (/time/end)",
+                                     start.path, start.point.time));
+    first_step_ = saved_ = steps_.step();
+    clock_.due(steps_.time());  // what is due here was written by the run that is continued
+    log::info("going on from {}, step {}, {} s", start.path, start.point.step, start.point.time);
+  }
+
+  void keep() {
+    if (keeper_ == nullptr) return;
+    const int signal = keeper_->signal();
+    if (keeper_->due(steps_.step() - 1) || signal != 0) save();
+    if (signal != 0) throw Interrupted(signal);
+  }
+
+  void save() {
+    const ScopedTimer timer(phases_, "checkpoint");
+    State run;
+    StateWriter writer(run);
+    visit_state(writer);
+    keeper_->save({steps_.step() - 1, steps_.time()}, run);
+    saved_ = steps_.step();
+  }
+
   void advance() {
     const Stopwatch watch;
     const int cuts_before = steps_.cuts();
@@ -91,7 +141,7 @@ class LoneRun {
   void step_row(const StepRequest& request, const StepReport& report, int cuts,
                 const Stopwatch& watch) {
     if (!record_.has_table("steps.csv")) {
-      details_.start(report.details);
+      if (!details_.started()) details_.start(report.details);
       std::vector<std::string> columns = {
           "step", "time", "dt", "newton_iterations", "linear_iterations", "cuts"};
       columns.insert(columns.end(), details_.names().begin(), details_.names().end());
@@ -125,13 +175,16 @@ class LoneRun {
 
   Solver& solver_;
   RunRecord& record_;
+  RunKeeper* keeper_;
   TimeSteps steps_;
   OutputClock clock_;
   Progress progress_;
   DetailColumns details_;
   PhaseTimes phases_;
   Stopwatch watch_;
-  double written_ = -1;  // [s] time of the last frame
+  double written_ = -1;          // [s] time of the last frame
+  std::int64_t first_step_ = 1;  // of this run
+  std::int64_t saved_ = 0;       // step under way at the last checkpoint
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
 };
@@ -146,8 +199,8 @@ void write_failure(const LoneRun& run, const RunRecord& record, const std::strin
 }  // namespace
 
 void run_alone(Solver& solver, const TimeSettings& settings, double output_interval,
-               RunRecord& record) {
-  LoneRun run(solver, settings, output_interval, record);
+               RunRecord& record, RunKeeper* keeper) {
+  LoneRun run(solver, settings, output_interval, record, keeper);
   try {
     run.run();
   } catch (const ConvergenceError& error) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/base/run_keeper.hpp"
 #include "common/base/run_record.hpp"
 #include "common/base/solver.hpp"
 #include "common/base/time_steps.hpp"
@@ -16,9 +17,14 @@ namespace gabion {
 /// summary with "completed": false and the reason.
 ///
 /// @param output_interval  [s] > 0
+/// @param keeper           null: no checkpoints. It writes one when due, at the end, and before the
+///                         run ends at a signal. A run from a checkpoint writes the rows that
+///                         follow.
 /// @throws ConvergenceError  a step needs less than dt_min
+/// @throws Interrupted       the keeper has got a signal
+/// @throws ConfigError       the checkpoint is not before the end
 /// @note Collective when the solver is: every rank calls it, records of other ranks do not write.
 void run_alone(Solver& solver, const TimeSettings& settings, double output_interval,
-               RunRecord& record);
+               RunRecord& record, RunKeeper* keeper = nullptr);
 
 }  // namespace gabion

@@ -112,6 +112,7 @@ bool OutputClock::due(double time) {
 }
 
 void DetailColumns::start(const Json& details) {
+  started_ = true;
   names_.clear();
   for (const auto& item : details.items()) names_.push_back(item.key());
   std::stable_partition(names_.begin(), names_.end(),
@@ -134,6 +135,13 @@ void DetailColumns::append(const Json& details, std::vector<CsvValue>& cells) co
       cells.emplace_back(details.at(name).get<double>());
     }
   }
+}
+
+void DetailColumns::visit_state(StateVisitor& visitor, const std::string& name) {
+  Json columns = started_ ? Json(names_) : Json();
+  visitor.fact(name, columns);
+  started_ = !columns.is_null();
+  if (started_) names_ = columns.get<std::vector<std::string>>();
 }
 
 }  // namespace gabion

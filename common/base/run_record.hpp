@@ -8,6 +8,7 @@
 
 #include "common/base/config_reader.hpp"
 #include "common/base/csv_writer.hpp"
+#include "common/base/state.hpp"
 
 namespace gabion {
 
@@ -70,12 +71,16 @@ class OutputClock {
 class DetailColumns {
  public:
   void start(const Json& details);
+  bool started() const { return started_; }
   const std::vector<std::string>& names() const { return names_; }
   /// Cells for these details; a name that is missing gives an empty cell.
   /// @throws Error  a name that the first report did not have, or a value that is not a number
   void append(const Json& details, std::vector<CsvValue>& cells) const;
+  /// Save or load the columns.
+  void visit_state(StateVisitor& visitor, const std::string& name);
 
  private:
+  bool started_ = false;
   std::vector<std::string> names_;
 };
 

@@ -90,10 +90,12 @@ ConfigReader Scene::reader(const std::string& file) const {
   return ConfigReader(files_.at(file), path(file));
 }
 
-std::string Scene::hash() const {
-  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
-  for (const unsigned char byte : files_.dump()) hash = (hash ^ byte) * 1099511628211ull;
+std::string hash_text(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ull;
   return fmt::format("{:016x}", hash);
 }
+
+std::string Scene::hash() const { return hash_text(files_.dump()); }
 
 }  // namespace gabion

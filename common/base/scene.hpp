@@ -25,6 +25,9 @@ class Scene {
   /// Path of a file that a config names, relative to the scene's folder.
   std::string path(const std::string& relative) const;
 
+  /// File name -> its settings, overrides included.
+  const Json& settings() const { return files_; }
+
   /// Hash of all the scene's settings, overrides included: equal on both sides of a handshake when
   /// both read the same scene.
   std::string hash() const;
@@ -33,5 +36,8 @@ class Scene {
   std::string folder_;
   Json files_ = Json::object();
 };
+
+/// 16 digits by FNV-1a, 64 bit: tells texts apart, is no protection against a forger.
+std::string hash_text(const std::string& text);
 
 }  // namespace gabion

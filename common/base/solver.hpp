@@ -9,6 +9,7 @@
 
 #include "common/base/config_reader.hpp"
 #include "common/base/error.hpp"
+#include "common/base/state.hpp"
 
 namespace gabion {
 
@@ -83,6 +84,18 @@ class Solver {
 
   /// Values of the probes in the accepted state.
   virtual std::vector<double> probes() const = 0;
+
+  /// Whether this solver has save_state() and load_state().
+  virtual bool keeps_state() const { return false; }
+
+  /// Everything of the accepted state that later steps depend on, and nothing else.
+  /// @note  Solvers on several ranks: the part of this rank.
+  virtual State save_state() { throw Error("this solver does not save its state"); }
+
+  /// Go on from a state that a solver with the same settings saved: every later step gives the bits
+  /// that it would have given there. Forgets the last solution.
+  /// @throws Error  the state is not one of this solver
+  virtual void load_state(const State&) { throw Error("this solver does not load a state"); }
 
   /// Methods that ran ("linear_solver", ...), counts, and wall seconds by phase, for summary.json.
   virtual Json summary() const = 0;

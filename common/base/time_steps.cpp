@@ -46,7 +46,11 @@ TimeSteps::TimeSteps(const TimeSettings& settings) : settings_(settings) {
          level_dt(min_level_) < settings_.end) {
     --min_level_;
   }
-  const double ticks = std::ldexp(settings_.end / settings_.dt, max_level_);
+  count_end_ticks();
+}
+
+void TimeSteps::count_end_ticks() {
+  const double ticks = std::ldexp((settings_.end - origin_) / settings_.dt, max_level_);
   const double nearest = std::round(ticks);
   const bool on_raster = nearest >= 1 && std::abs(ticks - nearest) <= raster_tolerance * nearest;
   end_ticks_ = static_cast<std::int64_t>(on_raster ? nearest : std::ceil(ticks));
@@ -58,7 +62,26 @@ bool TimeSteps::finished() const {
 
 double TimeSteps::time() const {
   if (finished()) return settings_.end;
-  return std::ldexp(settings_.dt * static_cast<double>(ticks_), -max_level_);
+  return raster_time();
+}
+
+double TimeSteps::raster_time() const {
+  return origin_ + std::ldexp(settings_.dt * static_cast<double>(ticks_), -max_level_);
+}
+
+void TimeSteps::visit_state(StateVisitor& visitor) {
+  double now = time();
+  visitor.real("time", now);
+  visitor.real("origin", origin_);
+  visitor.integer("ticks", ticks_);
+  visitor.integer("step", step_);
+  visitor.integer("level", level_);
+  visitor.integer("accepted_at_level", accepted_at_level_);
+  if (std::abs(raster_time() - now) > raster_tolerance * now) {
+    origin_ = now;  // the run ended off the raster: one that extends it starts a raster there
+    ticks_ = 0;
+  }
+  count_end_ticks();
 }
 
 double TimeSteps::level_dt(int level) const {

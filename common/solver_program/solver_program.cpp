@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "common/base/log.hpp"
 #include "common/base/run_alone.hpp"
 #include "common/base/run_record.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "common/mechanics/ranks/ranked_solver.hpp"
-#include "protocol/interrupt.hpp"
+#include "common/mechanics/ranks/ranked_state.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "common/base/interrupt.hpp"
 #include "protocol/serve.hpp"
 
 namespace gabion {
@@ -21,6 +24,7 @@ AloneSettings read_alone_settings(ConfigReader& in) {
   auto output = in.object("output");
   alone.output_interval = output.number("interval", positive());
   output.finish();
+  alone.checkpoint = read_checkpoint_settings(in);
   return alone;
 }
 
@@ -54,25 +58,47 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   settings.receives = program.receives;
   settings.sends = program.sends;
   settings.connect_deadline = options.connect_deadline;
+  interrupt::install();  // all ranks: the first one ends the run
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
-    interrupt::install();
     Connection connection(settings);
     serve(ranked, connection);
   });
 }
 
+/// The checkpoint that the run goes on from, if any; each rank reads it.
+std::optional<Checkpoint> load_checkpoint(const SolverProgram& program,
+                                          const ProgramOptions& options, const Scene& scene) {
+  if (options.restart.empty()) return std::nullopt;
+  return Checkpoints::load(options.restart, options.output, program.name, scene);
+}
+
 void drive_alone(const SolverProgram& program, const ProgramOptions& options,
                  const MpiSession& session, const Scene& scene, ConfigReader& reader) {
+  const MPI_Comm comm = session.comm();
+  const auto checkpoint = load_checkpoint(program, options, scene);
   RunRecord record(options.output, program.name, session.is_root());
-  MPI_Barrier(session.comm());
+  MPI_Barrier(comm);
   AloneSettings alone;
-  const auto solver =
-      program.make(scene, reader, session.comm(), record.path(program.folder), &alone);
+  const auto solver = program.make(scene, reader, comm, record.path(program.folder), &alone);
   record.write_json("resolved_config.json", {{program.file, reader.resolved()}});
   if (!solver->interfaces().empty()) {
     log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
   }
-  run_alone(*solver, alone.time, alone.output_interval, record);
+  std::optional<RestartPoint> start;
+  if (checkpoint) {
+    solver->load_state(scatter_state(comm, checkpoint->state_of(program.folder)));
+    start = restart_point(options.restart, *checkpoint);
+  }
+  interrupt::install();
+  Checkpoints checkpoints(
+      alone.checkpoint, scene,
+      {.folder = options.output,
+       .kind = program.name,
+       .writes = session.is_root(),
+       .solvers = {{program.folder, [&] { return gather_state(comm, solver->save_state()); }}},
+       .agree = [comm](int value) { return static_cast<int>(max_over_ranks(comm, value)); }},
+      std::move(start));
+  run_alone(*solver, alone.time, alone.output_interval, record, &checkpoints);
 }
 
 }  // namespace

@@ -12,14 +12,17 @@
 #include "common/base/scene.hpp"
 #include "common/base/solver.hpp"
 #include "common/base/time_steps.hpp"
+#include "common/checkpoint/checkpoints.hpp"
 #include "protocol/handshake.hpp"
 
 namespace gabion {
 
-/// What a solver needs to know when no coupler does: the objects "time" and "output" of its file.
+/// What a solver needs to know when no coupler does: the objects "time", "output" and "checkpoint"
+/// of its file.
 struct AloneSettings {
   TimeSettings time;
   double output_interval = 0;  ///< [s] > 0
+  CheckpointSettings checkpoint;
 };
 AloneSettings read_alone_settings(ConfigReader& in);
 

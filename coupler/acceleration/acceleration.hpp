@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/config_reader.hpp"
+#include "common/base/state.hpp"
 #include "coupler/acceleration/filter.hpp"
 
 namespace gabion {
@@ -52,6 +53,8 @@ class Acceleration {
   /// From now on x and x_tilde come multiplied by these factors: do the same to all that is kept.
   virtual void rescale(const Eigen::VectorXd& ratio) = 0;
   virtual AccelerationCounters counters() const = 0;
+  /// Save or load what was learned from accepted steps. @pre no step is under way
+  virtual void visit_state(StateVisitor& visitor) = 0;
 };
 
 /// @param fields  sizes of the fields that x consists of, one after the other; with more than one,

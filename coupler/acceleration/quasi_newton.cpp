@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "coupler/state_vectors.hpp"
+
 namespace gabion {
 
 namespace {
@@ -207,6 +209,26 @@ void Mvqn::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorX
     cover_part(secants, block, t, c);
     block.clear();
   }
+}
+
+void QuasiNewton::visit_state(StateVisitor& visitor) {
+  discard_step();
+  int kind = static_cast<int>(filter_.kind);
+  visitor.integer("secants.filter", kind);
+  filter_.kind = static_cast<FilterKind>(kind);
+  visitor.real("secants.filter_limit", filter_.limit);
+  basis_.visit_state(visitor);
+  visitor.integer("secants.step", step_);
+  const auto resize = [&](std::size_t count) { secants_.resize(count); };
+  visit_vectors(visitor, "secants.s", secants_.size(), resize,
+                [&](std::size_t k) -> Eigen::VectorXd& { return secants_[k].s; });
+  visit_vectors(visitor, "secants.w", secants_.size(), resize,
+                [&](std::size_t k) -> Eigen::VectorXd& { return secants_[k].w; });
+  std::vector<std::int64_t> steps;
+  for (const Secant& secant : secants_) steps.push_back(secant.step);
+  visitor.integers("secants.steps", steps);
+  for (std::size_t k = 0; k < steps.size(); ++k) secants_[k].step = steps[k];
+  size_accepted_ = basis_.size();
 }
 
 }  // namespace gabion

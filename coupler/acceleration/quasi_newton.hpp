@@ -53,6 +53,7 @@ class QuasiNewton : public Acceleration {
   int reset() override;
   void rescale(const Eigen::VectorXd& ratio) override;
   AccelerationCounters counters() const override { return counters_; }
+  void visit_state(StateVisitor& visitor) override;
 
  protected:
   /// Take the covered part out of a residual, secants from newest to oldest.

@@ -20,6 +20,7 @@ class Constant : public Acceleration {
   int reset() override { return 0; }
   void rescale(const Eigen::VectorXd&) override {}
   AccelerationCounters counters() const override { return {omega_}; }
+  void visit_state(StateVisitor&) override {}
 
  private:
   double omega_;
@@ -44,6 +45,7 @@ class Aitken : public Acceleration {
   int reset() override;
   void rescale(const Eigen::VectorXd& ratio) override;
   AccelerationCounters counters() const override { return {omega_}; }
+  void visit_state(StateVisitor& visitor) override { visitor.real("aitken.omega", omega_); }
 
   static constexpr double largest = 2;
 

@@ -30,6 +30,9 @@ class ResidualJacobian : public Acceleration {
   int reset() override;
   void rescale(const Eigen::VectorXd& ratio) override;
   AccelerationCounters counters() const override { return counters_; }
+  void visit_state(StateVisitor& visitor) override {
+    visitor.reals("jacobian", {accepted_.data(), static_cast<std::size_t>(accepted_.size())});
+  }
 
  private:
   struct Difference {

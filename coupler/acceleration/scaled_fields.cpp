@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupler/acceleration/scaled_fields.hpp"
 
+#include "coupler/state_vectors.hpp"
+
 namespace gabion {
 
 namespace {
@@ -60,6 +62,12 @@ void ScaledFields::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_t
   const Eigen::VectorXd scale = spread(weights_);
   method_->end_step(scale.cwiseProduct(x), scale.cwiseProduct(x_tilde));
   first_step_ = false;
+}
+
+void ScaledFields::visit_state(StateVisitor& visitor) {
+  visit_vector(visitor, "fields.weights", weights_);
+  visitor.flag("fields.first_step", first_step_);
+  method_->visit_state(visitor);
 }
 
 }  // namespace gabion

@@ -30,6 +30,7 @@ class ScaledFields : public Acceleration {
   int reset() override { return method_->reset(); }
   void rescale(const Eigen::VectorXd& ratio) override { method_->rescale(ratio); }
   AccelerationCounters counters() const override { return method_->counters(); }
+  void visit_state(StateVisitor& visitor) override;
 
   const Eigen::VectorXd& weights() const { return weights_; }  ///< one a field
 

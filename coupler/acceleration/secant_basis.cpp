@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "coupler/state_vectors.hpp"
+
 namespace gabion {
 
 namespace {
@@ -174,6 +176,12 @@ Eigen::MatrixXd SecantBasis::rescale(const Eigen::VectorXd& ratio) {
     q_.push_back(rest / T(j, j));
   }
   return T;
+}
+
+void SecantBasis::visit_state(StateVisitor& visitor) {
+  visit_vectors(
+      visitor, "secants.basis", q_.size(), [&](std::size_t count) { q_.resize(count); },
+      [&](std::size_t k) -> Eigen::VectorXd& { return q_[k]; });
 }
 
 }  // namespace gabion

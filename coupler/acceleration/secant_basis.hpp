@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/state.hpp"
+
 namespace gabion {
 
 /// An orthonormal basis of the space of the secants v = Q s. All least-squares problems over any of
@@ -34,6 +36,7 @@ class SecantBasis {
   /// Let the basis span D v for all v that it spans, D = diag(ratio) > 0.
   /// @returns T such that the coordinates of D v are T s; upper triangular
   Eigen::MatrixXd rescale(const Eigen::VectorXd& ratio);
+  void visit_state(StateVisitor& visitor);
 
  private:
   std::vector<Eigen::VectorXd> q_;

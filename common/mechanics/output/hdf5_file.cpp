@@ -2,7 +2,6 @@
 #include "common/mechanics/output/hdf5_file.hpp"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <cassert>
@@ -14,60 +13,11 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/mechanics/output/hdf5_handle.hpp"
 
 namespace gabion {
 
 namespace {
-
-/// Owner of one HDF5 identifier other than the file's.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close_function)(hid_t)) : id_(id), close_(close_function) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  Handle(Handle&&) = delete;
-  Handle& operator=(Handle&&) = delete;
-
-  hid_t id() const { return id_; }
-  /// Close now. @returns whether it worked
-  bool close() { return close_(std::exchange(id_, -1)) >= 0; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// Keeps HDF5 from printing its error stack while we turn it into exceptions.
-class QuietErrors {
- public:
-  QuietErrors() {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, print_, print_data_); }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-  QuietErrors(QuietErrors&&) = delete;
-  QuietErrors& operator=(QuietErrors&&) = delete;
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* print_data_ = nullptr;
-};
-
-/// The innermost message of HDF5's error stack: the cause, with the system's error text.
-std::string hdf5_cause() {
-  std::string cause = "no message";
-  const auto keep_first = [](unsigned depth, const H5E_error2_t* error, void* text) -> herr_t {
-    if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
-    return 0;
-  };
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &cause);
-  return cause;
-}
 
 /// Memory grows by this much [bytes].
 constexpr std::size_t memory_increment = 1 << 20;
@@ -120,6 +70,27 @@ void Hdf5File::write(const std::string& dataset, int columns, std::span<const do
 void Hdf5File::write(const std::string& dataset, int columns,
                      std::span<const std::int32_t> values) {
   write_values(dataset, columns, values.size(), H5T_NATIVE_INT32, values.data());
+}
+
+void Hdf5File::write(const std::string& dataset, int columns,
+                     std::span<const std::int64_t> values) {
+  write_values(dataset, columns, values.size(), H5T_NATIVE_INT64, values.data());
+}
+
+void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
+  assert(file_ >= 0);
+  const QuietErrors quiet;
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  bool good = space.id() >= 0 && type.id() >= 0 && H5Tset_size(type.id(), text.size() + 1) >= 0;
+  if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
+  Handle data(H5Dcreate2(file_, dataset.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT,
+                         H5P_DEFAULT),
+              H5Dclose);
+  good = data.id() >= 0 &&
+         H5Dwrite(data.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0 &&
+         data.close();
+  if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 
 void Hdf5File::write_values(const std::string& dataset, int columns, std::size_t count,

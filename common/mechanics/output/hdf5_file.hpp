@@ -30,6 +30,8 @@ class Hdf5File {
   void write(const std::string& dataset, int columns, std::span<const float> values);
   void write(const std::string& dataset, int columns, std::span<const double> values);
   void write(const std::string& dataset, int columns, std::span<const std::int32_t> values);
+  void write(const std::string& dataset, int columns, std::span<const std::int64_t> values);
+  void write_text(const std::string& dataset, const std::string& text);
 
   /// Close the file and give it its name.
   void finish();

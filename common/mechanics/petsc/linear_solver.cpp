@@ -151,6 +151,18 @@ int LinearSolver<dim>::solve(std::span<const double> b, std::span<double> x, dou
 }
 
 template <int dim>
+std::optional<SolutionMethod> LinearSolver<dim>::rescue() const {
+  if (!impl_->use_rescue_first) return std::nullopt;
+  return impl_->rescue.method().method;
+}
+
+template <int dim>
+void LinearSolver<dim>::set_rescue(std::optional<SolutionMethod> method) {
+  impl_->use_rescue_first = method.has_value();
+  if (method) impl_->rescue.configure({*method, Preconditioner::none}, 1);
+}
+
+template <int dim>
 std::string LinearSolver<dim>::method_name() const {
   return impl_->chosen.name();
 }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -48,6 +49,12 @@ class LinearSolver {
   /// @throws ConvergenceError  neither worked, or b, K are not finite
   /// @note Collective.
   int solve(std::span<const double> b, std::span<double> x, double tolerance = 0);
+
+  /// The direct method that has the present matrix because the chosen one failed for it.
+  std::optional<SolutionMethod> rescue() const;
+  /// Give the present matrix to this method, or back to the chosen one: what rescue() said for it
+  /// earlier.
+  void set_rescue(std::optional<SolutionMethod> method);
 
   std::string method_name() const;      ///< such as "bicgstab + node-block jacobi"
   std::int64_t factorisations() const;  ///< set-ups of a factor or a preconditioner

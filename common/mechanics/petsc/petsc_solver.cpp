@@ -77,6 +77,9 @@ void PetscSolver::set_up(Mat matrix) {
     // Ordering: approximate minimum fill in 2D, PORD in 3D. Work space: 50 % more than estimated.
     check_petsc(MatMumpsSetIcntl(factor, 7, dim_ == 2 ? 2 : 4), "MatMumpsSetIcntl");
     check_petsc(MatMumpsSetIcntl(factor, 14, 50), "MatMumpsSetIcntl");
+    // No column permutation by values: the analysis is kept for later matrices and must not depend
+    // on which one was the first. The diagonal is never zero.
+    check_petsc(MatMumpsSetIcntl(factor, 6, 0), "MatMumpsSetIcntl");
   }
   check_petsc(KSPSetUp(ksp_.get()), "KSPSetUp");
   is_set_up_ = true;

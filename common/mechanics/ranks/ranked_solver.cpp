@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <thread>
 
+#include "common/mechanics/ranks/ranked_state.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion {
@@ -141,6 +142,18 @@ Json RankedSolver::summary() const {
   return result;
 }
 
+State RankedSolver::save_state() {
+  announce(Call::save_state, {});
+  State all;
+  together([&] { all = gather_state(comm_, inner_.save_state()); });
+  return all;
+}
+
+void RankedSolver::load_state(const State& state) {
+  announce(Call::load_state, {});
+  together([&] { inner_.load_state(scatter_state(comm_, state)); });
+}
+
 void RankedSolver::stop(const std::string& error) {
   if (!followers_left_) announce(Call::stop, error);
   followers_left_ = true;
@@ -161,6 +174,8 @@ void RankedSolver::follow_call(Call call, const Json& arguments) {
     case Call::write_output: inner_.write_output(arguments.get<double>()); break;
     case Call::probes: inner_.probes(); break;
     case Call::summary: inner_.summary(); break;
+    case Call::save_state: gather_state(comm_, inner_.save_state()); break;
+    case Call::load_state: inner_.load_state(scatter_state(comm_, {})); break;
     case Call::stop: break;
   }
 }

@@ -30,6 +30,10 @@ class RankedSolver final : public Solver {
   void write_output(double time) override;
   std::vector<double> probes() const override;
   Json summary() const override;
+  bool keeps_state() const override { return inner_.keeps_state(); }
+  /// The parts of all ranks (gather_state).
+  State save_state() override;
+  void load_state(const State& state) override;
 
   /// Rank 0: release the other ranks from `follow()`. @param error  empty, or why the run failed
   void stop(const std::string& error = "");
@@ -38,7 +42,17 @@ class RankedSolver final : public Solver {
   void follow();
 
  private:
-  enum class Call { solve_step, accept_step, reject_step, write_output, probes, summary, stop };
+  enum class Call {
+    solve_step,
+    accept_step,
+    reject_step,
+    write_output,
+    probes,
+    summary,
+    save_state,
+    load_state,
+    stop
+  };
   void announce(Call call, const Json& arguments) const;
   void together(const std::function<void()>& work) const;
   void follow_call(Call call, const Json& arguments);

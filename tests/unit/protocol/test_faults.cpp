@@ -13,7 +13,7 @@
 
 #include "common/base/timer.hpp"
 #include "dummy_solver.hpp"
-#include "protocol/interrupt.hpp"
+#include "common/base/interrupt.hpp"
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "protocol/interrupt.hpp"
+#include "common/base/interrupt.hpp"
 
 #include <atomic>
 #include <csignal>

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/checkpoint/checkpoint_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <gabion_version.hpp>
+
+#include "common/base/error.hpp"
+#include "common/base/log.hpp"
+#include "common/base/run_record.hpp"
+#include "common/checkpoint/state_file.hpp"
+
+namespace gabion {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int format = 1;
+constexpr const char* manifest_name = "manifest.json";
+
+/// Until this returns, a power cut may undo what was written.
+void flush_to_disk(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool good = file >= 0 && fsync(file) == 0;
+  const std::string cause = std::strerror(errno);
+  if (file >= 0) close(file);
+  require(good, fmt::format("{}: could not be flushed to the disk: {}", path.string(), cause));
+}
+
+/// Number of a folder "step_000123"; -1: it has another name.
+std::int64_t step_of(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  const std::string prefix = "step_";
+  if (!name.starts_with(prefix) || name.size() == prefix.size()) return -1;
+  if (name.find_first_not_of("0123456789", prefix.size()) != std::string::npos) return -1;
+  return std::stoll(name.substr(prefix.size()));
+}
+
+void remove_others(const fs::path& checkpoints, const fs::path& kept) {
+  std::vector<fs::path> others;
+  for (const auto& entry : fs::directory_iterator(checkpoints)) {
+    if (step_of(entry.path()) >= 0 && entry.path() != kept) others.push_back(entry.path());
+  }
+  for (const auto& other : others) {
+    fs::remove(other / manifest_name);  // first: a part of a checkpoint must not count
+    fs::remove_all(other);
+  }
+}
+
+Json read_manifest(const fs::path& path) {
+  std::ifstream in(path);
+  Json manifest = Json::parse(in, nullptr, /*allow_exceptions=*/false);
+  require(manifest.is_object(), fmt::format("{}: not valid JSON", path.string()));
+  return manifest;
+}
+
+}  // namespace
+
+const State& Checkpoint::state_of(const std::string& part) const {
+  std::vector<std::string> names;
+  for (const auto& entry : states) names.push_back(entry.first);
+  require<ConfigError>(states.contains(part),
+                       fmt::format("checkpoint of step {}: found no state of \"{}\", but of {}",
+                                   point.step, part, fmt::join(names, ", ")));
+  return states.at(part);
+}
+
+void write_checkpoint(const std::string& results, const std::string& kind,
+                      const Checkpoint& checkpoint) {
+  const fs::path all = fs::path(results) / "checkpoints";
+  const fs::path folder = all / fmt::format("step_{:06}", checkpoint.point.step);
+  try {
+    fs::remove(folder / manifest_name);
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    Json files = Json::object();
+    for (const auto& [name, state] : checkpoint.states) {
+      const fs::path file = folder / (name + ".h5");
+      write_state(file.string(), state);
+      flush_to_disk(file);
+      files[name] = fs::file_size(file);
+    }
+    const Json manifest = {{"format", format},
+                           {"program", kind},
+                           {"version", version},
+                           {"step", checkpoint.point.step},
+                           {"time", checkpoint.point.time},
+                           {"bytes", files}};
+    const fs::path draft = folder / "manifest.draft.json";
+    write_json_file(draft.string(), manifest);
+    flush_to_disk(draft);
+    flush_to_disk(folder);
+    flush_to_disk(all);
+    fs::rename(draft, folder / manifest_name);
+    flush_to_disk(folder);
+    remove_others(all, folder);
+  } catch (const fs::filesystem_error& error) {
+    throw Error(fmt::format("checkpoint: {}", error.what()));
+  }
+}
+
+std::string find_checkpoint(const std::string& results) {
+  const fs::path all = fs::path(results) / "checkpoints";
+  fs::path last;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(all, error)) {
+    if (step_of(entry.path()) < 0 || !fs::exists(entry.path() / manifest_name)) continue;
+    if (last.empty() || step_of(entry.path()) > step_of(last)) last = entry.path();
+  }
+  require<ConfigError>(
+      !last.empty(), fmt::format("--restart {}: found no checkpoint there, allowed: the results of "
+                                 "a run with checkpoints/step_N/manifest.json",
+                                 results));
+  return last.string();
+}
+
+Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
+  const fs::path folder(path);
+  const Json manifest = read_manifest(folder / manifest_name);
+  const auto refuse_unless = [&](bool good, const std::string& key, const std::string& allowed) {
+    require<ConfigError>(
+        good, fmt::format("{}: at /{}: found {}, allowed: {}", (folder / manifest_name).string(),
+                          key, manifest.value(key, Json()).dump(), allowed));
+  };
+  refuse_unless(manifest.value("format", 0) == format, "format", std::to_string(format));
+  refuse_unless(manifest.value("program", "") == kind, "program", "\"" + kind + "\"");
+  const std::string writer = manifest.value("version", "");
+  if (writer != version) {
+    log::warn("{}: written by version {}, this is {}: last bits may differ", path, writer, version);
+  }
+  Checkpoint checkpoint;
+  try {
+    checkpoint.point = {manifest.at("step").get<std::int64_t>(), manifest.at("time").get<double>()};
+    for (const auto& [name, bytes] : manifest.at("bytes").items()) {
+      const fs::path file = folder / (name + ".h5");
+      const auto size = fs::exists(file) ? fs::file_size(file) : 0;
+      require(size == bytes.get<std::uintmax_t>(),
+              fmt::format("{}: found {} bytes, the manifest says {}: damaged", file.string(), size,
+                          bytes.dump()));
+      checkpoint.states[name] = read_state(file.string());
+    }
+  } catch (const Json::exception& error) {
+    throw Error(fmt::format("{}: {}", (folder / manifest_name).string(), error.what()));
+  }
+  return checkpoint;
+}
+
+}  // namespace gabion

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/checkpoint/checkpoints.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "common/base/interrupt.hpp"
+#include "common/base/log.hpp"
+#include "common/base/scene_identity.hpp"
+
+namespace gabion {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void require_apart(const std::string& results, const std::string& output) {
+  const auto same = [&](const std::string& other) {
+    std::error_code error;
+    return fs::equivalent(results, other, error) && !error;
+  };
+  fs::path folder = fs::path(output).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  const std::string previous = folder.string() + ".previous";
+  require<ConfigError>(!same(output) && !(same(previous) && fs::exists(folder)),
+                       fmt::format("--restart {}: would be replaced by the new results in {}; give "
+                                   "another folder with --output",
+                                   results, output));
+}
+
+}  // namespace
+
+CheckpointSettings read_checkpoint_settings(ConfigReader& in) {
+  const bool given = in.has("checkpoint");
+  ConfigReader object = in.object_or_empty("checkpoint");
+  CheckpointSettings settings;
+  if (object.has("steps")) settings.steps = object.integer("steps", at_least(1));
+  if (object.has("minutes") || !given) {
+    settings.minutes = object.number_or("minutes", settings.minutes, positive());
+  } else {
+    settings.minutes = 0;
+  }
+  object.finish();
+  return settings;
+}
+
+Checkpoint Checkpoints::load(const std::string& results, const std::string& output,
+                             const std::string& kind, const Scene& scene) {
+  require_apart(results, output);
+  Checkpoint checkpoint = read_checkpoint(find_checkpoint(results), kind);
+  const State& run = checkpoint.state_of("run");
+  require(run.facts.contains("scene"),
+          fmt::format("--restart {}: its checkpoint says nothing about the scene", results));
+  require_same_scene(run.facts.at("scene"), scene_identity(scene), scene.folder(), results);
+  return checkpoint;
+}
+
+RestartPoint restart_point(const std::string& results, const Checkpoint& checkpoint) {
+  return {(fs::path(results) / "checkpoints" / fmt::format("step_{:06}", checkpoint.point.step))
+              .string(),
+          checkpoint.point, checkpoint.state_of("run")};
+}
+
+Checkpoints::Checkpoints(const CheckpointSettings& settings, const Scene& scene, Parts parts,
+                         std::optional<RestartPoint> start)
+    : settings_(settings),
+      scene_(scene_identity(scene)),
+      parts_(std::move(parts)),
+      start_(std::move(start)),
+      last_step_(start_ ? start_->point.step : 0) {}
+
+bool Checkpoints::due(std::int64_t step) {
+  const bool by_steps = settings_.steps > 0 && step - last_step_ >= settings_.steps;
+  const bool by_time = settings_.minutes > 0 && since_last_.seconds() >= 60 * settings_.minutes;
+  if (parts_.agree(by_steps || by_time ? 1 : 0) == 0) return false;
+  last_step_ = step;
+  since_last_ = Stopwatch();
+  return true;
+}
+
+void Checkpoints::save(const RunPoint& point, const State& run) {
+  Checkpoint checkpoint{point, {}};
+  for (const auto& [name, state] : parts_.solvers) checkpoint.states[name] = state();
+  if (!parts_.writes) return;
+  checkpoint.states["run"] = run;
+  checkpoint.states["run"].facts["scene"] = scene_;
+  write_checkpoint(parts_.folder, parts_.kind, checkpoint);
+  log::info("checkpoint of step {}, {} s", point.step, point.time);
+}
+
+int Checkpoints::signal() {
+  return parts_.agree(interrupt::requested());
+}
+
+}  // namespace gabion

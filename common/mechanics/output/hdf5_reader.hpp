@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace gabion {
+
+/// Reads what Hdf5File wrote.
+class Hdf5Reader {
+ public:
+  /// @throws Error  no such file, or not one of HDF5; names the file
+  explicit Hdf5Reader(std::string path);
+  ~Hdf5Reader();
+  Hdf5Reader(const Hdf5Reader&) = delete;
+  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+  Hdf5Reader(Hdf5Reader&&) = delete;
+  Hdf5Reader& operator=(Hdf5Reader&&) = delete;
+
+  /// Names in a group; none when the group is missing.
+  std::vector<std::string> names(const std::string& group) const;
+  /// All values of a dataset, row-major.
+  /// @throws Error  no such dataset, damaged, or of another type of number
+  std::vector<double> reals(const std::string& dataset) const;
+  std::vector<std::int64_t> integers(const std::string& dataset) const;
+  std::string text(const std::string& dataset) const;
+
+ private:
+  template <class Value>
+  std::vector<Value> read(const std::string& dataset, std::int64_t type, int type_class) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string path_;
+  std::int64_t file_ = -1;  // HDF5's identifier
+};
+
+}  // namespace gabion

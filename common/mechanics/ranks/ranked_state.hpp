@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include "common/base/state.hpp"
+
+namespace gabion {
+
+/// The parts of all ranks in one state: each array holds those of the ranks one after the other.
+/// @param own  of this rank; equal names on all ranks
+/// @returns    on the first rank; empty on the others
+/// @note Collective.
+State gather_state(MPI_Comm comm, const State& own);
+
+/// The part of this rank, from what gather_state() made.
+/// @param all  read on the first rank only
+/// @throws ConfigError  gathered from another number of ranks; on all ranks, with both numbers
+/// @note Collective.
+State scatter_state(MPI_Comm comm, const State& all);
+
+}  // namespace gabion

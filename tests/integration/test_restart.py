@@ -1,0 +1,242 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A run that goes on from a checkpoint gives the rows of the straight run, byte for byte but for wall times."""
+
+import csv
+import json
+import os
+import signal
+from pathlib import Path
+
+import launch
+from launch import ALONE, IntegrationCase, endless, meeting
+
+TABLES = ("steps", "probes")
+
+
+def rows_without_seconds(path: Path) -> list[tuple[str, ...]]:
+    """Texts of a table's cells as they stand in the file, columns of wall time left out; names first."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    kept = [k for k, name in enumerate(rows[0]) if not name.endswith("_seconds")]
+    return [tuple(row[k] for k in kept) for row in rows]
+
+
+class RestartCase(IntegrationCase):
+    tables: tuple[str, ...] = TABLES
+
+    def launch_into(self, out: str, *options: str, code: int = 0, **how) -> launch.Ended:
+        self.out = self.folder / out
+        return self.run_launch(*options, code=code, **how)
+
+    def assert_same_rows(self, restarted: str = "second", straight: str = "straight", first_step: int = 1) -> None:
+        """The tables of the restarted run are the ends of those of the straight one."""
+        for table in self.tables:
+            new = rows_without_seconds(self.folder / restarted / f"{table}.csv")
+            old = rows_without_seconds(self.folder / straight / f"{table}.csv")
+            self.assertEqual(new[0], old[0])
+            self.assertGreater(len(new), 1, table)
+            self.assertEqual(new[1:], old[-(len(new) - 1):], table)
+            if table == "steps":
+                self.assertEqual(int(new[1][0]), first_step)
+
+    def summary(self, out: str) -> dict:
+        return json.loads((self.folder / out / "summary.json").read_text())
+
+    def checkpoints(self, out: str) -> list[str]:
+        return sorted(path.name for path in (self.folder / out / "checkpoints").glob("step_*"))
+
+
+def soil_alone() -> dict:
+    """Plastic soil that falls against a rigid wall, with walls of both kinds and a probe."""
+    soil = meeting()["mpm"]
+    del soil["interfaces"]
+    soil["rigid_walls"] = [{
+        "name": "gate", "surface": {"polyline": [[0.245, 0.1], [0.245, 0]], "spacing": 0.01},
+        "mode": "contact", "friction": 0.3, "penalty": 1e7,
+    }]
+    soil["probes"] = [{"name": "P", "point": [0.2, 0.05]}]
+    return {**soil, **json.loads(json.dumps(ALONE)), "time": {"end": 0.03, "dt": 1e-3, "dt_min": 1e-5}}
+
+
+def structure_alone(method: str) -> dict:
+    """A cantilever that is pushed and let go; modified Newton keeps its matrix over the steps."""
+    structure = meeting()["fem"]
+    del structure["interfaces"]
+    structure["loads"] = [{"point": [0.25, 0.05], "force": [3, 0], "table": [[0, 0], [0.01, 1], [0.011, 0]]}]
+    structure["linear_solver"] = {"method": method}
+    return {**structure, **json.loads(json.dumps(ALONE)), "time": {"end": 0.02, "dt": 1e-3, "dt_min": 1e-5}}
+
+
+class Alone(RestartCase):
+    def in_two_parts(self, program: str, file: str, part: float, **how) -> None:
+        """Run to `part` of the end, then on to the end; compare with the run in one piece."""
+        alone = {"programs": (program,), **how}
+        end = json.loads((self.scene / f"{file}.json").read_text())["time"]["end"]
+        self.launch_into("straight", **alone)
+        self.launch_into("first", "--set", f"{file}.json:/time/end={part * end}", **alone)
+        first = self.folder / "first"
+        self.launch_into("second", "--restart", str(first), "--set", f"{file}.json:/output/interval=0.004", **alone)
+        steps = self.summary("first")["steps"]
+        self.assert_same_rows(first_step=steps + 1)
+        restart = self.summary("second")["restart"]
+        self.assertEqual(restart["step"], steps)
+        self.assertEqual(restart["from"], str(first / "checkpoints" / f"step_{steps:06}"))
+        self.assertEqual(restart["time"], self.summary("first")["end_time"])
+        self.assertEqual(self.summary("second")["steps"], self.summary("straight")["steps"] - steps)
+        self.assertNotIn("restart", self.summary("straight"))
+
+    def test_soil(self) -> None:
+        self.write_scene({"mpm": soil_alone()})
+        self.in_two_parts("mpm_solver", "mpm", 0.5)
+
+    def test_soil_on_two_ranks(self) -> None:
+        self.write_scene({"mpm": soil_alone()})
+        self.in_two_parts("mpm_solver", "mpm", 0.5, ranks={"mpm_solver": 2})
+        ended = self.launch_into("third", "--restart", str(self.folder / "first"), code=2, programs=("mpm_solver",))
+        self.assert_says(ended.text, "found 1 MPI ranks, allowed: 2")
+
+    def test_structure(self) -> None:
+        for method in ("lu", "mumps", "cg"):
+            with self.subTest(method):
+                self.write_scene({"fem": structure_alone(method)})
+                self.in_two_parts("fem_solver", "fem", 0.3)
+
+    def test_last_checkpoint_after_kill(self) -> None:
+        files = {"mpm": soil_alone()}
+        files["mpm"]["time"]["end"] = 0.06
+        files["mpm"]["checkpoint"] = {"steps": 4}
+        self.write_scene(files)
+        self.out = self.folder / "first"
+        run = self.start("--set", "mpm.json:/time/end=1000", programs=("mpm_solver",))
+        run.wait_until(lambda: (self.out / "checkpoints" / "step_000012").exists(), "12 steps")
+        os.kill(run.pid_of("mpm_solver"), signal.SIGKILL)
+        run.wait()
+        self.assertLessEqual(len(self.checkpoints("first")), 2)
+        # What a crash may leave: a folder without manifest does not count.
+        (self.folder / "first" / "checkpoints" / "step_999999").mkdir()
+        self.launch_into("straight", programs=("mpm_solver",))
+        self.launch_into("second", "--restart", str(self.folder / "first"), programs=("mpm_solver",))
+        self.assert_same_rows(first_step=self.summary("second")["restart"]["step"] + 1)
+        self.assertEqual(self.summary("second")["restart"]["step"] % 4, 0)
+        self.assertEqual(len(self.checkpoints("second")), 1)
+
+    def test_sigterm(self) -> None:
+        files = {"mpm": soil_alone()}
+        files["mpm"]["checkpoint"] = {}
+        self.write_scene(files)
+        self.out = self.folder / "first"
+        run = self.start("--set", "mpm.json:/time/end=1000", programs=("mpm_solver",))
+        steps = self.out / "steps.csv"
+        run.wait_until(lambda: steps.exists() and steps.read_text().count("\n") > 5, "5 steps")
+        self.assertFalse((self.out / "checkpoints").exists())
+        os.kill(run.pid_of("mpm_solver"), signal.SIGTERM)
+        ended = run.wait()
+        self.assertEqual(ended.code, 128 + signal.SIGTERM, ended.text)
+        self.assert_says(ended.text, "interrupted by signal 15", "checkpoint of step")
+        step = len(rows_without_seconds(steps)) - 1
+        self.assertEqual(self.checkpoints("first"), [f"step_{step:06}"])
+        end = 1e-3 * (step + 10)
+        self.launch_into("straight", "--set", f"mpm.json:/time/end={end}", programs=("mpm_solver",))
+        self.launch_into("second", "--set", f"mpm.json:/time/end={end}", "--restart", str(self.folder / "first"),
+                         programs=("mpm_solver",))
+        self.assert_same_rows(first_step=step + 1)
+
+    def refused(self, *words: str, restart: str = "first", out: str = "second", options: tuple[str, ...] = ()) -> None:
+        with self.subTest(words[0]):
+            ended = self.launch_into(out, "--restart", str(self.folder / restart), *options, code=2,
+                                     programs=("mpm_solver",))
+            self.assert_says(ended.text, "error:", *words)
+
+    def test_wrong_restarts(self) -> None:
+        files = {"mpm": soil_alone()}
+        self.write_scene(files)
+        self.launch_into("first", "--set", "mpm.json:/time/end=0.005", programs=("mpm_solver",))
+        self.refused("mpm.json: at /bodies/0/material/young_modulus", "found 900000.0", "allowed: 840000.0",
+                     options=("--set", "mpm.json:/bodies/0/material/young_modulus=9e5"))
+        self.refused("mpm.json: at /time/dt:", "found 0.002", "allowed: 0.001", options=("--set", "mpm.json:/time/dt=2e-3"))
+        self.refused("mpm.json: at /tpic:", "found true", "allowed: nothing", options=("--set", "mpm.json:/tpic=true"))
+        self.refused("is at 0.005 s", "/time/end", options=("--set", "mpm.json:/time/end=0.005"))
+        self.refused("found no checkpoint", restart="nowhere")
+        self.refused("would be replaced by the new results", out="first")
+        manifest = self.folder / "first" / "checkpoints" / "step_000005" / "manifest.json"
+        content = json.loads(manifest.read_text())
+        manifest.write_text(json.dumps({**content, "format": 99}))
+        self.refused("at /format", "found 99", "allowed: 1")
+        manifest.write_text(json.dumps({**content, "program": "fem_solver"}))
+        self.refused("at /program", 'found "fem_solver"', 'allowed: "mpm_solver"')
+
+    def test_wrong_settings(self) -> None:
+        for value, words in (('{"steps": 0}', "/checkpoint/steps"), ('{"minutes": 0}', "/checkpoint/minutes"),
+                             ('{"hours": 1}', "/checkpoint/hours")):
+            with self.subTest(value):
+                self.write_scene({"mpm": soil_alone()})
+                ended = self.run_program("mpm_solver", self.scene, "--check", "--set",
+                                         f"mpm.json:/checkpoint={value}", code=2)
+                self.assert_says(ended.text, "mpm.json: at " + words)
+
+
+class Coupled(RestartCase):
+    """The soil meets the wall at step 18; history of mvqn from then on, steps that are cut."""
+
+    tables = (*TABLES, "iterations")
+
+    def two_parts(self, files: dict[str, dict], step: int, **how) -> None:
+        """Run in one piece; run to this step and go on from there."""
+        self.write_scene(files)
+        self.launch_into("straight", **how)
+        rows = rows_without_seconds(self.folder / "straight" / "steps.csv")
+        time = rows[step][rows[0].index("time")]
+        self.launch_into("first", "--set", f"coupler.json:/time/end={time}", **how)
+        self.launch_into("second", "--restart", str(self.folder / "first"), **how)
+        self.assert_same_rows(first_step=step + 1)
+        restart = self.summary("second")["restart"]
+        self.assertEqual((restart["step"], restart["time"]), (step, float(time)))
+
+    def test_out_of_contact(self) -> None:
+        self.two_parts(meeting(), 6)
+
+    def test_in_contact_on_two_ranks(self) -> None:
+        self.two_parts(meeting(), 24, ranks={"mpm_solver": 2, "fem_solver": 2})
+        columns = rows_without_seconds(self.folder / "second" / "iterations.csv")
+        used = columns[0].index("columns")
+        self.assertGreater(max(int(row[used]) for row in columns[1:6]), 2)  # history of earlier steps
+
+    def test_other_methods_in_contact(self) -> None:
+        for method in ("iqn_ils", "mvqn_residual", "aitken"):
+            with self.subTest(method):
+                files = meeting()
+                files["coupler"]["coupling"]["acceleration"] = {"method": method}
+                self.two_parts(files, 22)
+
+    def test_sigterm(self) -> None:
+        files = endless(in_contact=True)
+        files["coupler"]["checkpoint"] = {"minutes": 60}
+        self.write_scene(files)
+        self.out = self.folder / "first"
+        run = self.start_and_step(20)
+        os.kill(run.process.pid, signal.SIGTERM)
+        ended = run.wait()
+        self.assertNotEqual(ended.code, 0)
+        self.assert_says((self.out / "coupler.log").read_text(), "interrupted by signal 15", "checkpoint of step")
+        step = len(rows_without_seconds(self.out / "steps.csv")) - 1
+        self.assertEqual(self.checkpoints("first"), [f"step_{step:06}"])
+        end = 5e-4 * (step + 10)
+        self.launch_into("straight", "--set", f"coupler.json:/time/end={end}")
+        self.launch_into("second", "--restart", str(self.folder / "first"), "--set", f"coupler.json:/time/end={end}")
+        self.assert_same_rows(first_step=step + 1)
+
+    def test_changed_scene_is_refused(self) -> None:
+        self.write_scene(meeting())
+        self.launch_into("first", "--set", "coupler.json:/time/end=0.001")
+        for setting, *words in (
+                ("fem.json:/material/density=1200", "fem.json: at /material/density: found 1200, allowed: 1100"),
+                ("coupler.json:/coupling/max_iterations=21", "coupler.json: at /coupling/max_iterations: found 21"),
+                ("mpm.json:/bodies/0/velocity=[0.6,0]", "mpm.json: at /bodies/0/velocity/0: found 0.6, allowed: 0.5")):
+            with self.subTest(setting):
+                ended = self.launch_into("second", "--restart", str(self.folder / "first"), "--set", setting, code=2)
+                self.assert_says(ended.text, "[cpl] error:", *words)
+
+
+if __name__ == "__main__":
+    launch.main()

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/base/state.hpp"
+#include "common/base/time_steps.hpp"
+
+namespace gabion {
+namespace {
+
+TimeSteps loaded(TimeSteps& from, const TimeSettings& settings) {
+  State state;
+  StateWriter writer(state);
+  from.visit_state(writer);
+  TimeSteps steps(settings);
+  StateReader reader(state);
+  steps.visit_state(reader);
+  return steps;
+}
+
+TEST(State, GivesEveryPartBack) {
+  State state;
+  StateWriter writer(state, "a.");
+  std::vector<double> reals = {-0.0, 1.0 / 3, std::numeric_limits<double>::infinity()};
+  std::vector<std::int32_t> cells = {-1, 7};
+  std::vector<std::int64_t> list = {1, 2, 3};
+  Json fact = {{"method", "none"}};
+  bool flag = true;
+  writer.reals("reals", reals);
+  writer.integers("cells", cells);
+  writer.list("list", list);
+  writer.fact("fact", fact);
+  writer.flag("flag", flag);
+
+  StateReader reader(state, "a.");
+  std::vector<double> reals_back(3);
+  std::vector<std::int32_t> cells_back(2);
+  std::vector<std::int64_t> list_back;
+  Json fact_back;
+  bool flag_back = false;
+  reader.reals("reals", reals_back);
+  reader.integers("cells", cells_back);
+  reader.list("list", list_back);
+  reader.fact("fact", fact_back);
+  reader.flag("flag", flag_back);
+  EXPECT_EQ(reals_back, reals);
+  EXPECT_TRUE(std::signbit(reals_back[0]));
+  EXPECT_EQ(cells_back, cells);
+  EXPECT_EQ(list_back, list);
+  EXPECT_EQ(fact_back, fact);
+  EXPECT_TRUE(flag_back);
+}
+
+TEST(State, MissingPartsAndOtherSizesAreErrors) {
+  State state;
+  StateWriter writer(state);
+  std::vector<double> two = {1, 2}, three(3);
+  writer.reals("v", two);
+  StateReader reader(state);
+  EXPECT_THROW(reader.reals("v", three), Error);
+  EXPECT_THROW(reader.reals("w", two), Error);
+  EXPECT_THROW(reader.list("w", two), Error);
+  Json fact;
+  EXPECT_THROW(reader.fact("v", fact), Error);
+}
+
+TEST(State, TimeStepsGoOnAsIfNothingHadBeen) {
+  const TimeSettings settings{.end = 0.1, .dt = 1e-3, .dt_min = 1e-6};
+  for (int saved_after = 0; saved_after < 12; ++saved_after) {
+    TimeSteps straight(settings);
+    for (int k = 0; k < saved_after; ++k) {
+      if (k == 3) straight.cut("too hard");
+      straight.accept(k == 7 ? 3e-4 : 0);
+    }
+    TimeSteps second = loaded(straight, settings);
+    for (int k = 0; k < 30; ++k) {
+      ASSERT_EQ(second.time(), straight.time());
+      ASSERT_EQ(second.dt(), straight.dt());
+      ASSERT_EQ(second.step(), straight.step());
+      straight.accept();
+      second.accept();
+    }
+    EXPECT_EQ(second.cuts(), 0);
+  }
+}
+
+TEST(State, AFinishedRunIsExtended) {
+  TimeSettings settings{.end = 0.0025, .dt = 1e-3, .dt_min = 1e-3};
+  TimeSteps first(settings);
+  while (!first.finished()) first.accept();
+  EXPECT_EQ(first.time(), 0.0025);  // off the raster of dt_min
+  EXPECT_TRUE(loaded(first, settings).finished());
+  settings.end = 0.005;
+  TimeSteps second = loaded(first, settings);
+  EXPECT_FALSE(second.finished());
+  EXPECT_EQ(second.time(), 0.0025);
+  EXPECT_EQ(second.step(), 4);
+  second.accept();
+  EXPECT_EQ(second.time(), 0.0025 + 1e-3);
+  TimeSteps third = loaded(second, settings);
+  EXPECT_EQ(third.time(), second.time());
+  while (!third.finished()) third.accept();
+  EXPECT_EQ(third.time(), 0.005);
+}
+
+}  // namespace
+}  // namespace gabion
