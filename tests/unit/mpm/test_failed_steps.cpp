@@ -88,8 +88,8 @@ TEST(FailedSteps, inadmissible_states_name_the_point) {
   json["bodies"][0]["velocity"] = {50, 0};
   const auto solver = make_mpm(json);
   std::string cause;
-  const std::string text = failure_of(*solver, 1, cause);
-  EXPECT_EQ(cause, "line_search");
+  const std::string text = failure_of(*solver, 0.01, cause);
+  EXPECT_EQ(cause, "inadmissible_guess");  // free flight, two cells into the wall
   EXPECT_NE(text.find("would be squeezed below 0.1 of its volume"), std::string::npos) << text;
   EXPECT_NE(text.find("material point "), std::string::npos) << text;
 }
