@@ -68,6 +68,9 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
                                      frame.size(), limits.max_header_bytes));
   require<ProtocolError>(!frame.starts_with("\xEF\xBB\xBF"),
                          "header frame: starts with a byte order mark");
+  // The parser takes it for the end of the text, and what follows for nothing.
+  require<ProtocolError>(frame.find('\0') == std::string::npos,
+                         "header frame is not JSON: holds a byte 0");
   check_depth(frame, limits.max_depth);
   try {
     Json header = Json::parse(frame);
