@@ -62,6 +62,13 @@ void check_depth(std::string_view header, int max_depth) {
   }
 }
 
+/// What is not printable ASCII becomes a question mark: the text goes to logs and JSON files.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 Json parse_header(const std::string& frame, const CodecLimits& limits) {
   require<ProtocolError>(frame.size() <= limits.max_header_bytes,
                          fmt::format("header frame of {} bytes exceeds the limit of {}",
@@ -78,7 +85,7 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
                                                    std::string(header.type_name()));
     return header;
   } catch (const Json::exception& problem) {
-    throw ProtocolError(fmt::format("header frame is not JSON: {}", problem.what()));
+    throw ProtocolError("header frame is not JSON: " + printable(problem.what()));
   }
 }
 

@@ -21,6 +21,12 @@ std::vector<Mismatch> compare_versions(const Message& hello) {
   return {{"protocol version", protocol_version, theirs}};
 }
 
+std::string claimed_name(const Message& hello) {
+  const auto name = hello.fields.find("participant");
+  return name == hello.fields.end() ? "a participant without name"
+                                    : "participant " + shortened(*name);
+}
+
 std::string names_of(const std::vector<Expected>& participants) {
   std::vector<std::string> names;
   for (const Expected& expected : participants) names.push_back(expected.name);
@@ -80,16 +86,18 @@ std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
     switchboard_.answer(arrival.route, refusal(mismatches));
     throw ProtocolError(fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
   };
-  Hello hello;
-  try {
-    if (const auto versions = compare_versions(arrival.hello); !versions.empty()) {
-      refuse("participant " + shortened(arrival.hello.field("participant")), versions);
+  const auto refuse_unless_complete = [&](auto read) {
+    try {
+      return read(arrival.hello);
+    } catch (const ProtocolError& problem) {
+      refuse(claimed_name(arrival.hello), {{"hello", "a complete hello", problem.what()}});
+      throw;
     }
-    hello = read_hello(arrival.hello);
-  } catch (const ProtocolError& problem) {
-    switchboard_.answer(arrival.route, refusal({{"hello", "a complete hello", problem.what()}}));
-    throw;
+  };
+  if (const auto versions = refuse_unless_complete(compare_versions); !versions.empty()) {
+    refuse(claimed_name(arrival.hello), versions);
   }
+  Hello hello = refuse_unless_complete(read_hello);
   const std::string label = fmt::format("participant \"{}\" ({}, pid {})", hello.participant,
                                         hello.program, hello.process.pid);
   const auto expected =

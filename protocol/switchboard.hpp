@@ -76,6 +76,7 @@ class Switchboard {
     std::string session;
     bool sends_heartbeat = true;
     bool released = false;  // it has said "finished": its end is no failure any more
+    bool asked = false;     // a request is open: one answer may come
     std::unique_ptr<PeerWatch> watch;
     std::deque<Message> inbox;
     std::uint64_t last_sequence = 0;

@@ -106,12 +106,23 @@ void read_content(const Message& message) {
   attempt([&] { read_values(message, "displacement", wall); });
 }
 
+bool is_utf8(const std::string& text) {
+  try {
+    static_cast<void>(Json(text).dump());
+    return true;
+  } catch (const Json::exception&) {
+    return false;
+  }
+}
+
 /// Whether the input was accepted. What is wrong otherwise goes to `defect`.
 bool check(const Frames& frames, std::string& defect) {
   std::optional<Message> message;
   try {
     message = decode(frames);
-  } catch (const ProtocolError&) {
+  } catch (const ProtocolError& refused) {
+    // The text goes to logs and JSON files.
+    if (!is_utf8(refused.what())) defect = "the error's text is not UTF-8";
     return false;
   } catch (const std::exception& other) {
     defect = fmt::format("decode threw something else: {}", other.what());
