@@ -21,6 +21,11 @@ std::vector<Mismatch> compare_versions(const Message& hello) {
   return {{"protocol version", protocol_version, theirs}};
 }
 
+std::optional<ServerKeys> keys_of(const ServerSettings& settings) {
+  if (settings.key_file.empty()) return std::nullopt;
+  return read_server_keys(settings.key_file, settings.clients_file);
+}
+
 std::string claimed_name(const Message& hello) {
   const auto name = hello.fields.find("participant");
   return name == hello.fields.end() ? "a participant without name"
@@ -39,12 +44,20 @@ ServerSettings read_server_settings(ConfigReader in) {
   ServerSettings settings;
   settings.endpoint = in.text_or("endpoint", settings.endpoint);
   settings.deadlines = read_deadlines(in);
+  if (auto security = in.optional_object("security")) {
+    settings.key_file = security->text("key_file");
+    settings.clients_file = security->text("clients_file");
+    for (const char* key : {"key_file", "clients_file"}) {
+      if (security->text(key).empty()) security->fail(key, "found \"\", allowed: a file");
+    }
+    security->finish();
+  }
   in.finish();
   return settings;
 }
 
 Server::Server(const ServerSettings& settings)
-    : switchboard_(settings.endpoint, settings.deadlines) {}
+    : switchboard_(settings.endpoint, settings.deadlines, keys_of(settings)) {}
 
 std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
     const std::vector<Expected>& participants, const Json& run) {

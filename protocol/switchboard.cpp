@@ -20,10 +20,11 @@ constexpr double own_sleep = 1.0;             // [s] between two checks: this pr
 
 }  // namespace
 
-Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines)
+Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines,
+                         const std::optional<ServerKeys>& keys)
     : deadlines_(deadlines),
       context_(make_socket_context()),
-      socket_(Socket::bind_router(context_, endpoint)) {
+      socket_(Socket::bind_router(context_, endpoint, keys)) {
   endpoint_ = socket_.endpoint();
   sigset_t all;
   sigset_t before;

@@ -27,7 +27,8 @@ namespace gabion {
 /// Any failure is final: it is told to all participants and every later call throws it again.
 class Switchboard {
  public:
-  Switchboard(const std::string& endpoint, const Deadlines& deadlines);
+  Switchboard(const std::string& endpoint, const Deadlines& deadlines,
+              const std::optional<ServerKeys>& keys = {});
   ~Switchboard();
   Switchboard(const Switchboard&) = delete;
   Switchboard& operator=(const Switchboard&) = delete;

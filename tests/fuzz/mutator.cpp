@@ -172,8 +172,10 @@ void spoil_structure(Json& header, const std::vector<Json>& others, Random& rand
       }
       break;
     default:
-      if (place.is_number_integer())
-        place = place.get<std::int64_t>() + (random.one_in(2) ? 1 : -1);
+      if (place.is_number_integer()) {
+        place =
+            place.get<std::uint64_t>() + (random.one_in(2) ? std::uint64_t{1} : ~std::uint64_t{0});
+      }
       break;
   }
 }
