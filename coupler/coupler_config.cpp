@@ -10,18 +10,47 @@
 
 namespace gabion {
 
+std::string name(Scheme scheme) {
+  switch (scheme) {
+    case Scheme::serial_implicit:
+      return "serial_implicit";
+    case Scheme::parallel_implicit:
+      return "parallel_implicit";
+    case Scheme::explicit_:
+      return "explicit";
+  }
+  return "unknown";
+}
+
 namespace {
+
+StepControl read_step_control(ConfigReader in) {
+  StepControl control;
+  control.few = in.integer_or("few", control.few, non_negative());
+  control.many = in.integer_or("many", control.many, non_negative());
+  in.finish();
+  if (control.many > 0 && control.many <= control.few) {
+    in.fail("many", fmt::format("found {}, allowed: 0 (off) or more than few = {}", control.many,
+                                control.few));
+  }
+  return control;
+}
 
 CouplingSettings read_coupling(ConfigReader in) {
   static const std::map<std::string, OnLimit> on_limit = {
       {"cut", OnLimit::cut}, {"stop", OnLimit::stop}, {"accept", OnLimit::accept}};
   CouplingSettings s;
-  const bool implicit =
-      in.choice_or("scheme", {"serial_implicit", "explicit"}, "serial_implicit") != "explicit";
-  s.scheme = implicit ? Scheme::serial_implicit : Scheme::explicit_;
+  static const std::map<std::string, Scheme> schemes = {
+      {name(Scheme::serial_implicit), Scheme::serial_implicit},
+      {name(Scheme::parallel_implicit), Scheme::parallel_implicit},
+      {name(Scheme::explicit_), Scheme::explicit_}};
+  s.scheme = schemes.at(
+      in.choice_or("scheme", {"serial_implicit", "parallel_implicit", "explicit"}, name(s.scheme)));
+  const bool implicit = s.scheme != Scheme::explicit_;
   s.max_iterations = in.integer_or("max_iterations", s.max_iterations, at_least(2));
   s.on_limit = on_limit.at(in.choice_or("on_limit", {"cut", "stop", "accept"}, "cut"));
   s.predictor = in.integer_or("predictor", s.predictor, between(0, 2));
+  s.step_control = read_step_control(in.object_or_empty("step_control"));
   s.acceleration = read_acceleration_settings(in.object_or_empty("acceleration"));
   if (implicit || in.has("convergence")) {
     s.convergence = read_convergence_settings(in.object("convergence"));

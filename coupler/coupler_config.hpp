@@ -14,8 +14,16 @@
 namespace gabion {
 
 enum class Scheme {
-  serial_implicit,  ///< soil, then structure, repeated until both agree
-  explicit_         ///< soil, then structure, once
+  serial_implicit,    ///< soil, then structure, repeated until both agree
+  parallel_implicit,  ///< both at once, repeated until both agree
+  explicit_           ///< soil, then structure, once
+};
+std::string name(Scheme scheme);
+
+/// The number of coupling iterations as evidence for dt; both counts are off at 0.
+struct StepControl {
+  int few = 0;   ///< dt may grow only while steps need no more than this
+  int many = 0;  ///< the next step is halved after one that needed this or more; > few
 };
 
 /// What to do with a step that is not converged after `max_iterations`.
@@ -27,6 +35,7 @@ struct CouplingSettings {
   int max_iterations = 50;  ///< of one step, >= 2
   OnLimit on_limit = OnLimit::cut;
   int predictor = 1;  ///< order of extrapolation, 0 to 2
+  StepControl step_control;
   AccelerationSettings acceleration;
   ConvergenceSettings convergence;
   MappingSettings mapping;

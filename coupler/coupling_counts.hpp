@@ -19,7 +19,8 @@ struct CouplingCounts {
   std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
   std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
   std::int64_t accepted_unconverged = 0;
-  std::int64_t history_resets = 0;  ///< of the quasi-Newton columns, because the contact changed
+  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
+  std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
 
   void add_step(int iterations, bool contact) {
     ++steps;
@@ -43,7 +44,8 @@ struct CouplingCounts {
             {"steps_in_contact", steps_in_contact},
             {"skipped", {{"acceleration", skipped_acceleration}, {"structure", skipped_structure}}},
             {"accepted_unconverged", accepted_unconverged},
-            {"history_resets", history_resets}};
+            {"history_resets", history_resets},
+            {"filter_fallbacks", filter_fallbacks}};
   }
 };
 

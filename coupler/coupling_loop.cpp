@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <gabion_version.hpp>
+#include <utility>
 
 #include "common/base/log.hpp"
 
@@ -25,7 +26,6 @@ Solver& find_solver(const std::vector<NamedSolver>& participants, const std::str
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
                            const std::vector<NamedSolver>& participants, RunRecord& files)
     : settings_(settings),
-      acceleration_(make_acceleration(settings.coupling.acceleration)),
       predictor_(settings.coupling.predictor),
       convergence_(settings.coupling.convergence),
       steps_(settings.time),
@@ -41,6 +41,9 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
   map_ = std::make_unique<InterfaceMap>(settings_.interfaces, meshes, settings_.coupling.mapping);
   record_ = std::make_unique<CouplingRecord>(files_, map_->dim());
   accepted_x_ = Eigen::VectorXd::Zero(map_->size());
+  std::vector<Eigen::Index> fields = {map_->size()};
+  if (settings_.coupling.scheme == Scheme::parallel_implicit) fields.push_back(map_->size());
+  acceleration_ = make_acceleration(settings_.coupling.acceleration, fields);
 }
 
 void CouplingLoop::run() {
@@ -73,7 +76,7 @@ void CouplingLoop::run_steps() {
   }
   record_->start(probe_names);
   record_->probes(0, probes);
-  predictor_.accept(0, accepted_x_);
+  predictor_.accept(0, stacked(accepted_x_, accepted_x_));  // no displacement, no force
   if (clock_.due(0)) write_output();
   while (!steps_.finished()) advance();
   write_output();
@@ -90,149 +93,6 @@ void CouplingLoop::advance() {
   }
 }
 
-CouplingLoop::Attempt CouplingLoop::try_step(const StepRequest& request) {
-  try {
-    return iterate(request);
-  } catch (const ConvergenceError& error) {
-    Attempt failed;
-    failed.row.request = request;
-    failed.failure = error.what();
-    failed.solver_failed = true;
-    return failed;
-  }
-}
-
-/// The method: x is the displacement of the structures' wet surfaces.
-CouplingLoop::Attempt CouplingLoop::iterate(StepRequest request) {
-  Attempt now;
-  for (Side* side : sides()) side->begin_solution();
-  acceleration_->begin_step();
-  convergence_.begin_step();
-  now.x = predictor_.predict(request.time + request.dt);
-  for (;; ++request.iteration) {
-    const Stopwatch watch;
-    now.row.request = request;
-    solve_soils(now);  // force = H^T MPM(H x)
-    const bool contact = request.iteration > 0 || contact_possible(now);
-    solve_structures(now, /*may_sleep=*/!contact);  // x_tilde = FEM(force)
-    if (!contact || settings_.coupling.scheme == Scheme::explicit_) {
-      now.status = contact ? "explicit" : "inactive";
-      if (!contact) now.x = now.x_tilde;  // the force is the same for every x
-      check_one_pass(now);
-      log_iteration(now, watch);
-      return now;
-    }
-    if (request.iteration == 0 && contact_.changed(soil_reports())) {
-      acceleration_->reset();
-      ++counts_.history_resets;
-    }
-    now.row.state = convergence_.check(now.x, now.x_tilde, now.force);
-    const bool done = finished(now);
-    log_iteration(now, watch);
-    if (done) return now;
-    const ScopedTimer timer(phases_, "acceleration");
-    now.x = acceleration_->next(now.x, now.x_tilde);
-    now.row.acceleration = acceleration_->counters();
-  }
-}
-
-void CouplingLoop::solve_soils(Attempt& now) {
-  const Stopwatch watch;
-  now.force = Eigen::VectorXd::Zero(map_->size());
-  now.soil_forces.clear();
-  now.row.soil = {};
-  now.row.soil_newton = 0;
-  for (Side& soil : soils_) {
-    const ScopedTimer timer(phases_, soil.name());
-    const InterfaceValues displacement = map_->soil_displacement(soil.name(), now.x);
-    InterfaceValues sent;
-    soil.solve(now.row.request, displacement, sent);
-    map_->add_soil_force(soil.name(), sent, now.force);
-    const Resultant resultant = map_->soil_resultant(soil.name(), displacement, sent);
-    now.row.soil.force += resultant.force;
-    now.row.soil.moment += resultant.moment;
-    now.row.soil_newton += soil.report().newton_iterations;
-    now.soil_forces.push_back(std::move(sent));
-  }
-  now.row.structure = map_->structure_resultant(now.x, now.force);
-  now.soil_newton += now.row.soil_newton;
-  now.row.soil_seconds = watch.seconds();
-}
-
-void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
-  const Stopwatch watch;
-  now.x_tilde = accepted_x_;
-  now.row.structure_newton = 0;
-  for (Side& structure : structures_) {
-    if (may_sleep && structure.may_sleep) {
-      structure.skip();
-      continue;
-    }
-    const ScopedTimer timer(phases_, structure.name());
-    InterfaceValues sent;
-    structure.solve(now.row.request, map_->structure_values(structure.name(), now.force), sent);
-    map_->put_structure_values(structure.name(), sent, now.x_tilde);
-    now.row.structure_newton += structure.report().newton_iterations;
-  }
-  now.structure_newton += now.row.structure_newton;
-  now.row.structure_seconds = watch.seconds();
-}
-
-bool CouplingLoop::contact_possible(const Attempt& now) const {
-  const bool active = std::any_of(soils_.begin(), soils_.end(),
-                                  [](const Side& soil) { return soil.report().interface_active; });
-  require(active || now.force.isZero(0),
-          fmt::format("step {}: the soil sends a force (largest component {} N) and says that its "
-                      "interfaces are not active",
-                      now.row.request.step, now.force.cwiseAbs().maxCoeff()));
-  return active;
-}
-
-void CouplingLoop::check_one_pass(Attempt& now) const {
-  now.row.state = Convergence::one_pass(now.x, now.x_tilde, now.force);
-  if (now.row.state.verdict == Verdict::not_finite) now.failure = "values are not finite";
-  if (now.status != "inactive") return;
-  const bool slept = std::any_of(structures_.begin(), structures_.end(),
-                                 [](const Side& structure) { return !structure.solved(); });
-  now.skipped = slept ? "structure" : "acceleration";
-}
-
-bool CouplingLoop::finished(Attempt& now) {
-  ConvergenceState& state = now.row.state;
-  const int iterations = now.row.request.iteration + 1;
-  if (state.verdict == Verdict::going_on && iterations >= settings_.coupling.max_iterations) {
-    state.verdict = Verdict::limit_reached;
-  }
-  if (state.verdict == Verdict::going_on) return false;
-  now.status = name(state.verdict);
-  if (state.verdict == Verdict::converged) return true;
-  const std::string force =
-      state.force_residual ? fmt::format("{:.3g}", *state.force_residual) : "none yet";
-  const std::string text = fmt::format(
-      "coupling {} after {} iterations: displacement residual {:.3g} m (allowed {:.3g}), force "
-      "residual {} N (allowed {:.3g})",
-      now.status, iterations, state.displacement_residual, state.displacement_limit, force,
-      state.force_limit);
-  const bool usable =
-      state.verdict == Verdict::limit_reached || state.verdict == Verdict::stagnated;
-  if (settings_.coupling.on_limit == OnLimit::accept && usable) {
-    log::warn("step {} accepted all the same: {}", now.row.request.step, text);
-    ++counts_.accepted_unconverged;
-  } else {
-    now.failure = text;
-  }
-  return true;
-}
-
-void CouplingLoop::log_iteration(Attempt& now, const Stopwatch& watch) {
-  now.row.wall_seconds = watch.seconds();
-  record_->iteration(now.row);
-  log::debug("step {} iteration {}: displacement residual {:.3e} m, force residual {:.3e} N, {}",
-             now.row.request.step, now.row.request.iteration, now.row.state.displacement_residual,
-             now.row.state.force_residual.value_or(0), name(now.row.state.verdict));
-  ++counts_.total;
-}
-
 std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& proposed_dt) {
   const ScopedTimer timer(phases_, "accept");
   std::vector<double> probes;
@@ -246,7 +106,7 @@ std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& propo
     side->may_sleep = report.at_rest;
   }
   for (Side& structure : structures_) {
-    for (const auto& [name, values] : map_->structure_values(structure.name(), now.force)) {
+    for (const auto& [name, values] : map_->structure_values(structure.name(), now.force_given)) {
       const bool zero = std::all_of(values.begin(), values.end(), [](double f) { return f == 0; });
       structure.may_sleep = structure.may_sleep && zero;
     }
@@ -257,13 +117,15 @@ std::vector<double> CouplingLoop::accept_sides(const Attempt& now, double& propo
 void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) {
   double proposed_dt = 0;
   const std::vector<double> probes = accept_sides(now, proposed_dt);
-  if (now.skipped == "none" && settings_.coupling.scheme == Scheme::serial_implicit) {
-    acceleration_->end_step(now.x, now.x_tilde);
+  if (now.skipped == "none" && settings_.coupling.scheme != Scheme::explicit_) {
+    const Stopwatch acceleration;
+    acceleration_->end_step(stacked(now.x, now.force_given), stacked(now.x_tilde, now.force));
+    acceleration_seconds_ += acceleration.seconds();
   }
   accepted_x_ = now.x_tilde;
   contact_.accept(soil_reports());
-  steps_.accept(proposed_dt);
-  predictor_.accept(steps_.time(), accepted_x_);
+  steps_.accept(allowed_dt(now, proposed_dt));
+  predictor_.accept(steps_.time(), stacked(accepted_x_, now.force));
 
   StepRow row;
   row.last = now.row;
@@ -275,6 +137,7 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   row.structure_newton = now.structure_newton;
   row.cuts = cuts;
   add_work(now, row);
+  row.acceleration_seconds = std::exchange(acceleration_seconds_, 0);
   row.wall_seconds = watch.seconds();
   for (const Side* side : sides()) side->add_details(row.wall_seconds, row.details);
   record_->step(row);
@@ -284,6 +147,17 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   if (now.skipped == "structure") ++counts_.skipped_structure;
   progress_.update(now.row.request.step, row.time, now.row.request.dt, row.iterations);
   if (clock_.due(row.time)) write_output();
+}
+
+/// The solvers' wish, made smaller where the coupling needed many iterations (README section 3).
+double CouplingLoop::allowed_dt(const Attempt& now, double proposed_dt) const {
+  const StepControl& control = settings_.coupling.step_control;
+  const int iterations = now.row.request.iteration + 1;
+  const bool halve = control.many > 0 && iterations >= control.many;
+  const bool hold = control.few > 0 && iterations > control.few;
+  if (!halve && !hold) return proposed_dt;
+  const double dt = halve ? now.row.request.dt / 2 : now.row.request.dt;
+  return proposed_dt > 0 ? std::min(proposed_dt, dt) : dt;
 }
 
 void CouplingLoop::add_work(const Attempt& now, StepRow& row) {
@@ -298,7 +172,7 @@ void CouplingLoop::add_work(const Attempt& now, StepRow& row) {
   const auto size = static_cast<Eigen::Index>(u.size());
   const Eigen::Map<const Eigen::VectorXd> soil_u(u.data(), size), soil_f(f.data(), size);
   row.soil_work = soil_work_.accept(soil_u, -soil_f);
-  row.structure_work = structure_work_.accept(now.x_tilde, now.force);
+  row.structure_work = structure_work_.accept(now.x_tilde, now.force_given);
 }
 
 void CouplingLoop::reject(const Attempt& now) {
@@ -337,13 +211,13 @@ std::vector<StepReport> CouplingLoop::soil_reports() const {
 Json CouplingLoop::summary(bool participants_answer) {
   Json result = counts_.json();
   const CouplingSettings& coupling = settings_.coupling;
-  const bool implicit = coupling.scheme == Scheme::serial_implicit;
+  const bool implicit = coupling.scheme != Scheme::explicit_;
   result["program"] = files_.kind();
   result["version"] = version;
   result["end_time"] = steps_.time();
   result["steps"] = steps_.step() - 1;
   result["cuts"] = steps_.cuts();
-  result["methods"] = {{"scheme", implicit ? "serial_implicit" : "explicit"},
+  result["methods"] = {{"scheme", name(coupling.scheme)},
                        {"acceleration", implicit ? coupling.acceleration.method : "none"},
                        {"predictor", coupling.predictor},
                        {"mapping", coupling.mapping.method}};

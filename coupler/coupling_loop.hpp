@@ -46,7 +46,8 @@ class CouplingLoop {
   /// One try to solve a step; row.request is its last request.
   struct Attempt {
     Eigen::VectorXd x;                         // given to the soils
-    Eigen::VectorXd force;                     // on the structures
+    Eigen::VectorXd force_given;               // to the structures
+    Eigen::VectorXd force;                     // answered by the soils; serial: force_given too
     Eigen::VectorXd x_tilde;                   // answered by the structures
     std::vector<InterfaceValues> soil_forces;  // as each soil sent them
     IterationRow row;
@@ -62,11 +63,22 @@ class CouplingLoop {
   void advance();
   Attempt try_step(const StepRequest& request);
   Attempt iterate(StepRequest request);
+  void predict(Attempt& now) const;
+  bool solve_serial(Attempt& now);
+  bool solve_parallel(Attempt& now);
   void solve_soils(Attempt& now);
+  void start_soils(const Attempt& now);
   void solve_structures(Attempt& now, bool may_sleep);
+  void finish_soils(Attempt& now, const Stopwatch& watch);
+  void finish_structures(Attempt& now, const std::vector<Side*>& started, const Stopwatch& watch);
+  std::vector<Side*> start_structures(Attempt& now, bool may_sleep);
   bool contact_possible(const Attempt& now) const;
+  void accelerate(Attempt& now);
+  Eigen::VectorXd stacked(const Eigen::VectorXd& displacement, const Eigen::VectorXd& force) const;
+  double allowed_dt(const Attempt& now, double proposed_dt) const;
   void check_one_pass(Attempt& now) const;
   bool finished(Attempt& now);
+  void warn_of_round_off(const ConvergenceState& state);
   void log_iteration(Attempt& now, const Stopwatch& watch);
   void accept(const Attempt& now, int cuts, const Stopwatch& watch);
   std::vector<double> accept_sides(const Attempt& now, double& proposed_dt);
@@ -91,6 +103,9 @@ class CouplingLoop {
   RunRecord& files_;
   std::unique_ptr<CouplingRecord> record_;
   Eigen::VectorXd accepted_x_;
+  int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
+  bool warned_round_off_ = false;
+  double acceleration_seconds_ = 0;  // since the last accepted step
   InterfaceWork soil_work_;
   InterfaceWork structure_work_;
   double written_ = -1;  // [s] time of the last frame

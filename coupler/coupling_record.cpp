@@ -8,6 +8,8 @@ namespace {
 using Columns = std::vector<std::string>;
 using Cells = std::vector<CsvValue>;
 
+constexpr int iterations_schema = 2;  // README.md section 5; a change of meaning or order adds 1
+
 void append(Columns& columns, const Columns& more) {
   columns.insert(columns.end(), more.begin(), more.end());
 }
@@ -34,7 +36,8 @@ Columns CouplingRecord::force_columns(const std::string& prefix) const {
 }
 
 void CouplingRecord::start(const Columns& probe_names) {
-  Columns columns = {"step",
+  Columns columns = {"schema",
+                     "step",
                      "iteration",
                      "time",
                      "dt",
@@ -45,7 +48,10 @@ void CouplingRecord::start(const Columns& probe_names) {
                      "force_limit",
                      "omega",
                      "columns",
-                     "columns_dropped"};
+                     "dropped_by_filter",
+                     "dropped_by_limit",
+                     "dropped_by_contact",
+                     "fell_back"};
   append(columns, force_columns("soil_f"));
   append(columns, force_columns("structure_f"));
   append(columns, {"mismatch_force", "mismatch_moment", "soil_newton", "structure_newton",
@@ -57,18 +63,22 @@ void CouplingRecord::start(const Columns& probe_names) {
 }
 
 void CouplingRecord::iteration(const IterationRow& row) {
-  Cells cells = {row.request.step,
+  Cells cells = {cell(iterations_schema),
+                 row.request.step,
                  cell(row.request.iteration),
                  row.request.time,
                  row.request.dt,
                  name(row.state.verdict),
                  row.state.displacement_residual,
-                 row.state.displacement_limit,
+                 optional_cell(row.state.displacement_limit),
                  optional_cell(row.state.force_residual),
-                 row.state.force_limit,
+                 optional_cell(row.state.force_limit),
                  row.acceleration.omega,
                  cell(row.acceleration.columns),
-                 cell(row.acceleration.columns_dropped)};
+                 cell(row.acceleration.dropped_by_filter),
+                 cell(row.acceleration.dropped_by_limit),
+                 cell(row.acceleration.dropped_by_contact),
+                 cell(row.acceleration.fell_back ? 1 : 0)};
   append_force(cells, row.soil.force, dim_);
   append_force(cells, row.structure.force, dim_);
   cells.emplace_back((row.soil.force - row.structure.force).norm());
@@ -90,7 +100,7 @@ void CouplingRecord::start_steps(const Json& details) {
   append(columns,
          {"soil_work", "structure_work", "work_sum", "soil_newton", "structure_newton", "cuts"});
   append(columns, details_.names());
-  columns.push_back("wall_seconds");
+  append(columns, {"acceleration_seconds", "wall_seconds"});
   files_.open_table("steps.csv", columns);
 }
 
@@ -112,6 +122,7 @@ void CouplingRecord::step(const StepRow& row) {
   cells.push_back(cell(row.structure_newton));
   cells.push_back(cell(row.cuts));
   details_.append(row.details, cells);
+  cells.emplace_back(row.acceleration_seconds);
   cells.emplace_back(row.wall_seconds);
   files_.row("steps.csv", cells);
 }

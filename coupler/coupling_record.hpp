@@ -39,6 +39,7 @@ struct StepRow {
   double structure_work = 0;  ///< [J] on the structures
   int cuts = 0;
   Json details = Json::object();  ///< "participant.name": number
+  double acceleration_seconds = 0;
   double wall_seconds = 0;
 };
 

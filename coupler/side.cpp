@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupler/side.hpp"
 
-#include "common/base/timer.hpp"
+#include <utility>
 
 namespace gabion {
 
@@ -9,6 +9,7 @@ namespace gabion {
 class Side::CallTimer {
  public:
   explicit CallTimer(Side& side) : side_(side) {}
+  CallTimer(Side& side, const Stopwatch& since) : side_(side), watch_(since) {}
   ~CallTimer() {
     const double seconds = watch_.seconds();
     side_.call_seconds_ += seconds;
@@ -32,7 +33,28 @@ void Side::begin_step() {
 void Side::solve(const StepRequest& request, const InterfaceValues& received,
                  InterfaceValues& sent) {
   const CallTimer timer(*this);
-  report_ = solver_.solve_step(request, received, sent);
+  note_solution(solver_.solve_step(request, received, sent));
+}
+
+void Side::start_solve(const StepRequest& request, const InterfaceValues& received) {
+  under_way_ = UnderWay{request, {}, Stopwatch()};
+  if (AsynchronousSolver* solver = asynchronous()) {
+    solver->start_solve(request, received);
+  } else {
+    under_way_->received = received;
+  }
+}
+
+void Side::finish_solve(InterfaceValues& sent) {
+  const UnderWay task = *std::exchange(under_way_, std::nullopt);
+  AsynchronousSolver* solver = asynchronous();
+  if (!solver) return solve(task.request, task.received, sent);
+  const CallTimer timer(*this, task.watch);
+  note_solution(solver->finish_solve(sent));
+}
+
+void Side::note_solution(const StepReport& report) {
+  report_ = report;
   solved_ = true;
   linear_iterations_ += report_.linear_iterations;
 }

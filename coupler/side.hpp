@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/base/solver.hpp"
+#include "common/base/timer.hpp"
 
 namespace gabion {
 
@@ -21,6 +23,10 @@ class Side {
   void begin_step();
   void begin_solution() { linear_iterations_ = 0; }
   void solve(const StepRequest& request, const InterfaceValues& received, InterfaceValues& sent);
+  /// Begin to solve, and return at once when the solver is in another process.
+  void start_solve(const StepRequest& request, const InterfaceValues& received);
+  /// @throws ConvergenceError  the solver could not solve
+  void finish_solve(InterfaceValues& sent);
   /// The solver is not asked in this iteration.
   void skip();
   AcceptReport accept(const StepRequest& request);
@@ -38,11 +44,19 @@ class Side {
 
  private:
   class CallTimer;
+  struct UnderWay {
+    StepRequest request;  // of a solver in this process, which solves in finish_solve
+    InterfaceValues received;
+    Stopwatch watch;
+  };
+  AsynchronousSolver* asynchronous() const { return dynamic_cast<AsynchronousSolver*>(&solver_); }
+  void note_solution(const StepReport& report);
 
   std::string name_;
   Solver& solver_;
   StepReport report_;
   bool solved_ = false;
+  std::optional<UnderWay> under_way_;
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;
   double call_seconds_ = 0;  // of all calls since the step began, rejected tries too

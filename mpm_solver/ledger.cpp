@@ -170,8 +170,20 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
 }
 
 template <int dim>
+void Ledger<dim>::remove(const MaterialPoints<dim>& points) {
+  const PointTotals<dim> before = totals_;
+  totals_ = point_totals(comm_, points);
+  removed_.mass += before.mass - totals_.mass;
+  removed_.kinetic_energy += before.kinetic_energy - totals_.kinetic_energy;
+  removed_.elastic_energy += before.elastic_energy - totals_.elastic_energy;
+  removed_.momentum += before.momentum - totals_.momentum;
+  body_.inertia *= totals_.mass / before.mass;  // gravity acts on each mass alike
+}
+
+template <int dim>
 double Ledger<dim>::own_energy() const {
-  return totals_.kinetic_energy + totals_.elastic_energy + plastic_ - body_work_ - boundary_work_;
+  return totals_.kinetic_energy + totals_.elastic_energy + removed_.kinetic_energy +
+         removed_.elastic_energy + plastic_ - body_work_ - boundary_work_;
 }
 
 template <int dim>
@@ -189,8 +201,8 @@ std::vector<double> Ledger<dim>::values() const {
   const double balance = own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_;
   std::vector<double> values = {plastic_,   time_damping_,  transfer_loss_, wall_loss_,
                                 body_work_, boundary_work_, balance,        created_};
-  const Vector<dim> error = totals_.momentum - totals_start_.momentum - body_.impulse -
-                            boundary_.impulse - walls_.impulse;
+  const Vector<dim> error = totals_.momentum + removed_.momentum - totals_start_.momentum -
+                            body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
   return values;
 }

@@ -77,13 +77,19 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   return settings;
 }
 
-// Basis of the grid; only cells in rows have a choice.
+// Basis of the grid; only cells in rows have a choice. Domains fill a body whose cells are boxes.
 template <int dim>
-Basis read_basis(ConfigReader& in, const Mesh<dim>& grid) {
+Basis read_basis(ConfigReader& in, const Mesh<dim>& grid,
+                 const std::vector<PointLayout<dim>>& layouts) {
   static const std::map<std::string, Basis> bases = {
       {"linear", Basis::linear}, {"gimp", Basis::gimp}, {"bspline", Basis::bspline}};
   const bool in_rows = box_grid(grid).has_value();
-  const std::string name = in.choice_or("basis", {"linear", "gimp", "bspline"}, "linear");
+  const bool in_boxes =
+      in_rows && std::all_of(layouts.begin(), layouts.end(), [](const PointLayout<dim>& layout) {
+        return box_grid(layout.mesh).has_value();
+      });
+  const std::string name =
+      in.choice_or("basis", {"linear", "gimp", "bspline"}, in_boxes ? "gimp" : "linear");
   if (name != "linear" && !in_rows) {
     in.fail("basis",
             fmt::format("found \"{}\" on a grid that is not a \"box\" of {}, allowed: linear", name,
@@ -119,7 +125,7 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
   if (widest <= 1 + 1e-9) return;
   in.fail("points_per_cell",
           fmt::format("found points {:.3g} grid cells wide, allowed with \"basis\": \"gimp\": at "
-                      "most 1; give the body more points or smaller cells",
+                      "most 1; give the body more points or smaller cells, or choose another basis",
                       widest));
 }
 
@@ -128,10 +134,15 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
   for (auto& item : items) {
+    settings.layouts.emplace_back();
+    settings.layouts.back().mesh = read_mesh<dim>(scene, item.object("mesh"));
+  }
+  settings.basis = read_basis(in, settings.grid, settings.layouts);
+  for (std::size_t b = 0; b < items.size(); ++b) {
+    ConfigReader& item = items[b];
     Body<dim> body;
-    PointLayout<dim> layout;
+    PointLayout<dim>& layout = settings.layouts[b];
     body.name = item.text("name");
-    layout.mesh = read_mesh<dim>(scene, item.object("mesh"));
     layout.points_per_cell = item.integer("points_per_cell", at_least(1));
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
     layout.placement = read_placement(item, layout.mesh, settings.basis);
@@ -147,7 +158,6 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     item.finish();
     settings.bodies.push_back(std::move(body));
     require_own_name(item, settings.bodies);
-    settings.layouts.push_back(std::move(layout));
   }
 }
 
@@ -314,7 +324,6 @@ template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
   MpmSettings<dim> settings;
   settings.grid = read_mesh<dim>(scene, in.object("grid"));
-  settings.basis = read_basis(in, settings.grid);
   settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
@@ -328,6 +337,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings);
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
+  }
+  if (auto item = in.optional_object("step_control")) {
+    settings.step_control = read_step_control(*item);
   }
   if (auto item = in.optional_object("linear_solver")) {
     settings.linear_solver = read_linear_solver_settings(*item);
@@ -356,6 +368,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
+  settings.outside = in.choice_or("outside", {"error", "remove"}, "error") == "remove"
+                         ? Outside::remove
+                         : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);
     require_on_raster(in, settings.phases, alone->time);

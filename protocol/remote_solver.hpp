@@ -25,7 +25,7 @@ struct CallTimes {
 /// other call is allowed.
 ///
 /// All calls throw ProtocolError when the participant is lost; the coupling is over then.
-class RemoteSolver : public Solver {
+class RemoteSolver : public AsynchronousSolver {
  public:
   /// @param switchboard  must outlive this
   RemoteSolver(Switchboard& switchboard, Hello hello);
@@ -49,9 +49,8 @@ class RemoteSolver : public Solver {
   /// Accept, then write the accepted state at this time, in one message.
   AcceptReport accept_and_write(const StepRequest& request, bool solved, double output_time);
 
-  void start_solve(const StepRequest& request, const InterfaceValues& received);
-  /// @throws ConvergenceError  the participant could not solve the step
-  StepReport finish_solve(InterfaceValues& sent);
+  void start_solve(const StepRequest& request, const InterfaceValues& received) override;
+  StepReport finish_solve(InterfaceValues& sent) override;
   void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
   AcceptReport finish_accept();
 

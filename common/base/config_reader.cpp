@@ -124,6 +124,10 @@ bool ConfigReader::is_text(const std::string& key) const {
   return has(key) && value_.at(key).is_string();
 }
 
+bool ConfigReader::is_object(const std::string& key) const {
+  return has(key) && value_.at(key).is_object();
+}
+
 double ConfigReader::number(const std::string& key, const Range& range) {
   const double result = checked_number(require_key(key), key, range);
   note(key, result);
@@ -134,6 +138,13 @@ double ConfigReader::number_or(const std::string& key, double fallback, const Ra
   if (has(key)) return number(key, range);
   note(key, fallback);
   return fallback;
+}
+
+std::optional<double> ConfigReader::number_or_null(const std::string& key, double fallback,
+                                                   const Range& range) {
+  if (!has(key) || !value_.at(key).is_null()) return number_or(key, fallback, range);
+  note(key, nullptr);
+  return std::nullopt;
 }
 
 int ConfigReader::integer(const std::string& key, const Range& range) {

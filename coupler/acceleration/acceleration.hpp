@@ -4,27 +4,32 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/config_reader.hpp"
+#include "coupler/acceleration/filter.hpp"
 
 namespace gabion {
 
 /// The "coupling/acceleration" object of coupler.json.
 struct AccelerationSettings {
-  std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn
+  std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn | mvqn_residual
   double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
-  double filter = 1e-2;         ///< QR2 limit in [0, 1): a column this dependent is dropped
+  Filter filter;                ///< which columns are dropped as dependent
   int history = 5;              ///< accepted steps whose columns are kept, >= 0
-  int max_columns = 200;        ///< of all steps together, >= 1
+  int max_columns = 200;        ///< of all steps together, >= 1; mvqn_residual: of this step
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
 AccelerationSettings read_acceleration_settings(ConfigReader in);
 
 /// What the last `next` did, for the log.
 struct AccelerationCounters {
-  double omega = 0;         ///< relaxation used; 0 when columns decided
-  int columns = 0;          ///< in use
-  int columns_dropped = 0;  ///< by the filter
+  double omega = 0;            ///< relaxation used; 0 when columns decided
+  int columns = 0;             ///< in use
+  int dropped_by_filter = 0;   ///< columns, in this call, as the next two
+  int dropped_by_limit = 0;    ///< because there were more than max_columns
+  int dropped_by_contact = 0;  ///< by a reset before the call, because the contact changed
+  bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };
 
 /// Finds the fixed point x = x_tilde(x) of a coupled step from pairs (x, x_tilde), r = x_tilde - x.
@@ -42,10 +47,17 @@ class Acceleration {
   virtual void end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) = 0;
   virtual void discard_step() = 0;
   /// Forget earlier steps, and what this step taught so far.
-  virtual void reset() = 0;
+  /// @returns number of columns that were forgotten
+  virtual int reset() = 0;
+  /// From now on x and x_tilde come multiplied by these factors: do the same to all that is kept.
+  virtual void rescale(const Eigen::VectorXd& ratio) = 0;
   virtual AccelerationCounters counters() const = 0;
 };
 
-std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings);
+/// @param fields  sizes of the fields that x consists of, one after the other; with more than one,
+///                they are weighted (ScaledFields)
+/// @throws ConfigError  mvqn_residual with too many unknowns for its dense matrix
+std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
+                                                const std::vector<Eigen::Index>& fields);
 
 }  // namespace gabion

@@ -1,85 +1,211 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupler/acceleration/quasi_newton.hpp"
 
+#include <algorithm>
+
 namespace gabion {
 
-void QuasiNewton::begin_step() {
-  current_.clear();
-  r_last_.resize(0);
-  x_tilde_last_.resize(0);
+namespace {
+
+/// Coordinates as columns; the basis has grown since a secant came, its new entries are 0.
+Eigen::MatrixXd matrix_of(const std::deque<Secant>& secants, const std::vector<std::size_t>& which,
+                          Eigen::Index rows) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(which.size()));
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const Eigen::VectorXd& s = secants[which[k]].s;
+    result.col(static_cast<Eigen::Index>(k)).head(s.size()) = s;
+  }
+  return result;
 }
 
-void QuasiNewton::reset() {
-  begin_step();
-  forget();
+}  // namespace
+
+bool ProgressWatch::fails(const Eigen::VectorXd& x_tilde, const Eigen::VectorXd& r) {
+  if (best_r_.size() == 0 || r.norm() < best_r_.norm()) {
+    best_r_ = r;
+    best_x_tilde_ = x_tilde;
+    since_best_ = 0;
+    return false;
+  }
+  return ++since_best_ >= patience || r.norm() > growth * best_r_.norm();
 }
 
-void QuasiNewton::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
+void ProgressWatch::begin_step() {
+  best_r_.resize(0);
+  best_x_tilde_.resize(0);
+  since_best_ = 0;
+}
+
+void ProgressWatch::rescale(const Eigen::VectorXd& ratio) {
+  if (best_r_.size() == 0) return;
+  best_r_.array() *= ratio.array();
+  best_x_tilde_.array() *= ratio.array();
+}
+
+void QuasiNewton::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
+                           Eigen::VectorXd& t) {
   const Eigen::VectorXd r = x_tilde - x;
-  if (r_last_.size() > 0) {
-    current_.insert(current_.begin(), Secant{r - r_last_, x_tilde - x_tilde_last_});
-    if (static_cast<int>(current_.size()) > settings_.max_columns) current_.pop_back();
+  const bool moved = r_last_.size() > 0 && r != r_last_;
+  if (moved) {
+    Secant secant;
+    basis_.extend(r - r_last_, r, secant.s, t);
+    secant.w = x_tilde - x_tilde_last_;
+    secant.step = step_;
+    secants_.push_front(std::move(secant));
+  } else {
+    t = basis_.coordinates(r);
   }
   r_last_ = r;
   x_tilde_last_ = x_tilde;
 }
 
 Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
-  add_pair(x, x_tilde);
   counters_ = {};
-  Eigen::VectorXd r = r_last_;
-  Eigen::VectorXd update = Eigen::VectorXd::Zero(r.size());
-  apply(current_, r, update);
+  Eigen::VectorXd t;
+  add_pair(x, x_tilde, t);
+  if (watch_.fails(x_tilde, r_last_) && fall_back()) t = basis_.coordinates(r_last_);
+  limit_columns();
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(secants_.size()));
+  Eigen::VectorXd t_left = t;
+  cover(secants_, t_left, c);
+  counters_.columns = num_in_use();
   if (counters_.columns == 0) {
     counters_.omega = settings_.relaxation;
     return x + settings_.relaxation * r_last_;
   }
-  return x + update + settings_.damping * r;
+  Eigen::VectorXd result = x_tilde_last_;
+  std::vector<const Eigen::VectorXd*> columns;
+  std::vector<double> factors;
+  for (std::size_t k = 0; k < secants_.size(); ++k) {
+    if (secants_[k].dropped) continue;
+    columns.push_back(&secants_[k].w);
+    factors.push_back(c(static_cast<Eigen::Index>(k)));
+  }
+  add_combination(columns, factors, result);
+  if (settings_.damping != 1) {
+    Eigen::VectorXd left = r_last_;
+    basis_.add(1, t_left - t, left);  // V c
+    result -= (1 - settings_.damping) * left;
+  }
+  return result;
 }
 
-void QuasiNewton::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
-  add_pair(x, x_tilde);
-  if (!current_.empty() && settings_.history > 0) remember(current_);
-  begin_step();
-}
-
-void IqnIls::apply(const std::vector<Secant>& current, Eigen::VectorXd& r,
-                   Eigen::VectorXd& update) {
-  std::vector<Secant> all = current;
-  for (const auto& step : earlier_) all.insert(all.end(), step.begin(), step.end());
-  const auto most = static_cast<std::size_t>(settings_.max_columns);
-  if (all.size() > most) all.erase(all.begin() + settings_.max_columns, all.end());
-  const SecantBlock block(all, settings_.filter);
-  counters_.columns = block.num_columns();
-  counters_.columns_dropped = block.num_dropped();
-  block.apply(r, update);
-}
-
-void IqnIls::remember(const std::vector<Secant>& current) {
-  earlier_.push_front(current);
-  if (static_cast<int>(earlier_.size()) > settings_.history) earlier_.pop_back();
-}
-
-void Mvqn::apply(const std::vector<Secant>& current, Eigen::VectorXd& r, Eigen::VectorXd& update) {
-  const SecantBlock block(current, settings_.filter);
-  counters_.columns = block.num_columns();
-  counters_.columns_dropped = block.num_dropped();
-  block.apply(r, update);
-  for (const SecantBlock& step : earlier_) {
-    counters_.columns += step.num_columns();
-    counters_.columns_dropped += step.num_dropped();
-    step.apply(r, update);
+void QuasiNewton::cover_part(std::deque<Secant>& secants, const std::vector<std::size_t>& which,
+                             Eigen::VectorXd& t, Eigen::VectorXd& c) {
+  if (which.empty()) return;
+  const FilteredLeastSquares problem(matrix_of(secants, which, t.size()), filter_);
+  const Eigen::VectorXd found = problem.solve(t);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const bool kept =
+        next < problem.kept().size() && problem.kept()[next] == static_cast<Eigen::Index>(k);
+    if (kept) {
+      c(static_cast<Eigen::Index>(which[k])) = found(static_cast<Eigen::Index>(next++));
+    } else {
+      secants[which[k]].dropped = true;
+      ++counters_.dropped_by_filter;
+    }
   }
 }
 
-void Mvqn::remember(const std::vector<Secant>& current) {
-  earlier_.emplace_front(current, settings_.filter);
-  int columns = 0;
-  for (const SecantBlock& step : earlier_) columns += step.num_columns();
-  while (static_cast<int>(earlier_.size()) > settings_.history ||
-         (columns > settings_.max_columns && earlier_.size() > 1)) {
-    columns -= earlier_.back().num_columns();
-    earlier_.pop_back();
+bool QuasiNewton::fall_back() {
+  const Filter robust;
+  if (filter_.kind == robust.kind && filter_.limit == robust.limit) return false;
+  filter_ = robust;
+  for (Secant& secant : secants_) secant.dropped = false;
+  // Differences to the pair before stay what they are; the next secant begins at the best pair.
+  r_last_ = watch_.best_r();
+  x_tilde_last_ = watch_.best_x_tilde();
+  counters_.fell_back = true;
+  return true;
+}
+
+void QuasiNewton::limit_columns() {
+  int count = 0;
+  for (Secant& secant : secants_) {
+    if (secant.dropped || ++count <= settings_.max_columns) continue;
+    secant.dropped = true;
+    ++counters_.dropped_by_limit;
+  }
+}
+
+int QuasiNewton::num_in_use() const {
+  return static_cast<int>(std::count_if(secants_.begin(), secants_.end(),
+                                        [](const Secant& secant) { return !secant.dropped; }));
+}
+
+void QuasiNewton::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
+  Eigen::VectorXd t;
+  add_pair(x, x_tilde, t);
+  limit_columns();
+  if (!secants_.empty() && secants_.front().step == step_) ++step_;
+  forget_old_steps();
+  size_accepted_ = basis_.size();
+  watch_.begin_step();
+  r_last_.resize(0);
+  x_tilde_last_.resize(0);
+}
+
+void QuasiNewton::forget_old_steps() {
+  std::erase_if(secants_, [&](const Secant& secant) {
+    return secant.dropped || secant.step < step_ - settings_.history;
+  });
+  if (basis_.size() <= static_cast<Eigen::Index>(secants_.size())) return;
+  std::vector<std::size_t> all(secants_.size());
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
+  Eigen::MatrixXd s = matrix_of(secants_, all, basis_.size());
+  basis_.shrink(s);
+  for (std::size_t k = 0; k < all.size(); ++k) secants_[k].s = s.col(static_cast<Eigen::Index>(k));
+}
+
+void QuasiNewton::discard_step() {
+  std::erase_if(secants_, [&](const Secant& secant) { return secant.step == step_; });
+  for (Secant& secant : secants_) secant.dropped = false;
+  basis_.truncate(size_accepted_);
+  watch_.begin_step();
+  r_last_.resize(0);
+  x_tilde_last_.resize(0);
+}
+
+int QuasiNewton::reset() {
+  const auto forgotten = static_cast<int>(secants_.size());
+  secants_.clear();
+  basis_.truncate(0);
+  size_accepted_ = 0;
+  r_last_.resize(0);
+  x_tilde_last_.resize(0);
+  return forgotten;
+}
+
+void QuasiNewton::rescale(const Eigen::VectorXd& ratio) {
+  const Eigen::MatrixXd T = basis_.rescale(ratio);
+  for (Secant& secant : secants_) {
+    const Eigen::Index m = secant.s.size();
+    secant.s = (T.topLeftCorner(m, m) * secant.s).eval();
+    secant.w.array() *= ratio.array();
+  }
+  if (r_last_.size() == 0) return;
+  r_last_.array() *= ratio.array();
+  x_tilde_last_.array() *= ratio.array();
+  watch_.rescale(ratio);
+}
+
+void IqnIls::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) {
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < secants.size(); ++k) {
+    if (!secants[k].dropped) all.push_back(k);
+  }
+  cover_part(secants, all, t, c);
+}
+
+void Mvqn::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) {
+  std::vector<std::size_t> block;
+  for (std::size_t k = 0; k < secants.size(); ++k) {
+    if (!secants[k].dropped) block.push_back(k);
+    const bool last = k + 1 == secants.size() || secants[k + 1].step != secants[k].step;
+    if (!last) continue;
+    cover_part(secants, block, t, c);
+    block.clear();
   }
 }
 

@@ -5,43 +5,86 @@
 #include <vector>
 
 #include "coupler/acceleration/acceleration.hpp"
-#include "coupler/acceleration/secant_block.hpp"
+#include "coupler/acceleration/secant_basis.hpp"
 
 namespace gabion {
 
-/// What both quasi-Newton methods share: the secants of the step under way, and
+/// Differences of two successive iterations of one step.
+struct Secant {
+  Eigen::VectorXd s;      ///< of r: coordinates in the basis; the basis may have grown since
+  Eigen::VectorXd w;      ///< of x_tilde
+  std::int64_t step = 0;  ///< counts the steps that had secants
+  bool dropped = false;   ///< in the step under way; for good once that is accepted
+};
+
+/// Notices that the iterations of a step lead nowhere, and keeps their best pair.
+class ProgressWatch {
+ public:
+  static constexpr int patience = 5;     ///< iterations without a new smallest residual
+  static constexpr double growth = 100;  ///< of the residual over the smallest one
+
+  void begin_step();
+  /// Take in the next pair. @returns whether the patience or the growth is used up
+  bool fails(const Eigen::VectorXd& x_tilde, const Eigen::VectorXd& r);
+  void rescale(const Eigen::VectorXd& ratio);
+  const Eigen::VectorXd& best_r() const { return best_r_; }
+  const Eigen::VectorXd& best_x_tilde() const { return best_x_tilde_; }
+
+ private:
+  Eigen::VectorXd best_r_;  // empty before the first iteration of a step
+  Eigen::VectorXd best_x_tilde_;
+  int since_best_ = 0;
+};
+
+/// What both quasi-Newton methods share: the secants of this and of earlier steps, and
 ///
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// where the methods differ in how c follows from the secants of this and of earlier steps.
-/// Without any secant x+ = x + omega r.
+/// where the methods differ in how c follows from them. Without any secant x+ = x + omega r.
 class QuasiNewton : public Acceleration {
  public:
-  explicit QuasiNewton(const AccelerationSettings& settings) : settings_(settings) {}
+  explicit QuasiNewton(const AccelerationSettings& settings)
+      : settings_(settings), filter_(settings.filter) {}
 
-  void begin_step() override;
+  void begin_step() override { discard_step(); }
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
   void end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
-  void discard_step() override { begin_step(); }
-  void reset() override;
+  void discard_step() override;
+  int reset() override;
+  void rescale(const Eigen::VectorXd& ratio) override;
   AccelerationCounters counters() const override { return counters_; }
 
  protected:
-  /// Take the covered part out of r and add W c - V c to the update.
-  virtual void apply(const std::vector<Secant>& current, Eigen::VectorXd& r,
-                     Eigen::VectorXd& update) = 0;
-  /// Keep the secants of an accepted step.
-  virtual void remember(const std::vector<Secant>& current) = 0;
-  virtual void forget() = 0;
+  /// Take the covered part out of a residual, secants from newest to oldest.
+  /// @param[in,out] t  coordinates of r; becomes those of r + V c
+  /// @param[in,out] c  of each secant in use, 0 at the start; the others' entries are not touched
+  virtual void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) = 0;
+
+  /// c for consecutive secants; those that do not pass the filter are marked as dropped.
+  /// @param which  positions in `secants`, from newest to oldest
+  void cover_part(std::deque<Secant>& secants, const std::vector<std::size_t>& which,
+                  Eigen::VectorXd& t, Eigen::VectorXd& c);
+
+ private:
+  /// Take in the pair; t: coordinates of its residual.
+  void add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde, Eigen::VectorXd& t);
+  /// To the default filter, from the best pair, when the one of the settings leads nowhere.
+  /// @returns false: it is the default already
+  bool fall_back();
+  void limit_columns();
+  void forget_old_steps();
+  int num_in_use() const;
 
   AccelerationSettings settings_;
   AccelerationCounters counters_;
+  Filter filter_;  // in use
 
- private:
-  void add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde);
-
-  std::vector<Secant> current_;  // of the step under way, newest first
-  Eigen::VectorXd r_last_;       // empty before the first iteration of a step
+  ProgressWatch watch_;
+  SecantBasis basis_;
+  std::deque<Secant> secants_;      // newest first
+  Eigen::Index size_accepted_ = 0;  // of the basis when the step began
+  std::int64_t step_ = 0;
+  Eigen::VectorXd r_last_;  // empty before the first iteration of a step
   Eigen::VectorXd x_tilde_last_;
 };
 
@@ -53,13 +96,7 @@ class IqnIls : public QuasiNewton {
   using QuasiNewton::QuasiNewton;
 
  protected:
-  void apply(const std::vector<Secant>& current, Eigen::VectorXd& r,
-             Eigen::VectorXd& update) override;
-  void remember(const std::vector<Secant>& current) override;
-  void forget() override { earlier_.clear(); }
-
- private:
-  std::deque<std::vector<Secant>> earlier_;  // newest step first
+  void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) override;
 };
 
 /// Multi-vector inverse Jacobian without a matrix: the residual is projected on the secants of this
@@ -71,13 +108,7 @@ class Mvqn : public QuasiNewton {
   using QuasiNewton::QuasiNewton;
 
  protected:
-  void apply(const std::vector<Secant>& current, Eigen::VectorXd& r,
-             Eigen::VectorXd& update) override;
-  void remember(const std::vector<Secant>& current) override;
-  void forget() override { earlier_.clear(); }
-
- private:
-  std::deque<SecantBlock> earlier_;  // newest step first
+  void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) override;
 };
 
 }  // namespace gabion

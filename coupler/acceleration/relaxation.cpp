@@ -10,9 +10,14 @@ void Aitken::begin_step() {
   r_last_.resize(0);
 }
 
-void Aitken::reset() {
+int Aitken::reset() {
   omega_ = first_;
   r_last_.resize(0);
+  return 0;
+}
+
+void Aitken::rescale(const Eigen::VectorXd& ratio) {
+  if (r_last_.size() > 0) r_last_.array() *= ratio.array();
 }
 
 Eigen::VectorXd Aitken::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {

@@ -17,8 +17,9 @@ class Constant : public Acceleration {
   }
   void end_step(const Eigen::VectorXd&, const Eigen::VectorXd&) override {}
   void discard_step() override {}
-  void reset() override {}
-  AccelerationCounters counters() const override { return {omega_, 0, 0}; }
+  int reset() override { return 0; }
+  void rescale(const Eigen::VectorXd&) override {}
+  AccelerationCounters counters() const override { return {omega_}; }
 
  private:
   double omega_;
@@ -40,8 +41,9 @@ class Aitken : public Acceleration {
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
   void end_step(const Eigen::VectorXd&, const Eigen::VectorXd&) override {}
   void discard_step() override { reset(); }
-  void reset() override;
-  AccelerationCounters counters() const override { return {omega_, 0, 0}; }
+  int reset() override;
+  void rescale(const Eigen::VectorXd& ratio) override;
+  AccelerationCounters counters() const override { return {omega_}; }
 
   static constexpr double largest = 2;
 

@@ -57,6 +57,7 @@ FEM = {
 MPM = {
     "dimension": 2,
     "grid": {"box": {"low": [0, 0], "high": [0.4, 0.16], "cells": [20, 8], "type": "quad4"}},
+    "basis": "linear",
     "walls": [{"group": "bottom", "condition": "slip"}, {"group": "left", "condition": "slip"}],
     "gravity": [0, -9.81],
     "locking": {"method": "none"},  # stiff enough at first touch for a step to be cut

@@ -13,11 +13,13 @@ from script_case import ScriptCase
 
 import made_up_results as made_up
 from plotting.results import Results, ResultsError
+from studies import coupling
 from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
 from studies.measures import Curve, Measured, relative_rms
 from studies.run_out import height_law, run_out, run_out_law
 from studies.runner import Runner
+from studies.stability import cases, verdict
 
 
 class MadeUpRunner(Runner):
@@ -78,6 +80,22 @@ class Measures(ScriptCase):
             Measured(Results(self.folder))
 
 
+class Stability(ScriptCase):
+    def test_every_case_has_its_name_and_the_base_comes_first(self) -> None:
+        names = [case.name for case in cases()]
+        self.assertEqual(names[0], "base")
+        self.assertEqual(len(set(names)), len(names))
+        self.assertEqual(sum(name.startswith("E_x") for name in names), 15)
+
+    def test_verdict_names_causes_and_refuses_an_end_without_one(self) -> None:
+        self.assertEqual(verdict({"completed": True}), "end")
+        failed = {"completed": False, "reason": "x", "end_time": 0.25,
+                  "solver": {"newton": {"failures": {"line_search": 3}}}}
+        self.assertEqual(verdict(failed), "0.25 s: 3 x line_search")
+        with self.assertRaisesRegex(ResultsError, "without a reason"):
+            verdict({**failed, "solver": {"newton": {"failures": {}}}})
+
+
 class Studies(ScriptCase):
     def table(self, study, scales: dict[str, float]) -> list[list[str]]:
         runner = MadeUpRunner(self.folder, reuse=False, settings=[])
@@ -115,6 +133,43 @@ class Studies(ScriptCase):
         for name, study in STUDIES.items():
             with self.subTest(name):
                 self.assertTrue(self.table(study, {}))
+
+
+class Coupling(ScriptCase):
+    """The tables of coupling_benchmark, made up here."""
+
+    def program(self, grid_row: str, code: int = 0) -> None:
+        text = ('#!/bin/sh\ncase $1 in\n'
+                'affine) printf "m,mvqn\\n2,11 8\\n";;\ntube) printf "method,mean\\nmvqn,8.3\\n";;\n'
+                f'grid) printf "filter,mean,max\\n{grid_row}\\n";;\n'
+                'overhead) printf "$2,$3,100,60,30,10,12\\n";;\nesac\n'
+                f'exit {code}\n')
+        binary = self.write("coupling_benchmark", text)
+        binary.chmod(0o755)
+        self.addCleanup(setattr, coupling, "BINARY", coupling.BINARY)
+        coupling.BINARY = binary
+
+    def run_study(self) -> str:
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            coupling.coupling(Runner(self.folder / "out", reuse=False, settings=[]))
+        return out.getvalue()
+
+    def test_tables_are_printed_and_written(self) -> None:
+        self.program("qr2,failed,60")
+        printed = self.run_study()
+        self.assertIn("1 of 1 settings of MVQN failed", printed)
+        rows = list(csv.reader((self.folder / "out" / "overhead.csv").open(newline="")))
+        self.assertEqual(len(rows), 1 + 9)
+        self.assertEqual(rows[-1], ["iqn_ils", "10000", "100", "60", "30", "10", "12", "29000"])
+
+    def test_a_program_that_fails_or_is_missing_is_an_error(self) -> None:
+        self.program("qr2,8,20", code=1)
+        with self.assertRaisesRegex(ResultsError, "coupling_benchmark affine: exit code 1"):
+            self.run_study()
+        coupling.BINARY = self.folder / "nowhere"
+        with self.assertRaisesRegex(ResultsError, "is not there"):
+            self.run_study()
 
 
 class Columns(ScriptCase):

@@ -13,14 +13,14 @@ using Vector = Eigen::VectorXd;
 
 ConvergenceSettings limits() {
   ConvergenceSettings s;
-  s.displacement = {1e-3, 1e-2, 1e-6};
-  s.force = {1, 1e-2, 1e-3};
+  s.displacement = {1e-3, 1e-2, 1e-6, {}};
+  s.force = {1, 1e-2, 1e-3, {}};
   s.stagnation = 5;
   return s;
 }
 
 TEST(FieldLimits, the_smaller_of_absolute_and_relative_holds_and_the_floor_bounds_the_relative) {
-  const FieldLimits l{1e-3, 1e-2, 1e-6};
+  const FieldLimits l{1e-3, 1e-2, 1e-6, {}};
   EXPECT_EQ(l.limit(1), 1e-3);     // relative would be 1e-2
   EXPECT_EQ(l.limit(0.01), 1e-4);  // relative
   EXPECT_EQ(l.limit(1e-8), 1e-6);  // floor
@@ -44,7 +44,7 @@ TEST(Convergence, needs_both_fields_and_two_iterations) {
   const auto state = c.check(x, x + Vector::Constant(4, 9e-5), f + Vector::Constant(4, 0.29));
   EXPECT_EQ(state.verdict, Verdict::converged);
   EXPECT_NEAR(*state.force_residual, 0.09, 1e-12);
-  EXPECT_NEAR(state.force_limit, 0.1029, 1e-12);
+  EXPECT_NEAR(*state.force_limit, 0.1029, 1e-12);
   c.begin_step();
   EXPECT_FALSE(c.check(x, x, f).force_residual.has_value());
 }
@@ -93,6 +93,56 @@ TEST(Convergence, growth_from_a_residual_below_the_limit_is_not_divergence) {
   const Vector x = Vector::Zero(2);
   c.check(x, x + Vector::Constant(2, 1e-12), x);
   EXPECT_EQ(c.check(x, x + Vector::Constant(2, 1e-5), x).verdict, Verdict::going_on);
+}
+
+TEST(Convergence, drop_is_relative_to_the_first_residual_of_the_step) {
+  ConvergenceSettings s;
+  s.displacement.drop = 0.01;
+  Convergence c(s);
+  const Vector x = Vector::Zero(3), f = Vector::Ones(3);
+  for (const double first : {1.0, 1e-5}) {
+    c.begin_step();
+    EXPECT_EQ(c.check(x, Vector::Constant(3, first), f).verdict, Verdict::going_on);
+    EXPECT_EQ(c.check(x, Vector::Constant(3, 0.011 * first), f).verdict, Verdict::going_on);
+    const auto state = c.check(x, Vector::Constant(3, 0.009 * first), f);
+    EXPECT_EQ(state.verdict, Verdict::converged);
+    EXPECT_DOUBLE_EQ(*state.displacement_limit, 0.01 * first);
+    EXPECT_FALSE(state.force_limit.has_value());
+  }
+}
+
+TEST(Convergence, or_needs_one_criterion_of_one_field) {
+  ConvergenceSettings s;
+  s.combine = Combine::any;
+  s.displacement.absolute = 1e-6;
+  s.displacement.relative = 1e-2;  // the larger of the two limits counts
+  s.force.absolute = 1e-9;
+  Convergence c(s);
+  c.begin_step();
+  const Vector x = Vector::Ones(3), f = Vector::Ones(3);
+  EXPECT_EQ(c.check(x, 1.1 * x, f).verdict, Verdict::going_on);
+  EXPECT_EQ(c.check(x, 1.005 * x, 2 * f).verdict, Verdict::converged);
+  c.begin_step();
+  EXPECT_EQ(c.check(x, 2 * x, f, 2 * f).verdict, Verdict::going_on);
+  EXPECT_EQ(c.check(x, 2 * x, f, f).verdict, Verdict::converged);  // the force alone
+}
+
+TEST(Convergence, the_parallel_scheme_knows_the_force_residual_at_once) {
+  Convergence c(limits());
+  c.begin_step();
+  const Vector x = Vector::Constant(4, 0.01), f = Vector::Constant(4, 10);
+  EXPECT_EQ(c.check(x, x, f + Vector::Ones(4), f).verdict, Verdict::going_on);
+  EXPECT_EQ(c.check(x, x, f, f).verdict, Verdict::converged);
+}
+
+TEST(Convergence, a_limit_below_the_round_off_of_the_values_is_told) {
+  ConvergenceSettings s;
+  s.displacement.absolute = 1e-12;
+  Convergence c(s);
+  c.begin_step();
+  const Vector f = Vector::Zero(2);
+  EXPECT_EQ(c.check(f, Vector::Ones(2), f).below_round_off, "");
+  EXPECT_EQ(c.check(f, Vector::Constant(2, 1e5), f).below_round_off, "displacement");
 }
 
 TEST(Predictor, reproduces_polynomials_of_its_order_with_unequal_steps) {

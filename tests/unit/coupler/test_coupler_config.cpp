@@ -60,6 +60,30 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
   EXPECT_EQ(again.resolved(), resolved);
 }
 
+TEST(CouplerConfig, a_number_is_the_limit_of_qr2_and_an_object_names_the_filter) {
+  const auto filter_of = [](const Json& value) {
+    Json config = good();
+    config["coupling"]["acceleration"]["filter"] = value;
+    return read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.acceleration.filter;
+  };
+  EXPECT_EQ(filter_of(0.05).kind, FilterKind::qr2);
+  EXPECT_EQ(filter_of(0.05).limit, 0.05);
+  EXPECT_EQ(filter_of({{"kind", "qr1"}}).kind, FilterKind::qr1);
+  EXPECT_EQ(filter_of({{"kind", "qr1"}}).limit, Filter().limit);
+  EXPECT_EQ(filter_of({{"kind", "qr1_absolute"}, {"limit", 3}}).limit, 3);
+  EXPECT_EQ(filter_of({{"kind", "none"}}).kind, FilterKind::none);
+}
+
+TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
+  Json config = good();
+  config["coupling"]["convergence"] = {{"displacement", {{"drop", 1e-4}}}, {"combine", "or"}};
+  const ConvergenceSettings s =
+      read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.convergence;
+  EXPECT_EQ(*s.displacement.drop, 1e-4);
+  EXPECT_FALSE(s.displacement.absolute || s.displacement.relative || s.force.given());
+  EXPECT_EQ(s.combine, Combine::any);
+}
+
 TEST(CouplerConfig, a_participant_may_have_a_command) {
   Json config = good();
   config["participants"]["structure"]["command"] = {"python3", "wall.py"};
@@ -73,17 +97,41 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
   expect_error("/coupling/predictor", 3, "/coupling/predictor", "a number from 0 to 2");
   expect_error("/coupling/max_iterations", 1, "/coupling/max_iterations", "a number >= 2");
   expect_error("/coupling/on_limit", "ignore", "/coupling/on_limit", "cut, stop, accept");
-  expect_error("/coupling/scheme", "parallel", "/coupling/scheme", "serial_implicit, explicit");
+  expect_error("/coupling/scheme", "parallel", "/coupling/scheme",
+               "serial_implicit, parallel_implicit, explicit");
   expect_error("/coupling/acceleration", {{"method", "mvq"}}, "/coupling/acceleration/method",
                "did you mean \"mvqn\"?");
   expect_error("/coupling/acceleration", {{"relaxation", 0}}, "/coupling/acceleration/relaxation",
                "a number > 0 and <= 2");
   expect_error("/coupling/acceleration", {{"method", "aitken"}, {"filter", 0.1}},
                "/coupling/acceleration/filter", "unknown key");
-  expect_error("/coupling/convergence/force/floor", 0, "/coupling/convergence/force/floor",
-               "a number > 0");
-  expect_error("/coupling/convergence/displacement", Json::object(),
-               "/coupling/convergence/displacement/absolute", "missing");
+  expect_error("/coupling/acceleration", {{"filter", {{"kind", "qr4"}}}},
+               "/coupling/acceleration/filter/kind", "none, qr1, qr1_absolute, qr2, qr3");
+  expect_error("/coupling/acceleration", {{"filter", {{"kind", "qr1"}, {"limit", 1}}}},
+               "/coupling/acceleration/filter/limit", "a number >= 0 and < 1");
+  expect_error("/coupling/acceleration", {{"filter", {{"kind", "qr1_absolute"}}}},
+               "/coupling/acceleration/filter/limit", "missing");
+  expect_error("/coupling/acceleration", {{"filter", {{"kind", "none"}, {"limit", 0.1}}}},
+               "/coupling/acceleration/filter/limit", "unknown key");
+  expect_error("/coupling/acceleration", {{"filter", 1}}, "/coupling/acceleration/filter",
+               "a number >= 0 and < 1");
+  expect_error("/coupling/acceleration", {{"method", "mvqn_residual"}, {"filter", 0.1}},
+               "/coupling/acceleration/filter", "unknown key");
+  expect_error("/coupling/step_control", {{"few", 5}, {"many", 5}}, "/coupling/step_control/many",
+               "more than few = 5");
+  expect_error("/coupling/step_control", {{"few", -1}}, "/coupling/step_control/few",
+               "a number >= 0");
+  expect_error("/coupling/convergence/force/floor", -1, "/coupling/convergence/force/floor",
+               "a number >= 0");
+  expect_error("/coupling/convergence/force", {{"floor", 1}}, "/coupling/convergence/force/floor",
+               "without \"relative\"");
+  expect_error("/coupling/convergence/force/relative", 1e-16,
+               "/coupling/convergence/force/relative", "round-off");
+  expect_error("/coupling/convergence/force/drop", 1, "/coupling/convergence/force/drop",
+               "a number > 0 and < 1");
+  expect_error("/coupling/convergence/combine", "xor", "/coupling/convergence/combine", "and, or");
+  expect_error("/coupling/convergence", Json::object(), "/coupling/convergence/displacement",
+               "no criterion");
   expect_error("/coupling/mapping/tolerance", -1, "/coupling/mapping/tolerance", "a number > 0");
   expect_error("/time/dt_min", 1, "/time/dt_min", "<= dt");
   expect_error("/time/dt_min", 1e-20, "/time/dt_min", "allowed: a number >= ");

@@ -4,14 +4,14 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
 #include "coupler/coupling_loop.hpp"
-#include "coupler/run_coupler.hpp"
-#include "protocol/serve.hpp"
+#include "tests/support/solver_server.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
 namespace gabion {
@@ -27,8 +27,8 @@ CouplerSettings settings_for_test() {
   s.output_interval = 0.05;
   s.participants = {{"soil", true}, {"structure", false}};
   s.interfaces = {{"wall", "soil", "structure"}};
-  s.coupling.convergence.displacement = {1e-11, 1e-9, 1e-14};
-  s.coupling.convergence.force = {1e-8, 1e-9, 1e-12};
+  s.coupling.convergence.displacement = {1e-11, 1e-9, 1e-14, {}};
+  s.coupling.convergence.force = {1e-8, 1e-9, 1e-12, {}};
   s.coupling.mapping.tolerance = 1e-9;
   return s;
 }
@@ -54,6 +54,11 @@ struct CoupledRun {
     RunRecord files(folder.string(), "coupler");
     CouplingLoop loop(settings, {{"structure", structure}, {"soil", soil}}, files);
     loop.run();
+  }
+  /// As go(), with the solvers behind sockets, each in a thread of its own.
+  void go_behind_the_wire() {
+    RunRecord files(folder.string(), "coupler");
+    test::couple_through_sockets(settings, soil, structure, files);
   }
   /// Rows of a table, without the columns of wall time.
   std::vector<std::vector<std::string>> table(const std::string& file) const {
@@ -121,9 +126,14 @@ Eigen::VectorXd monolithic_history(double dt, int steps) {
 
 TEST(CouplingLoop, equals_the_monolithic_solution_for_every_method_and_predictor) {
   const Eigen::VectorXd expected = monolithic_history(0.01, 20);
-  for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
+  const std::vector<std::pair<Scheme, std::string>> ways = {
+      {Scheme::serial_implicit, "aitken"},    {Scheme::serial_implicit, "iqn_ils"},
+      {Scheme::serial_implicit, "mvqn"},      {Scheme::serial_implicit, "mvqn_residual"},
+      {Scheme::parallel_implicit, "iqn_ils"}, {Scheme::parallel_implicit, "mvqn"}};
+  for (const auto& [scheme, method] : ways) {
     for (const int predictor : {0, 1, 2}) {
       CoupledRun run("monolithic");
+      run.settings.coupling.scheme = scheme;
       run.settings.coupling.acceleration.method = method;
       run.settings.coupling.predictor = predictor;
       run.go();
@@ -132,13 +142,14 @@ TEST(CouplingLoop, equals_the_monolithic_solution_for_every_method_and_predictor
       EXPECT_EQ(std::stod(u[0]), 0);
       for (int n = 0; n < 20; ++n) {
         EXPECT_NEAR(std::stod(u[std::size_t(n) + 1]), expected(n), 1e-8 * expected.maxCoeff())
-            << method << " predictor " << predictor << " step " << n;
+            << name(scheme) << " " << method << " predictor " << predictor << " step " << n;
       }
       const Json summary = run.summary();
       EXPECT_EQ(summary["completed"], true);
       EXPECT_EQ(summary["steps"], 20);
       EXPECT_EQ(summary["end_time"], 0.2);
       EXPECT_EQ(summary["methods"]["acceleration"], method);
+      EXPECT_EQ(summary["methods"]["scheme"], name(scheme));
       EXPECT_EQ(summary["participants"]["soil"]["linear_solver"], "none");
     }
   }
@@ -217,13 +228,10 @@ TEST(CouplingLoop, wall_times_of_a_step_add_up) {
   };
   run.go();
   std::ifstream in(run.folder / "steps.csv");
-  const std::vector<std::string> last = {"soil.busy_seconds",
-                                         "soil.message_seconds",
-                                         "soil.waiting_seconds",
-                                         "structure.busy_seconds",
-                                         "structure.message_seconds",
-                                         "structure.waiting_seconds",
-                                         "wall_seconds"};
+  const std::vector<std::string> last = {"soil.busy_seconds",         "soil.message_seconds",
+                                         "soil.waiting_seconds",      "structure.busy_seconds",
+                                         "structure.message_seconds", "structure.waiting_seconds",
+                                         "acceleration_seconds",      "wall_seconds"};
   std::string line;
   std::getline(in, line);
   EXPECT_TRUE(line.ends_with(fmt::format(",{}", fmt::join(last, ",")))) << line;
@@ -234,13 +242,13 @@ TEST(CouplingLoop, wall_times_of_a_step_add_up) {
       cells.push_back(cell.find_first_not_of("0123456789.e+-") == cell.npos ? std::atof(cell.data())
                                                                             : 0);
     }
-    const double* t = cells.data() + cells.size() - 7;
-    EXPECT_NEAR(t[0] + t[1] + t[2], t[6], 1e-12);
-    EXPECT_NEAR(t[3] + t[4] + t[5], t[6], 1e-12);
+    const double* t = cells.data() + cells.size() - 8;
+    EXPECT_NEAR(t[0] + t[1] + t[2], t[7], 1e-12);
+    EXPECT_NEAR(t[3] + t[4] + t[5], t[7], 1e-12);
     EXPECT_EQ(t[1], 0);  // no messages
     EXPECT_GT(t[0], 0);
     EXPECT_GT(t[2], 0);
-    EXPECT_LE(t[0] + t[3], t[6]);
+    EXPECT_LE(t[0] + t[3] + t[6], t[7]);
     if (step == 4) {
       EXPECT_GE(t[3], 0.02);
     }
@@ -364,6 +372,105 @@ TEST(CouplingLoop, without_contact_there_is_one_pass_and_no_structure_solve) {
   EXPECT_EQ(run.column("steps.csv", "iterations")[3], "1");
 }
 
+TEST(CouplingLoop, the_parallel_scheme_skips_without_contact_and_solves_again_when_it_ends) {
+  CoupledRun serial("skip_serial");
+  CoupledRun parallel("skip_parallel");
+  parallel.settings.coupling.scheme = Scheme::parallel_implicit;
+  for (CoupledRun* run : {&serial, &parallel}) {
+    run->soil.load = [](double t) { return t > 0.105 && t < 0.155 ? 5.0 : 0.0; };
+    run->go();
+  }
+  for (const std::string name : {"skipped", "status"}) {
+    EXPECT_EQ(parallel.column("steps.csv", name), serial.column("steps.csv", name));
+  }
+  EXPECT_EQ(parallel.structure.slept, serial.structure.slept);
+  const auto a = serial.column("probes.csv", "structure.u");
+  const auto b = parallel.column("probes.csv", "structure.u");
+  for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(std::stod(a[n]), std::stod(b[n]), 1e-10);
+}
+
+TEST(CouplingLoop, a_failure_in_the_parallel_scheme_leaves_nothing_under_way) {
+  for (const bool of_soil : {true, false}) {
+    CoupledRun run("parallel_cut");
+    run.settings.coupling.scheme = Scheme::parallel_implicit;
+    auto& solver = of_soil ? static_cast<test::MassSprings&>(run.soil) : run.structure;
+    solver.on_solve = [](const StepRequest& request) {
+      if (request.step == 4 && request.dt > 0.006) throw ConvergenceError("too large");
+    };
+    run.go();
+    EXPECT_EQ(run.summary()["cuts"], 1);
+    EXPECT_EQ(run.soil.solves, run.structure.solves + (run.structure.slept ? 1 : 0));
+  }
+}
+
+TEST(CouplingLoop, many_iterations_halve_dt_and_few_let_it_grow) {
+  CoupledRun run("step_control");
+  run.settings.coupling.step_control = {3, 5};
+  run.settings.coupling.predictor = 0;
+  run.soil.load = [](double t) { return t < 0.105 ? 5.0 : 0.0; };
+  run.go();
+  const auto dt = run.column("steps.csv", "dt");
+  const auto iterations = run.column("steps.csv", "iterations");
+  bool halved = false, grown = false;
+  for (std::size_t n = 1; n < dt.size(); ++n) {
+    const double ratio = std::stod(dt[n]) / std::stod(dt[n - 1]);
+    const int before = std::stoi(iterations[n - 1]);
+    if (before >= 5 && std::stod(dt[n - 1]) > 0.01 / 64) {
+      EXPECT_EQ(ratio, 0.5) << n;
+    }
+    if (before > 3) {
+      EXPECT_LE(ratio, 1) << n;
+    }
+    halved = halved || ratio == 0.5;
+    grown = grown || ratio == 2;
+  }
+  EXPECT_TRUE(halved);
+  EXPECT_TRUE(grown);
+  EXPECT_EQ(run.summary()["cuts"], 0);
+  EXPECT_EQ(run.summary()["end_time"], 0.2);
+}
+
+TEST(CouplingLoop, every_method_ends_with_a_reason_and_never_in_success) {
+  for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
+    for (const std::string method : {"constant", "aitken", "iqn_ils", "mvqn", "mvqn_residual"}) {
+      CoupledRun run("reasons");
+      run.settings.coupling.scheme = scheme;
+      run.settings.coupling.acceleration.method = method;
+      run.settings.coupling.max_iterations = 100;
+      // A soil that trembles: no fixed point within the limits.
+      int solves = 0;
+      run.soil.on_solve = [&](const StepRequest&) { ++solves; };
+      run.soil.load = [&](double) { return 5 + 1e-3 * (solves % 3); };
+      try {
+        run.go();
+        FAIL() << method;
+      } catch (const ConvergenceError& error) {
+        EXPECT_EQ(error.exit_code(), 3);
+        const std::string text = error.what();
+        const std::string status = run.column("iterations.csv", "status").back();
+        EXPECT_TRUE(status == "stagnated" || status == "diverged") << method << ": " << status;
+        EXPECT_NE(text.find(status), std::string::npos) << text;
+      }
+    }
+  }
+}
+
+TEST(CouplingLoop, a_limit_below_round_off_is_named_when_it_is_missed) {
+  CoupledRun run("round_off");
+  run.settings.coupling.convergence.force = {1e-30, {}, 0, {}};
+  int solves = 0;
+  run.soil.on_solve = [&](const StepRequest&) { ++solves; };
+  run.soil.load = [&](double) { return 5 + 1e-3 * (solves % 3); };
+  try {
+    run.go();
+    FAIL();
+  } catch (const ConvergenceError& error) {
+    EXPECT_NE(std::string(error.what()).find("limit of the force is below the round-off"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CouplingLoop, skipping_does_not_change_the_result) {
   const auto pulse = [](double t) { return t > 0.105 ? 5.0 : 0.0; };
   CoupledRun skipping("skipping");
@@ -414,36 +521,36 @@ TEST(CouplingLoop, is_the_same_to_the_bit_with_participants_behind_the_wire) {
 
   CoupledRun remote("remote");
   remote.structure.on_solve = local.structure.on_solve;
-  Server server({"tcp://127.0.0.1:*", {}});
-  const auto take_part = [&](Solver& solver, const std::string& name, bool sends_force) {
-    ParticipantSettings settings;
-    settings.endpoint = server.endpoint();
-    settings.name = name;
-    settings.program = "test";
-    settings.dimension = 2;
-    settings.receives = sends_force ? displacement() : force();
-    settings.sends = sends_force ? force() : displacement();
-    settings.exit_when_coupler_is_lost = false;
-    Connection connection(settings);
-    serve(solver, connection);
-  };
-  std::thread soil(take_part, std::ref(remote.soil), "soil", true);
-  std::thread structure(take_part, std::ref(remote.structure), "structure", false);
-  {
-    const auto solvers = server.wait_for(expected_participants(remote.settings, "any"));
-    RunRecord files(remote.folder.string(), "coupler");
-    CouplingLoop loop(remote.settings,
-                      {{"soil", *solvers.at("soil")}, {"structure", *solvers.at("structure")}},
-                      files);
-    loop.run();
-    server.finish();
-  }
-  soil.join();
-  structure.join();
+  remote.go_behind_the_wire();
   for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
     EXPECT_EQ(remote.table(file), local.table(file)) << file;
   }
   EXPECT_EQ(remote.summary()["cuts"], 1);
+}
+
+TEST(CouplingLoop, both_solvers_work_at_once_in_the_parallel_scheme) {
+  CoupledRun local("local_parallel");
+  local.settings.coupling.scheme = Scheme::parallel_implicit;
+  local.settings.time.end = 0.05;
+  local.go();
+  CoupledRun remote("remote_parallel");
+  remote.settings = local.settings;
+  std::atomic<int> soil_began{0}, structure_began{0}, missed{0};
+  // Each waits inside its solution until the other one is in its own.
+  const auto meet = [&](std::atomic<int>& mine, std::atomic<int>& theirs) {
+    const int now = ++mine;
+    const Stopwatch watch;
+    while (theirs < now && watch.seconds() < 5) std::this_thread::yield();
+    if (theirs < now) ++missed;
+  };
+  remote.soil.on_solve = [&](const StepRequest&) { meet(soil_began, structure_began); };
+  remote.structure.on_solve = [&](const StepRequest&) { meet(structure_began, soil_began); };
+  remote.go_behind_the_wire();
+  EXPECT_EQ(missed, 0);
+  EXPECT_GT(soil_began, 10);
+  for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
+    EXPECT_EQ(remote.table(file), local.table(file)) << file;
+  }
 }
 
 TEST(CouplingLoop, a_participant_that_is_missing_is_named) {

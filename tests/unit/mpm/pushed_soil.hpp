@@ -11,6 +11,7 @@ inline Json pushed() {
   material["friction_angle"] = 30;
   return {{"dimension", 2},
           {"grid", box({0, 0}, {2, 1}, {8, 4}, "tri3")},
+          {"basis", "linear"},
           {"walls", {wall("bottom", "fixed")}},
           {"gravity", {0, -9.81}},
           {"bodies", {body("soil", box({0.5, 0}, {1.5, 0.5}, {8, 4}, "tri3"), 3, material)}},

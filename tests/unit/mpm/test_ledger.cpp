@@ -25,6 +25,7 @@ Json falling(int dim, const std::string& type, const Json& scheme, const std::st
   const std::string body_type = dim == 2 ? "quad4" : "hex8";
   return {{"dimension", dim},
           {"grid", box(low, high, std::vector<int>(dim, dim == 2 ? 8 : 6), type)},
+          {"basis", "linear"},
           {"walls", {wall("bottom", "slip")}},
           {"gravity", gravity},
           {"bodies",
@@ -99,6 +100,7 @@ Json bar(const std::string& law, const Json& scheme, double pic_share = 0) {
   }
   return {{"dimension", 2},
           {"grid", box({0, 0}, {12, 1}, {12, 1}, "quad4")},
+          {"basis", "linear"},
           {"walls", {wall("left", "fixed"), wall("bottom", "slip"), wall("top", "slip")}},
           {"bodies", {body("bar", box({0, 0}, {8, 1}, {8, 1}, "quad4"), 4, material, {1, 0})}},
           {"time_integration", scheme},
@@ -191,6 +193,7 @@ TEST(Ledger, created_energy_is_the_largest_rise) {
     const Json json = {
         {"dimension", 2},
         {"grid", box({0, 0}, {4, 2}, {16, 8}, "quad4")},
+        {"basis", "linear"},
         {"bodies",
          {body("left", box({0.5, 0.5}, {1.5, 1.5}, {8, 8}, "quad4"), 4, soft, {2, 0.1}),
           body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, soft, {-1, 0})}},

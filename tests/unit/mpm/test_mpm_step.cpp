@@ -19,6 +19,7 @@ Json flight(int dim, const std::string& grid_type, const std::string& scheme) {
   const int n = dim == 2 ? 8 : 5;
   Json json = {{"dimension", dim},
                {"grid", box(low, high, std::vector<int>(dim, n), grid_type)},
+               {"basis", "linear"},
                {"gravity", gravity},
                {"bodies",
                 {body("block", box(from, to, std::vector<int>(dim, 3), body_type), dim == 2 ? 4 : 1,
@@ -72,6 +73,7 @@ Json collision(const std::string& grid_type = "quad4", const std::string& transf
   const Json heavy = elastic_soil("hencky_elastic", 3e3, 0.1, 2);
   return {{"dimension", 2},
           {"grid", box({0, 0}, {4, 2}, {16, 8}, grid_type)},
+          {"basis", "linear"},
           {"bodies",
            {body("left", box({0.5, 0.5}, {1.5, 1.5}, {8, 8}, "quad4"), 4, soft, {2, 0.1}),
             body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, heavy, {-1, 0})}},
@@ -251,11 +253,10 @@ Json spinning(double spin, int grid_cells) {
                             {-spin * (y + half - 1.5), spin * (x + half - 1.5)}));
     }
   }
-  return {{"dimension", 2},
-          {"grid", box({0, 0}, {3, 3}, {grid_cells, grid_cells}, "quad4")},
-          {"bodies", bodies},
-          {"newton", exact_newton},
-          {"time_integration", trapezoid}};
+  return {
+      {"dimension", 2},         {"grid", box({0, 0}, {3, 3}, {grid_cells, grid_cells}, "quad4")},
+      {"basis", "linear"},      {"bodies", bodies},
+      {"newton", exact_newton}, {"time_integration", trapezoid}};
 }
 
 double angular_momentum(const mpm::MaterialPoints<2>& points) {

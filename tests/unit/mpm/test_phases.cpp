@@ -10,6 +10,7 @@ namespace {
 Json soil_behind_a_gate() {
   return {{"dimension", 2},
           {"grid", box({0, 0}, {1, 0.75}, {4, 3}, "quad4")},
+          {"basis", "linear"},
           {"gravity", {0, -10}},
           {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
           {"bodies",

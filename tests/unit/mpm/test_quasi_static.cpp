@@ -14,6 +14,7 @@ Json box_of_soil(const Json& material, const std::string& type, int points_per_c
       {"dimension", 2},
       {"analysis", "quasi_static"},
       {"grid", box({0, 0}, {0.5, 1.25}, {2, 5}, type)},
+      {"basis", "linear"},
       {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
       {"gravity", {0, -10}},
       {"bodies", {body("soil", box({0, 0}, {0.5, 1}, {2, 4}, type), points_per_cell, material)}},

@@ -43,6 +43,7 @@ TEST(RigidMotion, rotation_about_a_centre_that_moves) {
 Json walled() {
   return {{"dimension", 2},
           {"grid", box({0, 0}, {2, 1}, {8, 4}, "quad4")},
+          {"basis", "linear"},
           {"walls", {wall("bottom", "fixed")}},
           {"bodies",
            {body("soil", box({0.5, 0}, {1, 0.5}, {4, 4}, "quad4"), 4,

@@ -203,6 +203,7 @@ Json cut_collision(const Json& small_cuts) {
   const Json soft = elastic_soil("linear_elastic", 1e3, 0.2, 1);
   return {{"dimension", 2},
           {"grid", box({0, 0}, {4, 2}, {16, 8}, "quad4")},
+          {"basis", "linear"},
           {"bodies",
            {body("left", box({0.5, 0.5}, {1.5, 1.5}, {8, 8}, "quad4"), 4, soft, {2, 0.1}),
             body("right", box({2.0, 0.6}, {3.0, 1.6}, {8, 8}, "quad4"), 4, soft, {-1, 0.3})}},

@@ -19,6 +19,7 @@ Json bar(double nu = 0.3) {
   return {{"dimension", 2},
           {"analysis", "quasi_static"},
           {"grid", box({0, 0}, {1, 0.25}, {4, 1}, "quad4")},
+          {"basis", "linear"},
           {"walls", {wall("left", "slip"), wall("bottom", "slip"), wall("top", "slip")}},
           {"bodies",
            {body("soil", box({0, 0}, {1, 0.25}, {4, 1}, "quad4"), 4,

@@ -180,6 +180,7 @@ std::unique_ptr<mpm::MpmSolver<dim>> start(const Manufactured<dim>& exact,
   const Json mesh = box(shape.low, shape.high, shape.cells, shape.type);
   Json json = {{"dimension", dim},
                {"grid", mesh},
+               {"basis", "linear"},
                {"walls", walls},
                {"bodies",
                 {body("body", mesh, shape.points_per_cell,

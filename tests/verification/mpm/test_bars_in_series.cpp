@@ -22,6 +22,7 @@ constexpr double D = 1e-8, q = 8e-3, total = D + q * L2 / E2;
 Json soil(const std::string& type) {
   return {{"dimension", 2},
           {"grid", box({0, 0}, {L1 + 0.25, A}, {5, 2}, type)},
+          {"basis", "linear"},
           {"walls", {wall("left", "fixed"), wall("bottom", "slip"), wall("top", "slip")}},
           {"bodies",
            {body("soil", box({0, 0}, {L1, A}, {4, 2}, type), type == "tri3" ? 3 : 4,

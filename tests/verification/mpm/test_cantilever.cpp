@@ -26,6 +26,7 @@ Tip bend(double alpha, int cells_across, int steps, const std::string& basis) {
                {"analysis", "quasi_static"},
                {"grid", box({0, -below * h}, {length + h, thickness + h},
                             {along + 1, below + cells_across + 1}, "quad4")},
+               {"basis", "linear"},
                {"walls", {wall("left", "fixed")}},
                {"bodies",
                 {body("beam", box({0, 0}, {length, thickness}, {along, cells_across}, "quad4"), 4,

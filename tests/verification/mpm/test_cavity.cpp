@@ -65,6 +65,7 @@ Json sector_scene(const Cavity& cavity, const std::string& type, int rings, int 
   return {{"dimension", 2},
           {"analysis", "quasi_static"},
           {"grid", unit},
+          {"basis", "linear"},
           {"walls", {wall("bottom", "slip"), wall("top", "slip")}},
           {"bodies", {body("soil", unit, points_per_cell, material)}},
           {"newton", {{"max_iterations", 60}}},

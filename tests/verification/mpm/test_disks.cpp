@@ -29,6 +29,7 @@ std::unique_ptr<mpm::MpmSolver<2>> two_disks(int grid_cells, double offset) {
   auto settings =
       mpm_settings<2>({{"dimension", 2},
                        {"grid", box({0, 0}, {1, 1}, {grid_cells, grid_cells}, "quad4")},
+                       {"basis", "linear"},
                        {"bodies",
                         {body("first", box({0, 0}, {1, 1}, {1, 1}, "quad4"), 4,
                               elastic_soil("neo_hookean", E, nu, density), {speed, speed}),

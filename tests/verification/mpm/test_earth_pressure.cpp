@@ -31,6 +31,7 @@ Json soil_box(const std::string& type, int cells, int points_per_cell, const Jso
   gravity[dim - 1] = -g;
   Json json = {{"dimension", dim},
                {"grid", box(low, top, grid_count, type)},
+               {"basis", "linear"},
                {"gravity", gravity},
                {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
                {"bodies", {body("soil", box(low, high, count, type), points_per_cell, material)}},

@@ -95,6 +95,7 @@ TEST(V8_Impact, bar_on_a_rigid_surface) {
   for (const double penalty_factor : {0.5, 20.0}) {
     const auto solver = mpm_solver<2>({{"dimension", 2},
                                        {"grid", grid(0, cells + 2)},
+                                       {"basis", "linear"},
                                        {"walls", smooth_sides},
                                        {"bodies", {bar("bar", 0, E, -v0)}},
                                        {"time_integration", damped},
@@ -135,6 +136,7 @@ CoupledImpact strike(double E_fem) {
   const double dt = 0.25 * h / c, end = 1.25 * contact_time;
   const auto soil = make_mpm({{"dimension", 2},
                               {"grid", grid(-h, cells + 2)},
+                              {"basis", "linear"},
                               {"walls", smooth_sides},
                               {"bodies", {bar("bar", 0, E, 0.5 * v0)}},
                               {"time_integration", damped},
@@ -214,6 +216,7 @@ TEST(V8_Impact, bars_of_one_grid) {
     const auto solver =
         mpm_solver<2>({{"dimension", 2},
                        {"grid", grid(-h, 2 * cells + 3)},
+                       {"basis", "linear"},
                        {"walls", smooth_sides},
                        {"bodies", {bar("left", 0, E, v0), bar("right", L, E * ratio * ratio, 0)}},
                        {"time_integration", damped},

@@ -21,6 +21,7 @@ Json flying_bar() {
   const double h = L / cells;
   return {{"dimension", 2},
           {"grid", box({-2 * h, 0}, {L + 4 * h, h}, {cells + 6, 1}, "quad4")},
+          {"basis", "linear"},
           {"walls", {wall("bottom", "slip"), wall("top", "slip")}},
           {"bodies",
            {body("bar", box({0, 0}, {L, h}, {cells, 1}, "quad4"), 4,
@@ -91,6 +92,7 @@ double speed_on_incline(double mu) {
   }
   const auto solver = make_mpm({{"dimension", 2},
                                 {"grid", box({0, 0}, {2, 1}, {20, 10}, "quad4")},
+                                {"basis", "linear"},
                                 {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
                                 {"bodies",
                                  {body("block", box({0.53, 0.1}, {1.03, 0.4}, {10, 6}, "quad4"), 4,
@@ -124,6 +126,7 @@ Pressed press(double eps) {
   const auto solver =
       make_mpm({{"dimension", 2},
                 {"grid", box({0, 0}, {1.25, 0.5}, {5, 2}, "quad4")},
+                {"basis", "linear"},
                 {"walls", {wall("left", "fixed"), wall("bottom", "slip"), wall("top", "slip")}},
                 {"bodies",
                  {body("soil", box({0, 0}, {1, 0.5}, {4, 2}, "quad4"), 4,

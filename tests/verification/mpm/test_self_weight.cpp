@@ -56,6 +56,7 @@ ColumnErrors settle(const std::string& type, int cells, const Column& column) {
   }
   const Json json = {{"dimension", dim},
                      {"grid", box(low, grid_high, grid_count, type)},
+                     {"basis", "linear"},
                      {"walls", walls},
                      {"gravity", gravity},
                      {"bodies",
@@ -142,6 +143,7 @@ TEST(V2_SelfWeight, quasi_static_column_in_twenty_load_steps) {
   Json json = {{"dimension", 2},
                {"analysis", "quasi_static"},
                {"grid", box({0, 0}, {2, 52}, {1, cells + 1}, "quad4")},
+               {"basis", "linear"},
                {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
                {"gravity", {0, -column.g}},
                {"gravity_ramp", {{"duration", 20.0}}},

@@ -57,6 +57,7 @@ double displacement_error(const std::string& type, int cells, const std::string&
   const Json json = {{"dimension", dim},
                      {"analysis", "quasi_static"},
                      {"grid", mesh},
+                     {"basis", "linear"},
                      {"walls", walls},
                      {"bodies",
                       {body("soil", mesh,

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/base/config_reader.hpp"
+
+namespace gabion {
+
+enum class FilterKind { none, qr1, qr1_absolute, qr2, qr3 };
+
+/// The "filter" of coupler.json: which columns of a least-squares problem are dropped because the
+/// newer ones nearly cover them.
+///
+/// With V = Q R from the newest column to the oldest, column i is dropped when
+///
+///     qr1            R_ii < limit |R|_F, repeated until none is left
+///     qr1_absolute   R_ii < limit, repeated
+///     qr2            the part of v_i across the newer kept ones is shorter than limit |v_i|
+///     qr3            as qr2; there the test on R decides only whether qr2 has anything to do
+///
+/// The newest column is always kept. Whatever the kind, a part across that is only round-off of
+/// the column is no direction, and such a column is dropped.
+/// @see Haelterman et al. (2016) for QR1 and QR2, Davis et al. (2022) for QR3
+struct Filter {
+  FilterKind kind = FilterKind::qr2;
+  double limit = 1e-2;  ///< >= 0; < 1 where it is relative
+};
+
+/// A number is the limit of qr2, an object has "kind" and "limit".
+Filter read_filter(ConfigReader& in, const std::string& key, const Filter& fallback);
+
+/// Least squares c = argmin |A c + t| over the columns of A that pass a filter.
+class FilteredLeastSquares {
+ public:
+  /// @param A  columns from the newest to the oldest
+  FilteredLeastSquares(const Eigen::MatrixXd& A, const Filter& filter);
+
+  /// Columns of A that passed, in their order.
+  const std::vector<Eigen::Index>& kept() const { return kept_; }
+
+  /// @param[in,out] t  becomes t + A c
+  /// @returns c of the kept columns
+  Eigen::VectorXd solve(Eigen::VectorXd& t) const;
+
+ private:
+  void factor(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& columns, double limit);
+
+  std::vector<Eigen::Index> kept_;
+  Eigen::MatrixXd q_;  // rows of A x kept, orthonormal
+  Eigen::MatrixXd r_;  // kept x kept, upper triangular
+};
+
+}  // namespace gabion

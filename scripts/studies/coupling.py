@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tables of coupling methods, made by the program coupling_benchmark."""
+
+import csv
+import os
+import subprocess
+
+from plotting.results import ResultsError
+from studies.runner import ROOT, Runner, print_table, write_table
+
+BINARY = ROOT / "build" / "release" / "bin" / "coupling_benchmark"
+METHODS = ("constant", "mvqn", "iqn_ils")
+NODES = (100, 1000, 10000)
+HEAD = ["method", "nodes", "all [us]", "messages [us]", "acceleration [us]", "rest [us]", "memory [MB]"]
+# preCICE 3.4.1, serial implicit, another 2-core machine: without columns, and IQN-ILS with 100 of them [us].
+PEER = {100: (195, 520), 1000: (296, 2900), 10000: (2269, 29000)}
+
+
+def coupling(runner: Runner) -> None:
+    """Iterations of the methods on two known problems, and what an iteration costs (minutes)."""
+    steps = os.environ.get("GABION_BENCH_GRID_STEPS", "0")  # 0: one second of the tube
+    _table(runner, "affine", ["affine"])
+    _table(runner, "tube", ["tube"])
+    grid = _table(runner, "grid", ["grid", steps])
+    failed = [row for row in grid if row[-2] == "failed"]
+    print(f"{len(failed)} of {len(grid)} settings of MVQN failed")
+    rows = [[*_run(["overhead", method, str(nodes)])[0], PEER[nodes][method != "constant"]]
+            for nodes in NODES for method in METHODS]
+    _show(runner, "overhead", [*HEAD, "preCICE [us]"], rows)
+
+
+def _run(words: list[str]) -> list[list[str]]:
+    if not BINARY.exists():
+        raise ResultsError(f"{BINARY} is not there: build it with `ninja -C build/release coupling_benchmark`")
+    done = subprocess.run([str(BINARY), *words], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise ResultsError(f"coupling_benchmark {' '.join(words)}: exit code {done.returncode}: {done.stderr.strip()}")
+    return list(csv.reader(done.stdout.splitlines()))
+
+
+def _table(runner: Runner, name: str, words: list[str]) -> list[list[str]]:
+    head, *rows = _run(words)
+    _show(runner, name, head, rows)
+    return rows
+
+
+def _show(runner: Runner, name: str, head: list[str], rows: list[list]) -> None:
+    print(f"\n{name}")
+    print_table(head, rows)
+    write_table(runner.folder / f"{name}.csv", head, rows)

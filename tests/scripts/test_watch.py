@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/watch: what it says of a run under way, done or failed."""
+
+import json
+import unittest
+
+from script_case import ScriptCase
+
+CONFIG = json.dumps({"coupler.json": {"time": {"end": 0.5}}})
+STEPS = """step,time,dt,iterations,cuts,soil.busy_seconds,soil.message_seconds,soil.waiting_seconds,wall_seconds
+1,0.1,0.1,2,0,0.6,0.1,0.3,1
+2,0.2,0.1,4,1,0.8,0,0.2,1
+"""
+ITERATIONS = """step,iteration,status,displacement_residual,displacement_limit,force_residual,force_limit,omega,columns
+2,0,going_on,1e-3,1e-5,,1e-2,0.5,0
+2,1,converged,1e-6,1e-5,5e-3,1e-2,0,1
+3,0,going_on,2e-4,1e-5,,1e-2,0,1
+"""
+
+
+class WatchTest(ScriptCase):
+    def show(self) -> tuple[int, str]:
+        shown = self.python_script("watch", self.folder, "--once")
+        return shown.returncode, shown.stdout + shown.stderr
+
+    def test_run_under_way(self) -> None:
+        self.write("resolved_config.json", CONFIG)
+        self.write("steps.csv", STEPS + "3,0.3,0.1,7")  # a row that is being written
+        self.write("iterations.csv", ITERATIONS)
+        code, text = self.show()
+        self.assertEqual(code, 0)
+        self.assertIn("running", text)
+        self.assertIn("step 2   0.2 s   dt 0.1 s   cuts 1", text)
+        self.assertIn("40 % of 0.5 s   about 3 s left", text)
+        self.assertIn("step 3, residual by limit", text)
+        self.assertRegex(text, r"(?m)^  0 +20 +- +0 +1   going_on +▪▪▪▪▪$")
+        self.assertNotIn("converged ", text.split("status")[1])  # of the step before
+        self.assertIn("last 2 steps, at most 4:  ▄█", text)
+        self.assertIn("1e+03 ms a step", text)
+        self.assertRegex(text, r"soil: +70 % computing, +5 % messages, +25 % waiting")
+
+    def test_rows_are_read_once_and_only_when_complete(self) -> None:
+        from plotting.live import Tail  # noqa: PLC0415
+        path = self.write("t.csv", "a,b\n1,2\n3,")
+        tail = Tail(path)
+        self.assertEqual(tail.rows(), [{"a": "1", "b": "2"}])
+        self.assertEqual(tail.rows(), [])
+        with path.open("a", encoding="utf-8") as file:
+            file.write("4\n5,6\n")
+        self.assertEqual(tail.rows(), [{"a": "3", "b": "4"}, {"a": "5", "b": "6"}])
+
+    def test_end_of_a_run(self) -> None:
+        self.write("steps.csv", STEPS)
+        self.write("summary.json", '{"completed": true}')
+        self.assertIn("completed", self.show()[1])
+        finished = self.python_script("watch", self.folder)
+        self.assertEqual(finished.returncode, 0)
+        self.write("summary.json", '{"completed": false, "reason": "dt below dt_min"}')
+        failed = self.python_script("watch", self.folder)
+        self.assertEqual(failed.returncode, 1)
+        self.assertIn("failed: dt below dt_min", failed.stdout)
+
+    def test_nothing_there(self) -> None:
+        self.assertEqual(self.show()[0], 0)  # a folder that a run has just made
+        missing = self.python_script("watch", self.folder / "none", "--once")
+        self.assertEqual(missing.returncode, 2)
+        self.assertIn("no such results folder", missing.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
