@@ -18,7 +18,6 @@ namespace {
 constexpr int slice_milliseconds = 100;
 constexpr double health_check_period = 0.05;     // [s]
 constexpr double own_sleep = 1.0;                // [s] between two checks: this process did not run
-constexpr double last_checkpoint_patience = 60;  // [s] after a signal
 
 std::string random_text() {
   std::random_device device;
@@ -194,7 +193,7 @@ void Connection::check_health(bool queue_is_empty) {
 bool Connection::waits_for_last_checkpoint() {
   if (!run_.value("checkpoints", false)) return false;
   if (!since_signal_) since_signal_.emplace();
-  return since_signal_->seconds() < last_checkpoint_patience;
+  return since_signal_->seconds() < interrupt::patience();
 }
 
 void Connection::collect_last_words(double seconds) {

@@ -249,13 +249,16 @@ void Switchboard::refuse_late_arrivals() {
 void Switchboard::check_health(bool queue_is_empty) {
   const double elapsed = since_health_check_.seconds();
   const int signal = interrupt::requested();
-  if (elapsed < health_check_period && (signal == 0 || !signals_end_waits_)) return;
+  if (signal != 0 && !since_signal_) since_signal_.emplace();
+  const bool ends =
+      since_signal_ && (signals_end_waits_ || since_signal_->seconds() > interrupt::patience());
+  if (elapsed < health_check_period && !ends) return;
   since_health_check_ = Stopwatch();
   if (elapsed > own_sleep) {
     for (auto& [name, checked] : peers_) checked.watch->forgive();
   }
   check_deaths();
-  if (signals_end_waits_) interrupt::check();
+  if (ends) interrupt::check();
   if (!queue_is_empty) return;
   for (auto& [name, checked] : peers_) {
     if (checked.released || !checked.sends_heartbeat) continue;

@@ -61,7 +61,8 @@ class Switchboard {
   /// @throws Interrupted    a signal came, and no participant's death explains it
   Message wait_reply(const std::string& participant, std::uint64_t sequence);
 
-  /// From now on a signal does not end a wait: the caller looks at it between steps.
+  /// From now on a signal ends a wait only after interrupt::patience(): the caller looks at it
+  /// between steps.
   void defer_signals() { signals_end_waits_ = false; }
 
   /// Latch a failure, tell it to all participants.
@@ -108,6 +109,7 @@ class Switchboard {
   std::vector<Arrival> arrivals_;
   std::string failure_;
   bool signals_end_waits_ = true;
+  std::optional<Stopwatch> since_signal_;
   Stopwatch since_health_check_;
 
   std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 namespace gabion {
@@ -35,6 +36,13 @@ void install() {
 
 int requested() {
   return came.load();
+}
+
+double patience() {
+  constexpr double last_words = 0.2;
+  const char* text = std::getenv("OMPI_MCA_odls_base_sigkill_timeout");
+  const double timeout = text == nullptr ? 1 : std::strtod(text, nullptr);
+  return timeout - last_words;
 }
 
 void check() {

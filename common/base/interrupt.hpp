@@ -24,6 +24,10 @@ void install();
 /// The signal that came, 0 = none. Long computations may look at it between their steps.
 int requested();
 
+/// [s] after a signal in which a run may still write a checkpoint: what mpirun leaves until it kills
+/// (OMPI_MCA_odls_base_sigkill_timeout, 1 s by default), less the time for the last words.
+double patience();
+
 /// @throws Interrupted  when a signal came
 void check();
 
