@@ -119,5 +119,12 @@ def wire_faults() -> list[Cell]:
     return cells
 
 
+def port_faults() -> list[Cell]:
+    """Another program listens on the port, and never speaks."""
+    here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"), 2 * SLACK)
+    return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", "within 2 s"), 2 * SLACK)
+                     for who in PARTICIPANTS]
+
+
 def cells() -> list[Cell]:
-    return process_faults() + handshake_faults() + wire_faults()
+    return process_faults() + handshake_faults() + wire_faults() + port_faults()

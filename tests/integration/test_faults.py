@@ -228,11 +228,26 @@ def play_coupler(run: Run) -> float:
     return seconds
 
 
+def play_port_taken(run: Run) -> float:
+    """The coupler, or a participant, where something else listens."""
+    who = run.cell.who
+    with socket.create_server(("127.0.0.1", int(run.endpoint.rsplit(":", 1)[1]))):
+        run.start_coupler() if who == "coupler" else run.start_participant(who)
+        seconds = run.wait_all()
+    if who == "coupler":
+        check_coupler(run)
+    else:
+        require(run.processes[who].returncode == 4, f"exit code of {who}: {run.processes[who].returncode}")
+        require_line(run.text(who), run.cell.says, who)
+    return seconds
+
+
 def play(binaries: Path, cell: Cell) -> tuple[float, str]:
     """Seconds from the misdeed to the end, and what is wrong with the end."""
     run = Run(binaries, cell)
     try:
-        seconds = play_coupler(run) if cell.who == "coupler" else play_participant(run)
+        player = play_coupler if cell.who == "coupler" else play_participant
+        seconds = (play_port_taken if cell.kind == "port_taken" else player)(run)
         require(seconds <= cell.within, f"took {seconds:.1f} s, allowed {cell.within:.1f} s")
         return seconds, ""
     except Exception as problem:  # noqa: BLE001 - the other cells go on
