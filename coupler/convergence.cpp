@@ -100,6 +100,7 @@ void Convergence::begin_step() {
   first_displacement_.reset();
   first_force_.reset();
   reference_ = 0;
+  complete_before_ = false;
   since_smallest_ = 0;
   checks_ = 0;
 }
@@ -174,7 +175,9 @@ Verdict Convergence::judge(const ConvergenceState& state) {
                            : *std::min_element(shares.begin(), shares.end());
   if (worst <= 1 && (complete || !all)) return Verdict::converged;
 
-  if (checks_ == 1 || worst < smallest_) {
+  // The first iteration of the serial scheme knows no force residual: nothing to compare with.
+  const bool first_complete = complete && !std::exchange(complete_before_, complete);
+  if (checks_ == 1 || worst < smallest_ || (first_complete && worst > smallest_)) {
     smallest_ = worst;
     since_smallest_ = 0;
   } else {

@@ -88,6 +88,7 @@ class Convergence {
   std::optional<double> first_force_;         // [N]
   double reference_ = 0;                      // [m]
   double smallest_ = 0;                       // of the residuals divided by their limits
+  bool complete_before_ = false;              // all residuals that have criteria were known
   int since_smallest_ = 0;
   int checks_ = 0;  // of this step
 };

@@ -12,6 +12,7 @@
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/participant_check.hpp"
+#include "protocol/keys.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion {
@@ -136,12 +137,20 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   require<ConfigError>(
       session.size() == 1,
       fmt::format("coupler: launched with {} processes, allowed: 1", session.size()));
+  if (!options.make_keys.empty()) {
+    make_keys(options.make_keys);
+    log::info("wrote {0} (secret: keep it) and {0}.pub (public: give it away)", options.make_keys);
+    return;
+  }
   const Scene scene(options.scene, options.overrides);
   const ConfigReader reader = scene.reader("coupler.json");
   CouplerSettings settings = read_coupler_settings(reader);
   if (options.check) {
     log::info("{}: valid", scene.path("coupler.json"));
     return;
+  }
+  for (std::string* file : {&settings.server.key_file, &settings.server.clients_file}) {
+    if (!file->empty()) *file = scene.path(*file);
   }
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
   if (options.list_participants) return list_participants(settings);

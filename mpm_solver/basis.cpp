@@ -2,6 +2,7 @@
 #include "mpm_solver/basis.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numeric>
@@ -41,18 +42,29 @@ double mean_cell_size(const Mesh<dim>& mesh) {
 }
 
 template <int dim>
-void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
+std::int32_t cell_of(const BackgroundGrid<dim>& grid, const Vector<dim>& x, std::int32_t hint) {
+  return grid.box ? grid.box->locate(x) : grid.locator.locate(x, hint);
+}
+
+template <int dim>
+std::vector<std::int32_t> find_cells(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
+  std::vector<std::int32_t> outside;
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    points.cell[p] =
-        grid.box ? grid.box->locate(points.x[p]) : grid.locator.locate(points.x[p], points.cell[p]);
-    if (points.cell[p] >= 0) continue;
-    std::string position;
-    for (int d = 0; d < dim; ++d) position += fmt::format("{}{}", d ? ", " : "", points.x[p][d]);
-    throw Error(
-        fmt::format("material point {} at ({}) lies outside the background grid; make the "
-                    "grid larger or close its sides with walls",
-                    points.id[p], position));
+    points.cell[p] = cell_of(grid, points.x[p], points.cell[p]);
+    if (points.cell[p] < 0) outside.push_back(p);
   }
+  return outside;
+}
+
+template <int dim>
+void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
+  const auto outside = find_cells(grid, points);
+  if (outside.empty()) return;
+  const Vector<dim>& x = points.x[outside.front()];
+  throw Error(
+      fmt::format("material point {} at ({}) lies outside the background grid; make the "
+                  "grid larger or close its sides with walls",
+                  points.id[outside.front()], fmt::join(x.data(), x.data() + dim, ", ")));
 }
 
 namespace {
@@ -134,6 +146,10 @@ template double mean_cell_size<2>(const Mesh<2>&);
 template double mean_cell_size<3>(const Mesh<3>&);
 template struct BackgroundGrid<2>;
 template struct BackgroundGrid<3>;
+template std::int32_t cell_of<2>(const BackgroundGrid<2>&, const Vector<2>&, std::int32_t);
+template std::int32_t cell_of<3>(const BackgroundGrid<3>&, const Vector<3>&, std::int32_t);
+template std::vector<std::int32_t> find_cells<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
+template std::vector<std::int32_t> find_cells<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
 template void locate_points<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
 template void locate_points<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
 template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,

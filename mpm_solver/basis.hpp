@@ -98,11 +98,21 @@ struct PointWeights {
   }
 };
 
-/// Find the cell of each point (starting from the cell it was in) and evaluate the basis there.
-/// @pre gimp: the points have domains
-/// @throws Error  a point lies outside the grid; names id and position of the first one
+/// The cell that holds x, sought from the cell `hint` on; -1 outside the grid.
+template <int dim>
+std::int32_t cell_of(const BackgroundGrid<dim>& grid, const Vector<dim>& x, std::int32_t hint);
+
+/// Find the cell of each point, starting from the cell it was in.
+/// @returns the points outside the grid, ascending; their cell is -1
+template <int dim>
+std::vector<std::int32_t> find_cells(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
+/// The same where none may be outside.
+/// @throws Error  names id and position of the first point outside
 template <int dim>
 void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
+
+/// Evaluate the basis at the points.
+/// @pre the points are located; gimp: they have domains
 template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                     PointWeights<dim>& weights);

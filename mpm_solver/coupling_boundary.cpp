@@ -293,6 +293,19 @@ double CouplingBoundary<dim>::max_penetration() const {
 }
 
 template <int dim>
+double CouplingBoundary<dim>::approach_step(double dt, double margin) const {
+  double result = std::numeric_limits<double>::infinity();
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    const double before = settings_.memory == GapMemory::accumulated ? b.gap[0] : 0;
+    const double closing = before - b.gap_trial[0];
+    if (!(closing > 0)) continue;
+    result = std::min(result, dt * (std::max(b.gap_trial[0], 0.0) + margin) / closing);
+  }
+  return result;
+}
+
+template <int dim>
 void CouplingBoundary<dim>::accept() {
   for (Point& b : points_) {
     b.x = position(b);

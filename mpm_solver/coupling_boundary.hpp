@@ -94,6 +94,10 @@ class CouplingBoundary {
   int num_closed() const;
   int num_sliding() const;
   double max_penetration() const;  ///< [m]
+  /// Largest next step [s] in which no boundary point goes deeper into the soil than `margin` [m],
+  /// where it is open beyond its gap, each at its speed in the step under way, of length dt;
+  /// infinite when none comes nearer. @pre add_forces was called
+  double approach_step(double dt, double margin) const;
 
   void accept();
 

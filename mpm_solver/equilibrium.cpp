@@ -9,6 +9,8 @@
 
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/point_motion.hpp"
 
 namespace gabion::mpm {
 
@@ -86,10 +88,10 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   const bool admissible = internal_.evaluate(du, K, worst);
   if (max_over_ranks(parts_.comm, admissible ? 0 : 1) > 0) {
     result.admissible = false;
-    if (worst >= 0) {
-      result.reason = fmt::format("material point {} would be squeezed below {} of its volume",
-                                  parts_.points.id[worst], min_J_ratio);
-    }
+    const std::string own = worst < 0 ? ""
+                                      : fmt::format("{} would be squeezed below {} of its volume",
+                                                    describe_point(worst), min_J_ratio);
+    result.reason = first_text(parts_.comm, own);
     return result;
   }
   const bool root = rank_of(parts_.comm) == 0;
@@ -180,6 +182,42 @@ std::string Equilibrium<dim>::describe_node(std::size_t i) const {
   const std::int32_t node = parts_.nodes.grid_node[i];
   const Vector<dim>& x = parts_.grid.mesh.nodes[node];
   return fmt::format("grid node {} at ({:.4g})", node, fmt::join(x.data(), x.data() + dim, ", "));
+}
+
+template <int dim>
+std::string Equilibrium<dim>::describe_point(std::int32_t p) const {
+  const auto& points = parts_.points;
+  const auto next = std::upper_bound(points.body_starts.begin(), points.body_starts.end(), p);
+  const auto body = static_cast<std::size_t>(next - points.body_starts.begin() - 1);
+  const Vector<dim>& x = points.x[p];
+  return fmt::format("material point {} of \"{}\" at ({:.4g})", points.id[p],
+                     parts_.bodies[body].name, fmt::join(x.data(), x.data() + dim, ", "));
+}
+
+template <int dim>
+std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) const {
+  const auto& weights = parts_.weights;
+  const MostStrained worst = most_strained(weights, parts_.nodes, du);
+  const double largest = max_over_ranks(parts_.comm, worst.strain);
+  std::string own;
+  if (worst.entry >= 0 && worst.strain == largest) {
+    const auto group = std::find_if(weights.groups.begin(), weights.groups.end(), [&](auto& g) {
+      return worst.entry >= g.first && worst.entry < g.last;
+    });
+    std::int32_t active[max_group_nodes<dim>];
+    parts_.nodes.list_active(weights.nodes_of(*group), active);
+    const std::int32_t p = weights.point[worst.entry];
+    StressUpdate<dim> stress;
+    const bool admissible =
+        update(parts_.bodies[group->body].material.law,
+               displacement_gradient(weights, worst.entry, active, du), parts_.points.history[p],
+               stress, static_cast<Tangent<dim>*>(nullptr));
+    own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,
+                      admissible ? fmt::format("volume ratio of the step {:.3g}, {}", stress.J,
+                                               region_name(stress.region))
+                                 : "inadmissible");
+  }
+  return first_text(parts_.comm, own);
 }
 
 template class Equilibrium<2>;

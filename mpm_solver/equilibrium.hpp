@@ -61,6 +61,9 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   double length_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
+  /// Number, body, position, strain increment, volume ratio and yield region of the material point
+  /// with the largest |E| (point_motion.hpp).
+  std::string describe_worst_point(std::span<const double> du) const override;
 
   InternalForces<dim>& internal_forces() { return internal_; }
   const InternalForces<dim>& internal_forces() const { return internal_; }
@@ -81,6 +84,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
  private:
   void remember_start_forces();
+  std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;
   double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;

@@ -171,8 +171,20 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
 }
 
 template <int dim>
+void Ledger<dim>::remove(const MaterialPoints<dim>& points) {
+  const PointTotals<dim> before = totals_;
+  totals_ = point_totals(comm_, points);
+  removed_.mass += before.mass - totals_.mass;
+  removed_.kinetic_energy += before.kinetic_energy - totals_.kinetic_energy;
+  removed_.elastic_energy += before.elastic_energy - totals_.elastic_energy;
+  removed_.momentum += before.momentum - totals_.momentum;
+  body_.inertia *= totals_.mass / before.mass;  // gravity acts on each mass alike
+}
+
+template <int dim>
 double Ledger<dim>::own_energy() const {
-  return totals_.kinetic_energy + totals_.elastic_energy + plastic_ - body_work_ - boundary_work_;
+  return totals_.kinetic_energy + totals_.elastic_energy + removed_.kinetic_energy +
+         removed_.elastic_energy + plastic_ - body_work_ - boundary_work_;
 }
 
 template <int dim>
@@ -190,16 +202,18 @@ std::vector<double> Ledger<dim>::values() const {
   const double balance = own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_;
   std::vector<double> values = {plastic_,   time_damping_,  transfer_loss_, wall_loss_,
                                 body_work_, boundary_work_, balance,        created_};
-  const Vector<dim> error = totals_.momentum - totals_start_.momentum - body_.impulse -
-                            boundary_.impulse - walls_.impulse;
+  const Vector<dim> error = totals_.momentum + removed_.momentum - totals_start_.momentum -
+                            body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
   return values;
 }
 
 template <int dim>
 void Ledger<dim>::visit_state(StateVisitor& visitor) {
-  for (auto* const totals : {&totals_, &totals_start_}) {
-    const std::string name = totals == &totals_ ? "ledger.totals." : "ledger.start.";
+  const std::pair<const char*, PointTotals<dim>*> parts[] = {
+      {"totals.", &totals_}, {"start.", &totals_start_}, {"removed.", &removed_}};
+  for (const auto& [part, totals] : parts) {
+    const std::string name = std::string("ledger.") + part;
     visitor.real(name + "mass", totals->mass);
     visitor.reals(name + "momentum", {totals->momentum.data(), dim});
     visitor.real(name + "kinetic_energy", totals->kinetic_energy);

@@ -51,6 +51,12 @@ class Ledger {
   void add_step(const StepBalance<dim>& step, const NewmarkBossak& scheme, double dt,
                 double dissipated, const MaterialPoints<dim>& points);
 
+  /// Points were taken out of the accepted state; they keep what they had, as if it were still
+  /// here.
+  /// @param points  without them
+  void remove(const MaterialPoints<dim>& points);
+  double removed_mass() const { return removed_.mass; }  ///< [kg]
+
   /// Of the accepted state.
   const PointTotals<dim>& totals() const { return totals_; }
 
@@ -67,12 +73,14 @@ class Ledger {
     Vector<dim> impulse = Vector<dim>::Zero();  // [kg m/s]
     void add_step(const Vector<dim>& mean, const NewmarkBossak& scheme, double dt);
   };
-  /// Kinetic, elastic and dissipated energy minus the work that came in.
+  /// Kinetic, elastic and dissipated energy, that of removed points included, minus the work that
+  /// came in.
   double own_energy() const;
 
   MPI_Comm comm_;
   PointTotals<dim> totals_, totals_start_;
   Force body_, boundary_, walls_;
+  PointTotals<dim> removed_;  // front has no meaning
   double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;
   double body_work_ = 0, boundary_work_ = 0;
   double lowest_energy_ = 0, created_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/material_points.hpp"
 
+#include <algorithm>
+
 #include <cmath>
 
 namespace gabion::mpm {
@@ -65,6 +67,39 @@ void add_gradients(MaterialPoints<dim>& points) {
   points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
 }
 
+namespace {
+
+// Close the gaps that the given places leave; fields that the points do not have are empty.
+template <class Value>
+void take_out(std::span<const std::int32_t> which, std::vector<Value>& values) {
+  if (values.empty()) return;
+  std::size_t kept = 0, next = 0;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    if (next < which.size() && static_cast<std::size_t>(which[next]) == p) {
+      ++next;
+    } else {
+      values[kept++] = values[p];
+    }
+  }
+  values.resize(kept);
+}
+
+}  // namespace
+
+template <int dim>
+void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& points) {
+  for (std::int32_t& start : points.body_starts) {
+    start -= static_cast<std::int32_t>(std::lower_bound(which.begin(), which.end(), start) -
+                                       which.begin());
+  }
+  const auto all = [&](auto&... fields) { (take_out(which, fields), ...); };
+  all(points.x, points.u, points.v, points.a, points.grad_v, points.grad_a, points.m, points.V0,
+      points.J, points.energy, points.tau, points.history, points.cell, points.id,
+      points.half_length, points.F);
+}
+
+template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&);
+template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
 template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,

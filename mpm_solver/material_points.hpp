@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,5 +77,9 @@ void add_gradients(MaterialPoints<dim>& points);
 template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
                         int part, int num_parts, MaterialPoints<dim>& points);
+
+/// Take points out. @param which  ascending numbers, each once
+template <int dim>
+void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& points);
 
 }  // namespace gabion::mpm

@@ -338,6 +338,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   if (auto item = in.optional_object("newton")) {
     settings.newton = read_newton_settings(*item, settings.newton);
   }
+  if (auto item = in.optional_object("step_control")) {
+    settings.step_control = read_step_control(*item);
+  }
   if (auto item = in.optional_object("linear_solver")) {
     settings.linear_solver = read_linear_solver_settings(*item);
   }
@@ -365,6 +368,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
+  settings.outside = in.choice_or("outside", {"error", "remove"}, "error") == "remove"
+                         ? Outside::remove
+                         : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);
     require_on_raster(in, settings.phases, alone->time);

@@ -11,12 +11,14 @@
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/solver_program/solver_program.hpp"
 #include "mpm_solver/coupling_boundary.hpp"
+#include "mpm_solver/grid_exits.hpp"
 #include "mpm_solver/initial_stress.hpp"
 #include "mpm_solver/locking.hpp"
 #include "mpm_solver/material_points.hpp"
 #include "mpm_solver/phases.hpp"
 #include "mpm_solver/rigid_motion.hpp"
 #include "mpm_solver/small_cuts.hpp"
+#include "mpm_solver/step_control.hpp"
 
 namespace gabion::mpm {
 
@@ -54,10 +56,12 @@ struct MpmSettings {
   SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
+  StepControlSettings step_control;
   LinearSolverSettings linear_solver;
   std::vector<CouplingBoundarySettings<dim>> interfaces;
   std::vector<RigidWallSettings<dim>> rigid_walls;
   std::vector<PointProbe<dim>> probes;
+  Outside outside = Outside::error;
 };
 
 /// Read mpm.json. A scene without coupler.json has the keys "time" and "output" too, read into

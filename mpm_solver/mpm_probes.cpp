@@ -50,7 +50,8 @@ Json MpmSolver<dim>::accepted_details(std::span<const std::int32_t> cell_n) cons
   sum_over_ranks(comm_, std::span<std::int32_t>(&moved, 1));
   return {{"min_J_ratio", -max_over_ranks(comm_, -smallest)},
           {"active_nodes", nodes_.size()},
-          {"points_changed_cell", moved}};
+          {"points_changed_cell", moved},
+          {"dt_limit", static_cast<int>(proposal_.limit)}};
 }
 
 template <int dim>
@@ -106,6 +107,9 @@ std::vector<std::string> MpmSolver<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
+  if (settings_.outside == Outside::remove) {
+    names.insert(names.end(), {"removed_points", "removed_mass"});
+  }
   return names;
 }
 
@@ -127,6 +131,9 @@ std::vector<double> MpmSolver<dim>::probes() const {
     values.insert(values.end(), force.data(), force.data() + dim);
   }
   values.insert(values.end(), rigid_wall_forces_.begin(), rigid_wall_forces_.end());
+  if (settings_.outside == Outside::remove) {
+    values.insert(values.end(), {static_cast<double>(removed_points_), ledger_.removed_mass()});
+  }
   return values;
 }
 
@@ -143,17 +150,20 @@ Json MpmSolver<dim>::summary() const {
   }
   std::vector<double> capped = {static_cast<double>(capped_domains_)};
   sum_over_ranks(comm_, std::span<double>(capped));
+  log::info("{}", newton_counts_.text());
   return {{"basis", basis_name(grid_.basis)},
           {"locking", locking},
           {"capped_domains", static_cast<std::int64_t>(capped[0])},
           {"phases", settings_.phases.size()},
           {"initial_displacement", initial_displacement_},
           {"small_cuts", cuts},
+          {"removed_points", removed_points_},
           {"linear_solver", linear_.method_name()},
           {"factorisations", linear_.factorisations()},
           {"linear_fallbacks", linear_.fallbacks()},
-          {"solutions", solutions_},
-          {"newton_iterations", newton_iterations_},
+          {"solutions", newton_counts_.solutions()},
+          {"newton_iterations", newton_counts_.iterations()},
+          {"newton", newton_counts_.json()},
           {"linear_iterations", linear_iterations_},
           {"wall_seconds", times_.seconds()}};
 }

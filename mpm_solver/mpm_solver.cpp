@@ -56,10 +56,12 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       settings_(std::move(settings)),
       grid_(std::move(settings_.grid), settings_.basis),
       cell_size_(mean_cell_size(grid_.mesh)),
+      exits_(grid_),
       points_(lay_all_points(comm, settings_)),
       linear_(comm, settings_.linear_solver),
       output_(comm, output_folder),
-      ledger_(comm) {
+      ledger_(comm),
+      control_(settings_.step_control) {
   for (const Phase& phase : settings_.phases) {
     walls_of_phases_.emplace_back(grid_.mesh, phase.walls);
     for (const auto& wall : phase.walls) {
@@ -159,10 +161,13 @@ void MpmSolver<dim>::check_initial_stress() {
 }
 
 template <int dim>
-StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
-                                      InterfaceValues& sent) {
+StepReport MpmSolver<dim>::try_step(const StepRequest& request, const InterfaceValues& received,
+                                    InterfaceValues& sent) {
   const bool begins = dt_ != request.dt;
-  if (begins) begin_step(request);
+  if (begins) {
+    log_new_dt(request);
+    begin_step(request);
+  }
   receive(received);
   move_rigid_walls(request.time + request.dt);
   if (begins || request.iteration == 0) {
@@ -173,11 +178,12 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
   const NewtonReport newton = solve_newton(*equilibrium_, K_, new_pattern_, linear_,
                                            settings_.newton, std::span<double>(du_), times_);
   new_pattern_ = false;
-  newton_iterations_ += newton.iterations;
   linear_iterations_ += newton.linear_iterations;
-  ++solutions_;
+  newton_counts_.add_solution(newton.iterations);
+  step_newton_ = std::max(step_newton_, newton.iterations);
   log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
              request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
+  if (settings_.outside == Outside::error) refuse_exits();
 
   StepReport report;
   report.newton_iterations = newton.iterations;
@@ -193,6 +199,8 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   wall_forces_ = forces_on_walls();
   rigid_wall_forces_ = forces_on_rigid_walls();
   equilibrium_->internal_forces().finish(du_);
+  const double time = request.time + request.dt;
+  propose_dt(time);
   const NodalMotion<dim> motion = nodal_motion();
   const StepBalance<dim> balance =
       step_balance(*equilibrium_, std::span<const double>(du_), motion);
@@ -215,19 +223,14 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   ledger_.add_step(balance, scheme_, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();
   const std::vector<std::int32_t> cell_n = points_.cell;
-  locate_points(grid_, points_);
+  const auto outside = find_cells(grid_, points_);
   dt_ = 0;
   AcceptReport report;
-  report.probes = probes();
   report.details = accepted_details(cell_n);
-  const double time = request.time + request.dt;
-  report.proposed_dt = largest_step(settings_.phases[phase_at(settings_.phases, time)], time);
+  remove_outside(outside);
+  report.probes = probes();
+  report.proposed_dt = proposal_.dt;
   return report;
-}
-
-template <int dim>
-void MpmSolver<dim>::reject_step() {
-  dt_ = 0;
 }
 
 template class MpmSolver<2>;

@@ -13,6 +13,7 @@
 #include "mpm_solver/ledger.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_output.hpp"
+#include "mpm_solver/newton_counts.hpp"
 #include "mpm_solver/transfer.hpp"
 
 namespace gabion::mpm {
@@ -61,6 +62,16 @@ class MpmSolver final : public Solver {
   void choose_guess();
   void spread_wall_step();
   NodalMotion<dim> nodal_motion() const;
+  StepReport try_step(const StepRequest& request, const InterfaceValues& received,
+                      InterfaceValues& sent);
+  /// @throws ConvergenceError  a point would leave the grid; cause "outside"
+  void refuse_exits() const;
+  /// Take the points out that are outside the grid.
+  void remove_outside(std::span<const std::int32_t> outside);
+  StepMeasures measure_step() const;
+  /// Size of the next step from the one that is accepted at `time`. @pre the points have not moved
+  void propose_dt(double time);
+  void log_new_dt(const StepRequest& request);
   void receive(const InterfaceValues& received);
   void move_rigid_walls(double time);
   void report_contact(StepReport& report, InterfaceValues& sent) const;
@@ -83,6 +94,7 @@ class MpmSolver final : public Solver {
   std::vector<std::string> wall_groups_;  // of all phases, each once
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
+  GridExits<dim> exits_;
   MaterialPoints<dim> points_;
   std::vector<CouplingBoundary<dim>> boundaries_;  // of the interfaces, then the rigid walls
   std::optional<GhostStiffness<dim>> ghost_;       // when a phase has it
@@ -110,10 +122,16 @@ class MpmSolver final : public Solver {
   double initial_displacement_ = 0;  // that would balance the initial stress [m]
   std::int64_t joined_nodes_ = 0;    // of all steps
 
+  StepControl control_;
+  DtProposal proposal_;                   // for the step under way or the next one
+  DtLimit logged_limit_ = DtLimit::none;  // of the last smaller dt in the log
+  double accepted_dt_ = 0;                // of the last accepted step; 0: none
+  int step_newton_ = 0;                   // most iterations of a solution of this step
+  NewtonCounts newton_counts_;
+
   PhaseTimes times_;
-  std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
-  std::int64_t solutions_ = 0;
+  std::int64_t removed_points_ = 0;  // of all ranks
   std::int64_t ghost_steps_ = 0;     // steps in which a cell needed it
   std::int64_t ghost_facets_ = 0;    // of all steps
   std::int64_t capped_domains_ = 0;  // gimp: of this rank, added up over the accepted steps

@@ -2,6 +2,8 @@
 // What of the soil later steps depend on.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/mechanics/flat.hpp"
 #include "mpm_solver/mpm_solver.hpp"
 
@@ -24,11 +26,17 @@ void visit_history(StateVisitor& visitor, std::vector<MaterialState<dim>>& histo
   for (std::size_t p = 0; p < history.size(); ++p) history[p] = {e[p], plastic_strain[p], gap[p]};
 }
 
-// The points themselves (number, mass, V0, body) follow from the settings; their ids are compared.
+// The points themselves (mass, V0, body) follow from the settings, but those that have left the
+// grid are gone.
 template <int dim>
 void visit_points(StateVisitor& visitor, MaterialPoints<dim>& points) {
   std::vector<std::int64_t> id = points.id;
-  visitor.integers("points.id", std::span<std::int64_t>(id));
+  visitor.list("points.id", id);
+  std::vector<std::int32_t> gone;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    if (!std::binary_search(id.begin(), id.end(), points.id[p])) gone.push_back(p);
+  }
+  if (!gone.empty()) remove_points<dim>(gone, points);
   require(id == points.id, "saved state: its material points are those of other ranks or bodies");
   visitor.reals("points.x", flat(points.x));
   visitor.reals("points.u", flat(points.u));
@@ -55,6 +63,9 @@ void MpmSolver<dim>::visit_state(StateVisitor& visitor) {
   ledger_.visit_state(visitor);
   visitor.reals("wall_forces", flat(wall_forces_));
   visitor.reals("rigid_wall_forces", rigid_wall_forces_);
+  visitor.integers("probe_points", std::span<std::int32_t>(probe_points_));
+  visitor.integer("removed_points", removed_points_);
+  control_.visit_state(visitor);
 }
 
 template <int dim>

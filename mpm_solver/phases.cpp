@@ -106,12 +106,16 @@ bool begins(const Phase& phase, double time) {
 }
 
 void require_within(const Phase& phase, double time, double dt) {
-  require<ConvergenceError>(time + dt - phase.until <= same_time * phase.until,
-                            fmt::format("a step of {} s from {} s would pass the end of a phase at "
-                                        "{} s",
-                                        dt, time, phase.until));
-  require<ConvergenceError>(phase.dt == 0 || dt <= (1 + same_time) * phase.dt,
-                            fmt::format("the phase at {} s allows steps of {} s", time, phase.dt));
+  if (time + dt - phase.until > same_time * phase.until) {
+    throw ConvergenceError(fmt::format("a step of {} s from {} s would pass the end of a phase at "
+                                       "{} s",
+                                       dt, time, phase.until),
+                           phase_cause);
+  }
+  if (phase.dt > 0 && dt > (1 + same_time) * phase.dt) {
+    throw ConvergenceError(fmt::format("the phase at {} s allows steps of {} s", time, phase.dt),
+                           phase_cause);
+  }
 }
 
 double largest_step(const Phase& phase, double time) {

@@ -36,6 +36,9 @@ std::size_t phase_at(const std::vector<Phase>& phases, double time);
 /// Whether a step that starts at `time` is the first one of the phase.
 bool begins(const Phase& phase, double time);
 
+/// Cause of the errors of require_within().
+inline constexpr const char* phase_cause = "phase";
+
 /// @throws ConvergenceError  a step of dt from `time` would pass the end of the phase or is longer
 ///                           than the phase allows; half of it may fit
 void require_within(const Phase& phase, double time, double dt);

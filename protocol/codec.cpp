@@ -62,12 +62,22 @@ void check_depth(std::string_view header, int max_depth) {
   }
 }
 
+/// What is not printable ASCII becomes a question mark: the text goes to logs and JSON files.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 Json parse_header(const std::string& frame, const CodecLimits& limits) {
   require<ProtocolError>(frame.size() <= limits.max_header_bytes,
                          fmt::format("header frame of {} bytes exceeds the limit of {}",
                                      frame.size(), limits.max_header_bytes));
   require<ProtocolError>(!frame.starts_with("\xEF\xBB\xBF"),
                          "header frame: starts with a byte order mark");
+  // The parser takes it for the end of the text, and what follows for nothing.
+  require<ProtocolError>(frame.find('\0') == std::string::npos,
+                         "header frame is not JSON: holds a byte 0");
   check_depth(frame, limits.max_depth);
   try {
     Json header = Json::parse(frame);
@@ -75,7 +85,7 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
                                                    std::string(header.type_name()));
     return header;
   } catch (const Json::exception& problem) {
-    throw ProtocolError(fmt::format("header frame is not JSON: {}", problem.what()));
+    throw ProtocolError("header frame is not JSON: " + printable(problem.what()));
   }
 }
 

@@ -29,12 +29,14 @@ std::string random_text() {
 Connection::Connection(const ParticipantSettings& settings)
     : settings_(settings),
       session_(random_text()),
+      keys_(read_client_keys(settings.key_file, settings.coupler_key_file)),
       context_(make_socket_context()),
-      socket_(Socket::connect_dealer(context_, settings.endpoint, settings.name + "#" + session_)),
+      socket_(Socket::connect_dealer(context_, settings.endpoint, settings.name + "#" + session_,
+                                     500, keys_)),
       heartbeat_(std::make_unique<Heartbeat>(
           context_,
           HeartbeatSettings{settings.endpoint, settings.name + "#" + session_ + "#alive",
-                            settings.name, session_, settings.exit_when_coupler_is_lost})) {}
+                            settings.name, session_, settings.exit_when_coupler_is_lost, keys_})) {}
 
 Connection::~Connection() {
   if (!welcomed() || !socket_) return;
@@ -104,15 +106,23 @@ void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
 }
 
 Message Connection::await_answer_to_hello() {
+  std::string hint = "is it running there?";
   const Stopwatch waited;
   while (waited.seconds() <= settings_.connect_deadline) {
     if (const auto frames = socket_->receive(slice_milliseconds)) return decode(std::span(*frames));
     interrupt::check();
+    if (const auto refusal = socket_->refusal()) {
+      hint = refusal->reason;
+      if (refusal->is_final) {
+        fail(fmt::format("the coupler at {} refused participant \"{}\" after {:.1f} s: {}",
+                         settings_.endpoint, settings_.name, waited.seconds(), hint));
+      }
+    }
   }
   fail(
       fmt::format("participant \"{}\": no answer from a coupler at {} within {} s (option "
-                  "--connect-deadline); is it running there?",
-                  settings_.name, settings_.endpoint, settings_.connect_deadline));
+                  "--connect-deadline); {}",
+                  settings_.name, settings_.endpoint, settings_.connect_deadline, hint));
 }
 
 Message Connection::next_request() {

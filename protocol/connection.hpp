@@ -24,6 +24,10 @@ struct ParticipantSettings {
   Quantity receives;            ///< structure: force(); soil: displacement()
   Quantity sends;
   double connect_deadline = 30;  ///< [s] until the coupler has answered
+  /// Files of keys.hpp: the own secret key and the coupler's public key, when it asks for keys;
+  /// empty: GABION_KEY_FILE and GABION_COUPLER_KEY_FILE, else no keys.
+  std::string key_file = "";
+  std::string coupler_key_file = "";
   /// End this process when the coupler is lost while the solver computes. For programs; a library
   /// inside another program says false and notices the loss when its solver returns.
   bool exit_when_coupler_is_lost = true;
@@ -78,6 +82,7 @@ class Connection {
 
   ParticipantSettings settings_;
   std::string session_;
+  std::optional<ClientKeys> keys_;
   std::shared_ptr<SocketContext> context_;
   std::optional<Socket> socket_;  // empty when closed
   std::unique_ptr<Heartbeat> heartbeat_;

@@ -63,7 +63,7 @@ gabion_status change(gabion_participant* p,
   if (p == nullptr) return GABION_ERROR_USAGE;
   return guarded(p->error, [&] {
     gabion::require<gabion::UsageError>(
-        !p->participant, "program and connect deadline: allowed before everything else only");
+        !p->participant, "program, connect deadline and keys: allowed before everything else only");
     action(p->settings);
   });
 }
@@ -129,6 +129,16 @@ gabion_status gabion_set_connect_deadline(gabion_participant* p, double seconds)
     gabion::require<gabion::UsageError>(
         seconds > 0, fmt::format("connect deadline: found {} s, allowed: > 0", seconds));
     settings.connect_deadline = seconds;
+  });
+}
+
+gabion_status gabion_set_keys(gabion_participant* p, const char* key_file,
+                              const char* coupler_key_file) {
+  return change(p, [&](gabion::ParticipantSettings& settings) {
+    require_given(key_file, "key file");
+    require_given(coupler_key_file, "coupler key file");
+    settings.key_file = key_file;
+    settings.coupler_key_file = coupler_key_file;
   });
 }
 

@@ -52,6 +52,10 @@ gabion_participant* gabion_create(const char* name, const char* endpoint, int di
  * must have answered (30). */
 gabion_status gabion_set_program(gabion_participant* p, const char* program, const char* version);
 gabion_status gabion_set_connect_deadline(gabion_participant* p, double seconds);
+/* Where the coupler asks for keys: file of the own secret key, file of the coupler's public key.
+ * Without this call GABION_KEY_FILE and GABION_COUPLER_KEY_FILE of the environment hold. */
+gabion_status gabion_set_keys(gabion_participant* p, const char* key_file,
+                              const char* coupler_key_file);
 
 /* A coupled surface in its reference configuration.
  *   coordinates         [m], num_vertices x dimension, row by row

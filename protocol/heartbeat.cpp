@@ -23,7 +23,8 @@ constexpr double output_grace = 30.;  // [s] for files to be completed
 
 Heartbeat::Heartbeat(std::shared_ptr<SocketContext> context, const HeartbeatSettings& settings)
     : settings_(settings),
-      socket_(Socket::connect_dealer(std::move(context), settings.endpoint, settings.route, 0)) {
+      socket_(Socket::connect_dealer(std::move(context), settings.endpoint, settings.route, 0,
+                                     settings.keys)) {
   sigset_t all;
   sigset_t before;
   sigfillset(&all);

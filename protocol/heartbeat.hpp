@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -20,6 +21,7 @@ struct HeartbeatSettings {
   std::string session;
   /// End this process when the coupler is lost while the solver computes.
   bool exit_when_coupler_is_lost = true;
+  std::optional<ClientKeys> keys = {};
 };
 
 /// A thread of the participant with a socket of its own: tells the coupler every half second what

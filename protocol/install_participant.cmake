@@ -9,7 +9,7 @@ install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_pa
 install(FILES ${PROJECT_SOURCE_DIR}/common/base/config_reader.hpp ${PROJECT_SOURCE_DIR}/common/base/error.hpp
   ${PROJECT_SOURCE_DIR}/common/base/solver.hpp ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/base COMPONENT gabion_participant)
-install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp message.hpp participant.hpp peer_watch.hpp
+install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
   process.hpp serve.hpp socket.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake

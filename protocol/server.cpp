@@ -21,6 +21,17 @@ std::vector<Mismatch> compare_versions(const Message& hello) {
   return {{"protocol version", protocol_version, theirs}};
 }
 
+std::optional<ServerKeys> keys_of(const ServerSettings& settings) {
+  if (settings.key_file.empty()) return std::nullopt;
+  return read_server_keys(settings.key_file, settings.clients_file);
+}
+
+std::string claimed_name(const Message& hello) {
+  const auto name = hello.fields.find("participant");
+  return name == hello.fields.end() ? "a participant without name"
+                                    : "participant " + shortened(*name);
+}
+
 std::string names_of(const std::vector<Expected>& participants) {
   std::vector<std::string> names;
   for (const Expected& expected : participants) names.push_back(expected.name);
@@ -33,12 +44,20 @@ ServerSettings read_server_settings(ConfigReader in) {
   ServerSettings settings;
   settings.endpoint = in.text_or("endpoint", settings.endpoint);
   settings.deadlines = read_deadlines(in);
+  if (auto security = in.optional_object("security")) {
+    settings.key_file = security->text("key_file");
+    settings.clients_file = security->text("clients_file");
+    for (const char* key : {"key_file", "clients_file"}) {
+      if (security->text(key).empty()) security->fail(key, "found \"\", allowed: a file");
+    }
+    security->finish();
+  }
   in.finish();
   return settings;
 }
 
 Server::Server(const ServerSettings& settings)
-    : switchboard_(settings.endpoint, settings.deadlines) {}
+    : switchboard_(settings.endpoint, settings.deadlines, keys_of(settings)) {}
 
 std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
     const std::vector<Expected>& participants, const Json& run) {
@@ -80,16 +99,18 @@ std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
     switchboard_.answer(arrival.route, refusal(mismatches));
     throw ProtocolError(fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
   };
-  Hello hello;
-  try {
-    if (const auto versions = compare_versions(arrival.hello); !versions.empty()) {
-      refuse("participant " + shortened(arrival.hello.field("participant")), versions);
+  const auto refuse_unless_complete = [&](auto read) {
+    try {
+      return read(arrival.hello);
+    } catch (const ProtocolError& problem) {
+      refuse(claimed_name(arrival.hello), {{"hello", "a complete hello", problem.what()}});
+      throw;
     }
-    hello = read_hello(arrival.hello);
-  } catch (const ProtocolError& problem) {
-    switchboard_.answer(arrival.route, refusal({{"hello", "a complete hello", problem.what()}}));
-    throw;
+  };
+  if (const auto versions = refuse_unless_complete(compare_versions); !versions.empty()) {
+    refuse(claimed_name(arrival.hello), versions);
   }
+  Hello hello = refuse_unless_complete(read_hello);
   const std::string label = fmt::format("participant \"{}\" ({}, pid {})", hello.participant,
                                         hello.program, hello.process.pid);
   const auto expected =

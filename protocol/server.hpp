@@ -16,12 +16,16 @@ namespace gabion {
 
 struct ServerSettings {
   /// Where to listen; `*` takes a free port. Other machines need tcp://0.0.0.0:PORT or an address
-  /// of this machine; nothing is encrypted or authenticated.
+  /// of this machine, and better keys.
   std::string endpoint = "tcp://127.0.0.1:*";
   Deadlines deadlines;
+  /// Files of keys.hpp: the coupler's secret key, and the public keys of those that may connect.
+  /// Both empty: anybody may, and nothing is encrypted.
+  std::string key_file = "";
+  std::string clients_file = "";
 };
 
-/// The object "protocol" of coupler.json: "endpoint" and the deadlines. Calls finish().
+/// The object "protocol" of coupler.json: "endpoint", "security" and the deadlines. Calls finish().
 ServerSettings read_server_settings(ConfigReader in);
 
 /// The coupler's end of the wire.

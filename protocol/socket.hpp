@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/keys.hpp"
+
 namespace gabion {
 
 /// The messaging library's state of one process side; sockets of several threads share it.
@@ -18,14 +20,17 @@ std::shared_ptr<SocketContext> make_socket_context();
 class Socket {
  public:
   /// Coupler's side. The first frame of what it sends and receives is the peer's route.
+  /// @param keys  only participants with one of these keys may connect, and all is encrypted
   /// @throws ProtocolError  the endpoint cannot be bound
-  static Socket bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint);
+  static Socket bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint,
+                            const std::optional<ServerKeys>& keys = {});
   /// Participant's side. Connects in the background, again and again.
   /// @param route   unique to this socket, at most 255 bytes
   /// @param linger  [ms] that closing waits for unsent messages
   /// @throws ProtocolError  the endpoint is not understood
   static Socket connect_dealer(std::shared_ptr<SocketContext> context, const std::string& endpoint,
-                               const std::string& route, int linger = 500);
+                               const std::string& route, int linger = 500,
+                               const std::optional<ClientKeys>& keys = {});
   ~Socket();
   Socket(Socket&&) noexcept;
   Socket& operator=(Socket&&) noexcept;
@@ -38,6 +43,13 @@ class Socket {
   /// One message, or nothing after `milliseconds` or when a signal came.
   /// Of more than `max_frames` frames only the first ones are kept.
   std::optional<std::vector<std::string>> receive(int milliseconds);
+
+  /// A participant's, until its first message comes: why the coupler does not let it in.
+  struct Refusal {
+    std::string reason;
+    bool is_final = false;  ///< trying again will not help
+  };
+  std::optional<Refusal> refusal();
 
   /// Where it is bound: the port is known even when the endpoint said `*`.
   std::string endpoint() const;

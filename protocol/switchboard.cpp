@@ -20,10 +20,11 @@ constexpr double own_sleep = 1.0;             // [s] between two checks: this pr
 
 }  // namespace
 
-Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines)
+Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines,
+                         const std::optional<ServerKeys>& keys)
     : deadlines_(deadlines),
       context_(make_socket_context()),
-      socket_(Socket::bind_router(context_, endpoint)) {
+      socket_(Socket::bind_router(context_, endpoint, keys)) {
   endpoint_ = socket_.endpoint();
   sigset_t all;
   sigset_t before;
@@ -95,6 +96,7 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
     Peer& to = peer(participant);
     request.sequence = ++to.last_sequence;
     to.watch->asked(describe(request));
+    to.asked = true;
     bool sent = false;
     {
       const std::lock_guard lock(socket_mutex_);
@@ -137,9 +139,11 @@ std::optional<Message> Switchboard::take_reply(const std::string& participant,
   if (from.inbox.empty()) return std::nullopt;
   Message reply = std::move(from.inbox.front());
   from.inbox.pop_front();
-  require<ProtocolError>(reply.sequence == sequence,
-                         fmt::format("{} answered \"{}\" to request {}, expected an answer to {}",
-                                     from.watch->label(), reply.type, reply.sequence, sequence));
+  require<ProtocolError>(
+      reply.sequence == sequence,
+      fmt::format("{} answered \"{}\" to request {}, expected an answer to {}; {}",
+                  from.watch->label(), reply.type, reply.sequence, sequence,
+                  from.watch->last_words()));
   from.watch->asked("");
   return reply;
 }
@@ -195,8 +199,9 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
     if (message.type == "abort" && known && !from->second.released) message.text("reason");
   } catch (const ProtocolError& problem) {
     if (known) {
-      throw ProtocolError(fmt::format("{} sent a message that is not understood: {}",
-                                      from->second.watch->label(), problem.what()));
+      const PeerWatch& watch = *from->second.watch;
+      throw ProtocolError(fmt::format("{} sent a message that is not understood: {}; {}",
+                                      watch.label(), problem.what(), watch.last_words()));
     }
     log::warn("ignored a message that is not the protocol: {}", problem.what());
     return;
@@ -207,14 +212,20 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
         fmt::format("{} ended the run: {}", from->second.watch->label(), message.text("reason")));
   }
   if (known) {
+    if (from->second.released) return;
+    const PeerWatch& watch = *from->second.watch;
+    require<ProtocolError>(from->second.asked,
+                           fmt::format("{} sent {} without being asked; {}", watch.label(),
+                                       shortened(message.type), watch.last_words()));
+    from->second.asked = false;
     from->second.watch->sign_of_life();
     if (message.type == "finished") release(from->first);
     from->second.inbox.push_back(std::move(message));
   } else if (message.type == "hello") {
     arrivals_.push_back({route, std::move(message)});
   } else {
-    log::warn("ignored a message \"{}\" from a sender that has not said hello",
-              message.type.substr(0, 40));
+    log::warn("ignored a message {} from a sender that has not said hello",
+              shortened(message.type));
   }
 }
 

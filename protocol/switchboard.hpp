@@ -27,7 +27,8 @@ namespace gabion {
 /// Any failure is final: it is told to all participants and every later call throws it again.
 class Switchboard {
  public:
-  Switchboard(const std::string& endpoint, const Deadlines& deadlines);
+  Switchboard(const std::string& endpoint, const Deadlines& deadlines,
+              const std::optional<ServerKeys>& keys = {});
   ~Switchboard();
   Switchboard(const Switchboard&) = delete;
   Switchboard& operator=(const Switchboard&) = delete;
@@ -80,6 +81,7 @@ class Switchboard {
     std::string session;
     bool sends_heartbeat = true;
     bool released = false;  // it has said "finished": its end is no failure any more
+    bool asked = false;     // a request is open: one answer may come
     std::unique_ptr<PeerWatch> watch;
     std::deque<Message> inbox;
     std::uint64_t last_sequence = 0;

@@ -140,6 +140,13 @@ double ConfigReader::number_or(const std::string& key, double fallback, const Ra
   return fallback;
 }
 
+std::optional<double> ConfigReader::number_or_null(const std::string& key, double fallback,
+                                                   const Range& range) {
+  if (!has(key) || !value_.at(key).is_null()) return number_or(key, fallback, range);
+  note(key, nullptr);
+  return std::nullopt;
+}
+
 int ConfigReader::integer(const std::string& key, const Range& range) {
   const Json& value = require_key(key);
   if (!value.is_number_integer()) {

@@ -44,6 +44,9 @@ class ConfigReader {
 
   double number(const std::string& key, const Range& range = any_number());
   double number_or(const std::string& key, double fallback, const Range& range = any_number());
+  /// A number, or null for none at all; `fallback` when the key is missing.
+  std::optional<double> number_or_null(const std::string& key, double fallback,
+                                       const Range& range = any_number());
   int integer(const std::string& key, const Range& range = any_number());
   int integer_or(const std::string& key, int fallback, const Range& range = any_number());
   bool boolean_or(const std::string& key, bool fallback);

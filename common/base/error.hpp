@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace gabion {
 
@@ -26,8 +27,14 @@ class ConfigError : public Error {
 /// smaller dt.
 class ConvergenceError : public Error {
  public:
-  using Error::Error;
+  /// @param cause  word under which failures are counted, such as "iteration_limit"
+  explicit ConvergenceError(const std::string& message, std::string cause = "other")
+      : Error(message), cause_(std::move(cause)) {}
   int exit_code() const override { return 3; }
+  const std::string& cause() const { return cause_; }
+
+ private:
+  std::string cause_;
 };
 
 /// A peer was lost, refused, late, or spoke something that is not the protocol.

@@ -4,6 +4,9 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cstdlib>
 
 #include "common/base/error.hpp"
 
@@ -37,9 +40,13 @@ std::string pattern = "[program] %^%v%$";
 
 void start(std::string_view prefix, Level lowest, bool speaks) {
   pattern = fmt::format("[{}] %^%v%$", prefix);
-  logger().set_pattern(pattern);
+  logger().set_pattern((on_terminal() ? erase_line : "") + pattern);
   logger().set_level(speaks ? to_spdlog(lowest) : spdlog::level::err);
   logger().flush_on(spdlog::level::debug);
+}
+
+bool on_terminal() {
+  return isatty(STDERR_FILENO) == 1 || std::getenv("GABION_TERMINAL") != nullptr;
 }
 
 void also_to_file(const std::string& path) {

@@ -41,4 +41,12 @@ void error(fmt::format_string<Args...> text, Args&&... args) {
   write(Level::error, fmt::format(text, std::forward<Args>(args)...));
 }
 
+/// Whether a person watches stderr. Under mpirun it is a pipe even then; scripts/run sets
+/// GABION_TERMINAL.
+bool on_terminal();
+
+/// Goes to the start of a terminal's line and erases it: what comes next takes the place of a live
+/// progress line.
+inline constexpr const char* erase_line = "\r\033[K";
+
 }  // namespace gabion::log

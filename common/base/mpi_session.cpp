@@ -5,6 +5,7 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 
 #include "common/base/error.hpp"
@@ -13,9 +14,21 @@ namespace gabion {
 
 namespace {
 constexpr int name_length = 32;
+
+/// Open MPI listens on all network interfaces even when its processes share one machine, which then
+/// need no network. A user's own choice of transports stands.
+void stay_off_the_network() {
+  const char* all = std::getenv("OMPI_COMM_WORLD_SIZE");
+  const char* here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+  const bool alone = all == nullptr && here == nullptr;
+  if (alone || (all != nullptr && here != nullptr && std::strcmp(all, here) == 0)) {
+    setenv("OMPI_MCA_btl", "^tcp,ofi", /*overwrite=*/0);
+  }
 }
+}  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
+  stay_off_the_network();
   MPI_Init(&argc, &argv);
   int world_size = 1;
   int world_rank = 0;

@@ -43,7 +43,7 @@ int run_program(int argc, char** argv, const std::string& program,
   std::string log_level = "info";
 
   CLI::App app(role.about, program);
-  app.add_option("scene", options.scene, "Scene folder")->required()->type_name("SCENE");
+  CLI::Option* scene = app.add_option("scene", options.scene, "Scene folder")->type_name("SCENE");
   app.add_option("--output", options.output, "Folder of results (default: results/<scene>)")
       ->type_name("DIR");
   app.add_option("--restart", options.restart,
@@ -73,7 +73,15 @@ int run_program(int argc, char** argv, const std::string& program,
     app.add_option("--amplitude", options.amplitude,
                    "Random values of that check [N or m] (default: 1e-3 N, 1e-6 m)")
         ->check(CLI::PositiveNumber);
+    app.add_option("--make-keys", options.make_keys,
+                   "Write a new secret key to FILE and its public key to FILE.pub, then end")
+        ->type_name("FILE");
   } else {
+    app.add_option("--key-file", options.key_file, "Own secret key (or GABION_KEY_FILE)")
+        ->type_name("FILE");
+    app.add_option("--coupler-key-file", options.coupler_key_file,
+                   "The coupler's public key (or GABION_COUPLER_KEY_FILE)")
+        ->type_name("FILE");
     app.add_option("--connect-deadline", options.connect_deadline,
                    "Wait so long [s] for the coupler's answer")
         ->check(CLI::PositiveNumber)
@@ -82,6 +90,7 @@ int run_program(int argc, char** argv, const std::string& program,
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {
     app.parse(argc, argv);
+    if (scene->empty() && options.make_keys.empty()) throw CLI::RequiredError("scene");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }

@@ -16,8 +16,11 @@ struct ProgramOptions {
   std::string restart;                 ///< results of the run to go on with; empty: from time 0
   std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
   bool check = false;                  ///< read and cross-check the scene, then end
-  std::string coupler;  ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
-  std::string name;     ///< of this participant, such as "soil"
+  std::string coupler;   ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
+  std::string name;      ///< of this participant, such as "soil"
+  std::string key_file;  ///< solvers: own secret key, when the coupler asks for keys
+  std::string coupler_key_file;    ///< solvers: the coupler's public key
+  std::string make_keys;           ///< coupler: write a new pair of keys to this file, then end
   double connect_deadline = 30;    ///< [s] > 0, solvers: until the coupler has answered
   bool list_participants = false;  ///< coupler: print who takes part and how, then end
   std::string check_participant;   ///< coupler: drive this participant through a check, then end

@@ -2,10 +2,8 @@
 #include "common/base/progress.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "common/base/log.hpp"
@@ -18,11 +16,6 @@ constexpr double live_period = 0.1;  // [s] wall between two pictures on a termi
 constexpr double plain_period = 10;  // [s] wall between two log lines
 constexpr double plain_fraction = 0.1;
 
-// Under mpirun stderr is a pipe even when a person watches it; scripts/run then sets the variable.
-bool shown_on_terminal() {
-  return isatty(STDERR_FILENO) == 1 || std::getenv("GABION_TERMINAL") != nullptr;
-}
-
 std::string duration_text(double seconds) {
   if (seconds < 100) return fmt::format("{:.0f} s", seconds);
   if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
@@ -32,7 +25,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 Progress::Progress(double end, bool speaks)
-    : end_(end), speaks_(speaks), terminal_(shown_on_terminal()) {}
+    : end_(end), speaks_(speaks), terminal_(log::on_terminal()) {}
 
 Progress::~Progress() {
   if (line_open_) std::fputc('\n', stderr);
@@ -58,9 +51,9 @@ void Progress::update(std::int64_t step, double time, double dt, int iterations)
     log::info("{}", text);
     return;
   }
-  fmt::print(stderr, "\r{}\033[K", text);  // back to the line's start, text, erase the rest
+  fmt::print(stderr, "{}{}{}", log::erase_line, text, done ? "\n" : "");
   std::fflush(stderr);
-  line_open_ = true;
+  line_open_ = !done;
 }
 
 }  // namespace gabion

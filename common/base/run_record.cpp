@@ -90,7 +90,8 @@ void write_json_file(const std::string& path, const Json& value) {
   const std::string draft = path + ".part";
   {
     std::ofstream out(draft);
-    out << value.dump(2) << '\n';
+    // Texts of errors may hold any bytes, such as the name of a file.
+    out << value.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     out.flush();
     require(out.good(), fmt::format("{}: could not be written (disk full?)", path));
   }

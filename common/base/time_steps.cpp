@@ -23,7 +23,12 @@ TimeSettings read_time_settings(ConfigReader in) {
   settings.end = in.number("end", positive());
   settings.dt = in.number("dt", positive());
   settings.dt_min = in.number("dt_min", positive());
+  settings.dt_max = in.number_or("dt_max", settings.dt, positive());
   in.finish();
+  if (settings.dt_max < settings.dt) {
+    in.fail("dt_max",
+            fmt::format("found {}, allowed: a number >= dt = {}", settings.dt_max, settings.dt));
+  }
   if (settings.dt_min > settings.dt) {
     in.fail("dt_min",
             fmt::format("found {}, allowed: a number <= dt = {}", settings.dt_min, settings.dt));
@@ -37,6 +42,10 @@ TimeSettings read_time_settings(ConfigReader in) {
 
 TimeSteps::TimeSteps(const TimeSettings& settings) : settings_(settings) {
   while (std::ldexp(settings_.dt, -(max_level_ + 1)) >= settings_.dt_min) ++max_level_;
+  while (std::ldexp(settings_.dt, 1 - min_level_) <= settings_.dt_max &&
+         level_dt(min_level_) < settings_.end) {
+    --min_level_;
+  }
   count_end_ticks();
 }
 
@@ -99,7 +108,7 @@ void TimeSteps::accept(double proposed_dt) {
     ++level_;
     accepted_at_level_ = 0;
   }
-  const bool may_grow = level_ > 0 && accepted_at_level_ >= steps_before_growth &&
+  const bool may_grow = level_ > min_level_ && accepted_at_level_ >= steps_before_growth &&
                         ticks_ % level_ticks(level_ - 1) == 0 && wanted(level_ - 1);
   if (may_grow) {
     --level_;

@@ -12,13 +12,15 @@ namespace gabion {
 /// The "time" object of coupler.json (or of a solver's own file when it runs alone).
 struct TimeSettings {
   double end = 0;     ///< [s] > 0
-  double dt = 0;      ///< [s] > 0, first and largest step
+  double dt = 0;      ///< [s] > 0, first step
   double dt_min = 0;  ///< [s], 0 < dt_min <= dt; a step that needs less ends the run with an error
+  double dt_max = 0;  ///< [s] >= dt, largest step; 0: dt
 };
 TimeSettings read_time_settings(ConfigReader in);
 
-/// Step sizes dt / 2^level. Time is counted in whole multiples of dt / 2^max_level, so equal
-/// schedules give equal bits and a run that was cut comes back onto the original raster.
+/// Step sizes dt / 2^level, with negative levels up to dt_max. Time is counted in whole multiples
+/// of dt / 2^max_level, so equal schedules give equal bits and a run that was cut comes back onto
+/// the original raster.
 class TimeSteps {
  public:
   explicit TimeSteps(const TimeSettings& settings);
@@ -27,7 +29,8 @@ class TimeSteps {
   std::int64_t step() const { return step_; }  ///< number of the step under way, from 1
   double time() const;                         ///< [s] of the accepted state
   double dt() const;  ///< [s] of the step under way; the last one ends at `end`
-  /// The step was accepted. After 4 accepted steps dt doubles again where the raster allows it.
+  /// The step was accepted. After 4 accepted steps of one size dt doubles where dt_max and the
+  /// raster allow it: steps of 2 dt start at multiples of 2 dt.
   /// @param proposed_dt  [s] wish of the solvers, 0 = none: the next step is the largest of the
   /// raster
   ///                     that is not above it, but never below the smallest one. A solver that
@@ -51,8 +54,8 @@ class TimeSteps {
   double raster_time() const;
 
   TimeSettings settings_;
-  double origin_ =
-      0;  // [s] where the raster starts: 0, or the end of the run that this one extends
+  int min_level_ = 0;  // of the largest step, <= 0
+  double origin_ = 0;  // [s] start of the raster: 0, or the end of the run that this one extends
   int max_level_ = 0;
   std::int64_t end_ticks_ = 0;  // rounded up: the last tick is shorter when `end` is off the raster
   int level_ = 0;

@@ -58,6 +58,8 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   settings.receives = program.receives;
   settings.sends = program.sends;
   settings.connect_deadline = options.connect_deadline;
+  settings.key_file = options.key_file;
+  settings.coupler_key_file = options.coupler_key_file;
   interrupt::install();  // all ranks: the first one ends the run
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
     Connection connection(settings);

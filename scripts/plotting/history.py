@@ -72,9 +72,12 @@ def plot_residuals(results: Results, out: Path) -> Path | None:
     table = results.table("iterations.csv")
     if table is None or not table.num_rows:
         return None
-    columns = [name for name in RESIDUALS if name in table]
-    if not columns:
+    known = [name for name in RESIDUALS if name in table]
+    if not known:
         raise ResultsError(f"{table.path}: none of the columns {', '.join(RESIDUALS)}")
+    columns = [name for name in known if np.any(table[name] > 0)]
+    if not columns:
+        return None  # no contact yet
     starts = np.flatnonzero(table["iteration"] == np.min(table["iteration"]))
     ends = np.append(starts[1:], table.num_rows)
     worst = int(np.argmax(ends - starts))

@@ -28,17 +28,32 @@ class Runner:
 
         @raises ResultsError  the run failed
         """
-        output = self.folder / label
-        if not (self.reuse and _completed(output)):
-            command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
-                       "--no-plots", "--log-level", "warn"]
-            for setting in [*self._settings_for(scene), *settings]:
-                command += ["--set", setting]
-            print(f"{label}: running", flush=True)
-            code = subprocess.run(command, check=False).returncode
-            if code != 0:
-                raise ResultsError(f"{label}: the run failed with exit code {code}")
+        code, output = self._launch(label, scene, settings)
+        if code != 0:
+            raise ResultsError(f"{label}: the run failed with exit code {code}")
         return Measured(Results(output))
+
+    def attempt(self, label: str, scene: str, settings: list[str]) -> Results:
+        """Run one scene that may end early: with a step that cannot be solved (exit code 3).
+
+        @raises ResultsError  it ended for any other reason
+        """
+        code, output = self._launch(label, scene, settings)
+        if code not in (0, 3) or not (output / "summary.json").exists():
+            raise ResultsError(f"{label}: the run failed with exit code {code}")
+        return Results(output)
+
+    def _launch(self, label: str, scene: str, settings: list[str]) -> tuple[int, Path]:
+        """Exit code, 0 for results that are taken again, and the folder of the results."""
+        output = self.folder / label
+        if self.reuse and _completed(output):
+            return 0, output
+        command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
+                   "--no-plots", "--log-level", "warn"]
+        for setting in [*self._settings_for(scene), *settings]:
+            command += ["--set", setting]
+        print(f"{label}: running", flush=True)
+        return subprocess.run(command, check=False).returncode, output
 
     def _settings_for(self, scene: str) -> list[str]:
         """The common settings; those of files that the scene lacks do not concern it."""

@@ -1,47 +1,82 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A structure from elsewhere that speaks another version of the protocol:
-//     fake_participant ENDPOINT VERSION
-// Prints the coupler's answer; exit code 0 when it was refused.
-#include <fmt/format.h>
+// A soil or structure without mechanics that misbehaves on demand:
+//     fake_participant NAME ENDPOINT [KIND PHASE] [--version V] [--pause S] [--seconds S]
+// NAME is soil or structure; KIND and PHASE are those of Misdeed. Exit codes are those of the
+// programs.
+#include <CLI/CLI.hpp>
+#include <set>
 
-#include <cstdio>
-#include <span>
-#include <string>
-#include <vector>
+#include "liar.hpp"
+#include "protocol/connection.hpp"
+#include "protocol/serve.hpp"
 
-#include "protocol/codec.hpp"
-#include "protocol/handshake.hpp"
-#include "protocol/socket.hpp"
+namespace {
 
-int main(int argc, char** argv) {
-  using namespace gabion;
-  if (argc != 3) return 2;
+using namespace gabion;
+using test::Misdeed;
+
+Hello make_hello(const std::string& name, const std::string& version) {
   Hello hello;
-  hello.protocol = argv[2];
-  hello.participant = "structure";
+  hello.protocol = version;
+  hello.participant = name;
   hello.program = "fake_participant";
   hello.program_version = "0";
-  hello.session = "fake";
+  hello.session = std::to_string(getpid());
   hello.dimension = 2;
-  hello.receives = force();
-  hello.sends = displacement();
-  hello.interfaces = {{"wall", 2, {0.25, 0, 0.25, 0.05}, 2, {0, 1}}};
+  hello.receives = name == "soil" ? displacement() : force();
+  hello.sends = name == "soil" ? force() : displacement();
+  const test::FakeSolver solver(name == "soil", {}, 0);
+  hello.interfaces = solver.interfaces();
+  hello.probe_names = solver.probe_names();
+  hello.probes = solver.probes();
   hello.sends_heartbeat = false;
+  hello.process = this_process();
+  return hello;
+}
 
-  Socket socket = Socket::connect_dealer(make_socket_context(), argv[1], "structure#fake");
-  const Message message = to_message(hello);
-  const EncodedMessage encoded = encode(message);
-  std::vector<std::string_view> frames = {encoded.header};
-  frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
-  socket.send(frames);
-  for (int i = 0; i < 200; ++i) {
-    const auto answer = socket.receive(100);
-    if (!answer) continue;
-    const Message decoded = decode(std::span(*answer));
-    if (decoded.type == "alive") continue;
-    std::puts(fmt::format("{} {}", decoded.type, decoded.fields.dump()).c_str());
-    return decoded.type == "refused" ? 0 : 1;
+/// With this project's own connection and heartbeat.
+int serve_as(const std::string& name, const std::string& endpoint, const Misdeed& misdeed,
+             double pause) {
+  ParticipantSettings settings;
+  settings.endpoint = endpoint;
+  settings.name = name;
+  settings.program = "fake_participant";
+  settings.dimension = 2;
+  settings.receives = name == "soil" ? displacement() : force();
+  settings.sends = name == "soil" ? force() : displacement();
+  settings.connect_deadline = 2;
+  try {
+    test::FakeSolver solver(name == "soil", misdeed, pause);
+    Connection connection(settings);
+    solver.at("handshake");
+    serve(solver, connection);
+  } catch (const Error& problem) {
+    std::puts(fmt::format("[{}] error: {}", name, problem.what()).c_str());
+    return problem.exit_code();
   }
-  std::puts("no answer");
-  return 1;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string name;
+  std::string endpoint;
+  std::string version = protocol_version;
+  double pause = 0;
+  Misdeed misdeed;
+  CLI::App app("A participant that misbehaves.");
+  app.add_option("name", name)->required()->check(CLI::IsMember({"soil", "structure"}));
+  app.add_option("endpoint", endpoint)->required();
+  app.add_option("kind", misdeed.kind);
+  app.add_option("phase", misdeed.phase);
+  app.add_option("--version", version);
+  app.add_option("--pause", pause);
+  app.add_option("--seconds", misdeed.seconds);
+  CLI11_PARSE(app, argc, argv);
+  const std::set<std::string> honest = {"none", "killed", "stopped", "slow", "announced"};
+  if (honest.contains(misdeed.kind) && version == protocol_version) {
+    return serve_as(name, endpoint, misdeed, pause);
+  }
+  return test::Liar(endpoint, make_hello(name, version), misdeed).run();
 }

@@ -21,6 +21,7 @@ STIFFNESS, DAMPING = 1e4, 10.0  # [N/m], [N s/m] of a vertex, per metre
 
 def run(habit: str, endpoint: str) -> None:
     settings = ParticipantSettings("structure", endpoint, dimension=2, program="foreign_structure",
+                                   connect_deadline=10,
                                    exit_when_coupler_is_lost=False)
     participant = Participant(settings)
     vertices = np.array([[0.26, 0.0], [0.26, 0.05], [0.25, 0.05], [0.25, 0.0]])

@@ -5,7 +5,7 @@
 import json
 
 import launch
-from launch import IntegrationCase, meeting, read_table
+from launch import ALONE, IntegrationCase, meeting, read_table
 
 
 class FailedStep(IntegrationCase):
@@ -39,6 +39,32 @@ class FailedStep(IntegrationCase):
         for ranks in ({}, {}, {}, {"mpm_solver": 2}, {"fem_solver": 2}):
             with self.subTest(ranks=ranks):
                 self.run_launch(code=3, within=10, ranks=ranks)
+
+
+class FailedStepAlone(IntegrationCase):
+    """Soil without coupler that needs more iterations than it may take as soon as it meets its wall."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        files = {"mpm": {**meeting()["mpm"], **ALONE}}
+        files["mpm"]["time"].update(end=0.2, dt_min=4e-4)
+        files["mpm"]["output"]["interval"] = 1.0  # no frame is due but the first
+        files["mpm"].update(gravity=[0, 0], newton={"max_iterations": 1})
+        self.write_scene(files)
+
+    def test_reason_and_last_state_are_kept(self) -> None:
+        ended = self.run_program("mpm_solver", self.scene, "--output", self.out, code=3)
+        summary = json.loads((self.out / "summary.json").read_text())
+        steps, probes = read_table(self.out / "steps.csv"), read_table(self.out / "probes.csv")
+        self.assertIs(summary["completed"], False)
+        for words in ("dt_min", "iteration limit reached", "worst grid node", "most strained material point"):
+            self.assertIn(words, summary["reason"])
+            self.assert_says(ended.text, "[mpm] error: ", words)
+        self.assertGreater(len(steps), 0)
+        self.assertEqual((summary["steps"], summary["end_time"]), (len(steps), float(steps[-1]["time"])))
+        self.assertEqual(probes[-1]["time"], steps[-1]["time"])
+        self.assertEqual(self.assert_frames_open(self.out / "mpm", "soil"), [0, summary["end_time"]])
+        self.assertEqual(summary["solver"]["newton"]["failures"], {"iteration_limit": summary["cuts"] + 1})
 
 
 if __name__ == "__main__":

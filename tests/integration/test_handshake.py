@@ -13,7 +13,9 @@ from launch import IntegrationCase, meeting
 class Handshake(IntegrationCase):
     def setUp(self) -> None:
         super().setUp()
-        self.write_scene(meeting())
+        files = meeting()
+        files["coupler"]["protocol"] = {"connect_deadline": 5}
+        self.write_scene(files)
 
     def with_fake(self, version: str) -> tuple[str, str]:
         """What a coupler without solvers says, and what a foreign participant of this version gets."""
@@ -21,9 +23,10 @@ class Handshake(IntegrationCase):
             free.bind(("127.0.0.1", 0))
             endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
         coupler = self.start("--coupler", endpoint, programs=("coupler",))
-        fake = subprocess.run([launch.binaries / "fake_participant", endpoint, version], text=True, check=False,
+        fake = subprocess.run([launch.binaries / "fake_participant", "structure", endpoint, "--version", version],
+                              text=True, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=launch.TIMEOUT)
-        if fake.returncode != 0:
+        if fake.returncode != 1 or "welcome" in fake.stdout:
             coupler.end()
             return coupler.text(), fake.stdout
         ended = coupler.wait()

@@ -19,6 +19,7 @@ from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
 from studies.measures import Curve, Measured, relative_rms
 from studies.run_out import height_law, run_out, run_out_law
 from studies.runner import Runner
+from studies.stability import cases, verdict
 
 
 class MadeUpRunner(Runner):
@@ -77,6 +78,22 @@ class Measures(ScriptCase):
         (self.folder / "summary.json").write_text(json.dumps({"completed": False, "reason": "x"}))
         with self.assertRaisesRegex(ResultsError, "did not come to its end"):
             Measured(Results(self.folder))
+
+
+class Stability(ScriptCase):
+    def test_every_case_has_its_name_and_the_base_comes_first(self) -> None:
+        names = [case.name for case in cases()]
+        self.assertEqual(names[0], "base")
+        self.assertEqual(len(set(names)), len(names))
+        self.assertEqual(sum(name.startswith("E_x") for name in names), 15)
+
+    def test_verdict_names_causes_and_refuses_an_end_without_one(self) -> None:
+        self.assertEqual(verdict({"completed": True}), "end")
+        failed = {"completed": False, "reason": "x", "end_time": 0.25,
+                  "solver": {"newton": {"failures": {"line_search": 3}}}}
+        self.assertEqual(verdict(failed), "0.25 s: 3 x line_search")
+        with self.assertRaisesRegex(ResultsError, "without a reason"):
+            verdict({**failed, "solver": {"newton": {"failures": {}}}})
 
 
 class Studies(ScriptCase):

@@ -105,6 +105,18 @@ class Drawing(ScriptCase):
             ["probes.png", "residuals.png", "iterations.png", "forces.png", "energies.png", "scene.png"],
         )
 
+    def test_run_without_contact_has_no_residuals_to_draw(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        head, *rows = (folder / "iterations.csv").read_text(encoding="utf-8").splitlines()
+        zero = [i for i, name in enumerate(head.split(",")) if "residual" in name]
+        for k, row in enumerate(rows):
+            cells = row.split(",")
+            for i in zero:
+                cells[i] = "0"
+            rows[k] = ",".join(cells)
+        self.write("a/iterations.csv", "\n".join([head, *rows, ""]))
+        self.assertNotIn("residuals.png", self.draw(folder))
+
     def test_choices(self) -> None:
         a, b = (made_up.write_results(self.folder / name) for name in "ab")
         self.assertEqual(self.draw(a, "--residuals"), ["residuals.png"])

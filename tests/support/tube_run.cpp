@@ -31,6 +31,8 @@ CouplerSettings settings_of(const TubeRun& run) {
   s.coupling.convergence.displacement.absolute = run.tolerance / std::sqrt(2.0);
   s.coupling.convergence.force.relative = run.tolerance;
   s.coupling.convergence.divergence = 1e6;
+  // The first iterations of the first step lead away from the solution, by orders of magnitude.
+  s.coupling.convergence.stagnation = run.max_iterations;
   return s;
 }
 

@@ -86,7 +86,7 @@ class Newton {
   bool cycles() const;
   bool line_search();
   bool sufficient(const Iterate& next, double energy) const;
-  [[noreturn]] void fail(const std::string& reason) const;
+  [[noreturn]] void fail(const std::string& reason, const std::string& cause) const;
 
   NewtonProblem<dim>& problem_;
   BlockMatrix<dim>& K_;
@@ -154,7 +154,7 @@ template <int dim>
 void Newton<dim>::provide_matrix() {
   if (!current_.has_matrix) {
     const Iterate again = evaluate(du_, r_, true);
-    if (!rejection_.empty()) fail(rejection_);
+    if (!rejection_.empty()) fail(rejection_, "line_search");
     current_ = again;
   }
   linear_.set_matrix(K_, new_pattern_);
@@ -174,7 +174,7 @@ void Newton<dim>::solve_linear() {
   try {
     report_.linear_iterations += linear_.solve(r_, step_, wanted);
   } catch (const ConvergenceError& error) {
-    fail(error.what());
+    fail(error.what(), "linear_solver");
   }
   ++report_.iterations;
   step_size_ = worst_node<dim>(step_).size;
@@ -192,7 +192,8 @@ template <int dim>
 bool Newton<dim>::cycles() const {
   const auto& residuals = report_.residuals;
   const std::size_t n = residuals.size();
-  return n > 4 && residuals[n - 1] > 0.5 * residuals[n - 3] && residuals[n - 2] > 0.5 * residuals[n - 4];
+  return n > 4 && residuals[n - 1] > 0.5 * residuals[n - 3] &&
+         residuals[n - 2] > 0.5 * residuals[n - 4];
 }
 
 template <int dim>
@@ -221,13 +222,15 @@ NewtonReport Newton<dim>::run() {
   const bool reuse = settings_.reuse_matrix && memory_.matrix_is_usable && !new_pattern_;
   memory_.matrix_is_usable = false;
   const Iterate first = evaluate(du_, r_, !reuse);
-  if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_);
+  if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_, "inadmissible_guess");
   accept(first);
   bool converged = current_.small_residual;
   bool matrix_is_usable = reuse;
   bool renewed = false;  // K was evaluated again because the line search failed with it
   while (!converged) {
-    if (report_.iterations == settings_.max_iterations) fail("iteration limit reached");
+    if (report_.iterations == settings_.max_iterations) {
+      fail("iteration limit reached", "iteration_limit");
+    }
     matrix_is_old_ = matrix_is_usable;
     if (!matrix_is_usable) provide_matrix();
     solve_linear();
@@ -243,7 +246,7 @@ NewtonReport Newton<dim>::run() {
       matrix_is_usable = false;
       renewed = true;
     } else {
-      fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_));
+      fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");
     }
   }
   memory_.matrix_is_usable = matrix_is_usable;
@@ -251,7 +254,7 @@ NewtonReport Newton<dim>::run() {
 }
 
 template <int dim>
-void Newton<dim>::fail(const std::string& reason) const {
+void Newton<dim>::fail(const std::string& reason, const std::string& cause) const {
   std::string worst;
   const WorstNode node = worst_node<dim>(r_);
   if (report_.residuals.empty()) {
@@ -259,9 +262,12 @@ void Newton<dim>::fail(const std::string& reason) const {
   } else {
     worst = fmt::format("worst {} with |r| = {:.3e}", problem_.describe_node(node.node), node.size);
   }
-  throw ConvergenceError(fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {:.2e}",
-                                     report_.iterations, reason, worst,
-                                     fmt::join(report_.residuals, " ")));
+  const std::string point = problem_.describe_worst_point(du_);
+  if (!point.empty()) worst += "; most strained " + point;
+  throw ConvergenceError(
+      fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {:.2e}", report_.iterations, reason,
+                  worst, fmt::join(report_.residuals, " ")),
+      cause);
 }
 
 }  // namespace

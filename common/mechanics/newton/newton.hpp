@@ -42,6 +42,11 @@ class NewtonProblem {
   virtual double length_scale() const = 0;  ///< [m], cell size
   /// Words for node i of the vectors, for messages: where a person finds it.
   virtual std::string describe_node(std::size_t i) const { return "node " + std::to_string(i); }
+  /// Words for the place inside that du strains most, for messages; empty: none. Collective.
+  virtual std::string describe_worst_point(std::span<const double> du) const {
+    static_cast<void>(du);
+    return {};
+  }
 };
 
 /// What a caller with `reuse_matrix` keeps between its solves.
@@ -80,8 +85,10 @@ struct NewtonReport {
 /// @param[in,out] times        "assembly" (evaluations) and "solve" (linear systems)
 /// @param[in,out] memory       allows `reuse_matrix` to reuse across calls; null: within this call
 /// @throws ConvergenceError  iteration limit, line search failed, guess inadmissible, linear solver
-///                           failed, or residual not finite; the message names the worst node or
-///                           point and lists |r| / force_scale. `du` is then the last iterate.
+///                           failed, or residual not finite; the message names the worst node and
+///                           point and lists |r| / force_scale, `cause()` is "iteration_limit",
+///                           "line_search", "inadmissible_guess" or "linear_solver". `du` is then
+///                           the last iterate.
 /// @note Collective.
 /// @see Dembo, Eisenstat, Steihaug (1982) for inexact steps; Matthies, Strang (1979) for the energy
 ///      criterion of the line search

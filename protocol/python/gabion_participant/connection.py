@@ -11,6 +11,7 @@ import zmq
 from .errors import ProtocolError
 from .handshake import ParticipantSettings, Welcome, hello, read_welcome
 from .heartbeat import OWN_SLEEP, Heartbeat
+from .keys import HandshakeMonitor, read_keys
 from .message import MAX_FRAME_BYTES, Message, decode, encode
 from .process import PeerWatch
 from .solver import InterfaceMesh
@@ -34,6 +35,7 @@ class Connection:
     def __init__(self, settings: ParticipantSettings) -> None:
         self.settings = settings
         self.welcome: Welcome | None = None  # after the handshake
+        keys = read_keys(settings.key_file, settings.coupler_key_file)
         self._session = secrets.token_hex(8)
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
@@ -41,6 +43,9 @@ class Connection:
         self._socket.setsockopt(zmq.LINGER, LINGER)
         self._socket.setsockopt(zmq.SNDTIMEO, 1000)
         self._socket.setsockopt(zmq.MAXMSGSIZE, MAX_FRAME_BYTES)
+        if keys:
+            keys.apply(self._socket)
+        self._monitor = HandshakeMonitor(self._socket, keys)
         try:
             self._socket.connect(settings.endpoint)
         except zmq.ZMQError as problem:
@@ -48,7 +53,7 @@ class Connection:
             raise ProtocolError(f'cannot connect to the coupler at "{settings.endpoint}": {problem} '
                                 "(expected such as tcp://127.0.0.1:5555)") from problem
         self._heartbeat = Heartbeat(self._context, settings.endpoint, settings.name, self._session,
-                                    settings.exit_when_coupler_is_lost)
+                                    settings.exit_when_coupler_is_lost, keys)
         self._coupler: PeerWatch | None = None
         self._last_sequence = 0
         self._last_look = time.monotonic()
@@ -131,6 +136,7 @@ class Connection:
             return
         self._closed = True
         self._heartbeat.close()
+        self._monitor.close()
         self._socket.close()
         self._context.term()
 
@@ -165,10 +171,16 @@ class Connection:
             frames = self._receive(SLICE)
             message = decode(frames) if frames else None
             if message and message.type != "alive":
+                self._monitor.close()
                 return message
+            try:
+                self._monitor.check()
+            except ProtocolError as refusal:
+                self._fail(f'the coupler at {self.settings.endpoint} refused participant "{self.settings.name}": '
+                           f"{refusal}")
         self._fail(f'participant "{self.settings.name}": no answer from a coupler at '
                    f"{self.settings.endpoint} within {self.settings.connect_deadline} s (connect_deadline); "
-                   "is it running there?")
+                   f"{self._monitor.hint}")
 
     def _read(self, frames: list[bytes]) -> Message:
         try:

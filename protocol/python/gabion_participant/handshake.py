@@ -32,6 +32,10 @@ class ParticipantSettings:
     program_version: str = "0"
     scene_hash: str = ""  # "" = this code does not read the scene
     connect_deadline: float = 30.0  # [s] until the coupler has answered
+    # Own secret key and the coupler's public key, where it asks for keys (keys.py). "": GABION_KEY_FILE and
+    # GABION_COUPLER_KEY_FILE of the environment, else no keys.
+    key_file: str = ""
+    coupler_key_file: str = ""
     # End this process when the coupler is lost while the solver computes. A library inside another program
     # says false and notices the loss when its solver returns.
     exit_when_coupler_is_lost: bool = True

@@ -9,6 +9,7 @@ import time
 import zmq
 
 from .errors import ProtocolError
+from .keys import Keys
 from .message import Message, decode, encode
 from .process import PeerWatch
 
@@ -28,10 +29,12 @@ class Heartbeat:
     """
 
     def __init__(self, context: zmq.Context, endpoint: str, participant: str, session: str,
-                 ends_process: bool) -> None:
+                 ends_process: bool, keys: Keys | None = None) -> None:
         self._socket = context.socket(zmq.DEALER)
         self._socket.setsockopt(zmq.ROUTING_ID, f"{participant}#{session}#alive".encode())
         self._socket.setsockopt(zmq.LINGER, 0)
+        if keys:
+            keys.apply(self._socket)
         self._socket.connect(endpoint)
         self._identity = {"participant": participant, "session": session}
         self._ends_process = ends_process

@@ -226,10 +226,10 @@ def read_arrays(descriptions: Any, frames: Sequence[bytes], kind: str) -> dict[s
         name, dtype, shape = read_description(entry)
         if name in arrays:
             raise ProtocolError(f'array "{name}" is there twice')
-        expected = VALUE_BYTES * math.prod(shape)
-        if expected > MAX_FRAME_BYTES:
+        if VALUE_BYTES * math.prod(extent for extent in shape if extent) > MAX_FRAME_BYTES:
             raise ProtocolError(
                 f'array "{name}" of shape {list(shape)} exceeds the limit of {MAX_FRAME_BYTES} bytes')
+        expected = VALUE_BYTES * math.prod(shape)
         if len(frame) != expected:
             raise ProtocolError(f'array "{name}" of shape {list(shape)}: expected a frame of {expected} '
                                 f"bytes, found {len(frame)}")

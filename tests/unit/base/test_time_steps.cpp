@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -159,6 +160,38 @@ TEST(TimeSteps, a_proposal_bounds_the_next_step) {
   EXPECT_EQ(steps.dt(), 0.125);  // the smallest step of the raster
 }
 
+/// Growth to dt_max: steps of 2 dt start at multiples of 2 dt, times stay multiples of dt to the bit.
+TEST(TimeSteps, steps_grow_up_to_dt_max_on_the_raster) {
+  TimeSteps steps({.end = 10, .dt = 0.1, .dt_min = 0.01, .dt_max = 0.5});
+  std::vector<double> dts;
+  while (!steps.finished()) {
+    dts.push_back(steps.dt());
+    const double multiple = std::round(steps.time() / 0.1);
+    EXPECT_EQ(steps.time(), 0.1 * multiple);
+    steps.accept();
+  }
+  const std::vector<double> start = {0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.2, 0.4, 0.4};
+  ASSERT_GT(dts.size(), start.size());
+  for (std::size_t n = 0; n < start.size(); ++n) EXPECT_EQ(dts[n], start[n]);
+  EXPECT_EQ(*std::max_element(dts.begin(), dts.end()), 0.4);  // 0.8 would be above dt_max
+  EXPECT_EQ(steps.time(), 10);
+}
+
+TEST(TimeSteps, a_proposal_holds_growth_beyond_dt) {
+  TimeSteps steps({.end = 100, .dt = 1, .dt_min = 0.1, .dt_max = 16});
+  for (int n = 0; n < 20; ++n) steps.accept(3.9);
+  EXPECT_EQ(steps.dt(), 2);
+  for (int n = 0; n < 8; ++n) steps.accept(4);
+  EXPECT_EQ(steps.dt(), 4);
+  steps.cut("");
+  EXPECT_EQ(steps.dt(), 2);
+}
+
+TEST(TimeSteps, a_last_step_beyond_dt_is_shortened_to_the_end) {
+  TimeSteps steps({.end = 10.5, .dt = 1, .dt_min = 0.5, .dt_max = 4});
+  EXPECT_EQ(times_of(steps), (std::vector<double>{0, 1, 2, 3, 4, 6, 8, 10, 10.5}));
+}
+
 TEST(TimeSettings, all_keys_are_required_and_checked) {
   const auto error_of = [](const Json& value) -> std::string {
     try {
@@ -174,6 +207,10 @@ TEST(TimeSettings, all_keys_are_required_and_checked) {
   EXPECT_NE(error_of({{"end", 0}, {"dt", 0.1}, {"dt_min", 0.1}}).find("/end: found 0"),
             std::string::npos);
   EXPECT_NE(error_of({{"end", 1}, {"dt", 0.1}, {"dt_min", 0.2}}).find("<= dt = 0.1"),
+            std::string::npos);
+  EXPECT_EQ(error_of({{"end", 1}, {"dt", 0.1}, {"dt_min", 0.1}, {"dt_max", 0.1}}), "no error");
+  EXPECT_NE(error_of({{"end", 1}, {"dt", 0.1}, {"dt_min", 0.1}, {"dt_max", 0.05}})
+                .find("/dt_max: found 0.05, allowed: a number >= dt = 0.1"),
             std::string::npos);
 }
 

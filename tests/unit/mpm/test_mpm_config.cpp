@@ -285,22 +285,28 @@ TEST(MpmConfig, body_outside_the_grid) {
   expect_parts(error_of<Error>(json), {"material point 2", "(2.125, 0.125)", "outside"});
 }
 
-/// Points that leave the grid end the run with the same words.
-TEST(MpmConfig, points_that_fly_out) {
+TEST(MpmConfig, step_control) {
   Json json = valid();
-  json.erase("walls");
-  json.erase("interfaces");
-  json["bodies"][0]["velocity"] = {-10, 0};
-  const auto solver = make_mpm(json);
-  InterfaceValues sent;
-  const StepRequest request{1, 0, 0, 0.1};
-  solver->solve_step(request, {}, sent);
-  try {
-    solver->accept_step(request, true);
-    FAIL();
-  } catch (const Error& error) {
-    expect_parts(error.what(), {"material point 0", "outside"});
+  json["step_control"] = {{"advective", nullptr}, {"newton_target", 6}};
+  const auto control = mpm_settings<2>(json).step_control;
+  EXPECT_FALSE(control.advective);
+  EXPECT_EQ(control.newton_target, 6);
+  EXPECT_EQ(control.strain, 0.02);
+  EXPECT_FALSE(mpm_settings<2>(valid()).step_control.any());
+  for (const char* key : {"advective", "strain", "approach"}) {
+    json["step_control"] = {{key, 1.5}};
+    expect_error(json, {std::string("/step_control/") + key, "1.5", "(0, 1]"});
   }
+  json["step_control"] = {{"newton_target", 0}};
+  expect_error(json, {"/step_control/newton_target", "0", ">= 1"});
+  json["step_control"] = {{"courant", 2}};
+  expect_error(json, {"/step_control/courant", "unknown"});
+}
+
+TEST(MpmConfig, outside) {
+  Json json = valid();
+  json["outside"] = "clamp";
+  expect_error(json, {"/outside", "\"clamp\"", "error, remove"});
 }
 
 TEST(MpmConfig, time_is_read_only_without_a_coupler) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion {
+
+/// The text of the lowest rank that has one, on all ranks; empty when none has. Collective.
+inline std::string first_text(MPI_Comm comm, std::string text) {
+  const int size = num_ranks(comm);
+  if (size == 1) return text;
+  int speaker = text.empty() ? size : rank_of(comm);
+  MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, comm);
+  if (speaker == size) return {};
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, speaker, comm);
+  text.resize(length);
+  MPI_Bcast(text.data(), length, MPI_CHAR, speaker, comm);
+  return text;
+}
+
+}  // namespace gabion

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "common/base/time_steps.hpp"
+#include "mpm_solver/newton_counts.hpp"
+#include "mpm_solver/step_control.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+using mpm::DtLimit;
+using mpm::StepControl;
+
+StepControl defaults() {
+  return StepControl(mpm::read_step_control(ConfigReader(Json::object(), "f.json")));
+}
+
+TEST(StepControl, without_settings_only_the_phase_bounds) {
+  StepControl control({});
+  const auto free = control.accept({.dt = 1, .travel = 9, .strain = 9, .newton_iterations = 99}, 0);
+  EXPECT_EQ(free.dt, 0);
+  EXPECT_EQ(free.limit, DtLimit::none);
+  EXPECT_EQ(control.accept({.dt = 1}, 0.7).limit, DtLimit::phase);
+}
+
+TEST(StepControl, limits_scale_the_last_step) {
+  auto proposal = defaults().accept({.dt = 2, .travel = 0.6, .strain = 0.01}, 0);
+  EXPECT_EQ(proposal.limit, DtLimit::advective);
+  EXPECT_NEAR(proposal.dt, 1, 1e-15);
+  proposal = defaults().accept({.dt = 2, .travel = 0.1, .strain = 0.08}, 0);
+  EXPECT_EQ(proposal.limit, DtLimit::strain);
+  EXPECT_NEAR(proposal.dt, 0.5, 1e-15);
+  proposal = defaults().accept({.dt = 2, .travel = 0.1, .strain = 0.01, .approach_dt = 0.3}, 0);
+  EXPECT_EQ(proposal.limit, DtLimit::approach);
+  EXPECT_EQ(proposal.dt, 0.3);
+}
+
+TEST(StepControl, many_iterations_shrink_and_four_easy_steps_allow_to_double) {
+  StepControl control = defaults();
+  EXPECT_EQ(control.accept({.dt = 1, .newton_iterations = 16}, 0).dt, 0.5);
+  EXPECT_EQ(control.accept({.dt = 0.5, .newton_iterations = 6}, 0).dt, 0.5);
+  mpm::DtProposal proposal;
+  for (int n = 1; n <= 4; ++n) {
+    EXPECT_LT(proposal.dt, 1);
+    proposal = control.accept({.dt = 0.5, .newton_iterations = 4}, 0);
+    EXPECT_EQ(proposal.limit, n < 4 ? DtLimit::newton : DtLimit::none);
+  }
+  EXPECT_EQ(proposal.dt, 1);
+}
+
+TEST(StepControl, a_failure_is_remembered_until_dt_is_back) {
+  StepControl control = defaults();
+  control.fail(1);
+  for (int n = 0; n < 3; ++n) {
+    const auto proposal = control.accept({.dt = 0.5, .newton_iterations = 2}, 0);
+    EXPECT_EQ(proposal.limit, DtLimit::failure) << n;
+    EXPECT_LT(proposal.dt, 1);
+  }
+  EXPECT_EQ(control.accept({.dt = 0.5, .newton_iterations = 2}, 0).limit, DtLimit::none);
+}
+
+TEST(NewtonCounts, histogram_mean_and_causes) {
+  mpm::NewtonCounts counts;
+  EXPECT_TRUE(counts.json()["mean"].is_null());
+  for (const int iterations : {2, 3, 3, 8}) counts.add_solution(iterations);
+  counts.add_failure("line_search");
+  counts.add_failure("line_search");
+  const Json json = counts.json();
+  EXPECT_EQ(json["mean"], 4.0);
+  EXPECT_EQ(json["max"], 8);
+  EXPECT_EQ(json["histogram"], Json({{"2", 1}, {"3", 2}, {"8", 1}}));
+  EXPECT_EQ(json["failures"], Json({{"line_search", 2}}));
+  EXPECT_EQ(counts.text(),
+            "Newton: 4 solutions, 4 iterations on average, 8 at most, 2 x line_search");
+}
+
+/// A block in flight at v, cells of h: dt settles at the largest step of the raster with
+/// v dt <= 0.3 h, whatever dt_max allows.
+TEST(StepControl, flight_moves_by_a_share_of_a_cell) {
+  Json json = {{"dimension", 2},
+               {"grid", box({0, 0}, {8, 2}, {32, 8}, "quad4")},
+               {"bodies",
+                {body("block", box({0.5, 0.5}, {1.5, 1.5}, {4, 4}, "quad4"), 4,
+                      elastic_soil("hencky_elastic", 1e4, 0.3, 1000), {2, 0})}},
+               {"newton", exact_newton},
+               {"step_control", Json::object()}};
+  const auto solver = make_mpm(json);
+  TimeSteps steps({.end = 2, .dt = 1.0 / 256, .dt_min = 1e-4, .dt_max = 1});
+  InterfaceValues sent;
+  double largest = 0;
+  AcceptReport report;
+  while (!steps.finished()) {
+    const StepRequest request{steps.step(), 0, steps.time(), steps.dt()};
+    solver->solve_step(request, {}, sent);
+    report = solver->accept_step(request, true);
+    largest = std::max(largest, steps.dt());
+    steps.accept(report.proposed_dt);
+  }
+  EXPECT_EQ(largest, 1.0 / 32);  // 0.3 h / v = 0.0375
+  EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::advective));
+  EXPECT_NEAR(probe(*solver, "momentum_x"), 2000, 1e-6);
+}
+
+}  // namespace
+}  // namespace gabion::test
