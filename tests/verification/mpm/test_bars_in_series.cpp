@@ -64,8 +64,8 @@ Pressed press(const std::string& type, int steps, const std::string& acceleratio
   settings.interfaces = {{"face", "soil", "structure"}};
   settings.coupling.acceleration.method = acceleration;
   settings.coupling.max_iterations = 60;
-  settings.coupling.convergence.displacement = {1e-8 * D, 1e-8, 1e-12 * D};
-  settings.coupling.convergence.force = {1e-3, 1e-8, 1e-12};
+  settings.coupling.convergence.displacement = {1e-8 * D, 1e-8, 1e-12 * D, {}};
+  settings.coupling.convergence.force = {1e-3, 1e-8, 1e-12, {}};
   settings.coupling.mapping.tolerance = 1e-9;
   run_coupled(settings, soil_side, structure_side);
   Pressed result;
