@@ -159,8 +159,8 @@ CoupledImpact strike(double E_fem) {
   settings.interfaces = {{"face", "soil", "structure"}};
   settings.coupling.acceleration.method = "iqn_ils";
   settings.coupling.max_iterations = 50;
-  settings.coupling.convergence.displacement = {v0 * dt, 1e-6, 1e-6 * v0 * dt};
-  settings.coupling.convergence.force = {1, 1e-6, 1e-6 * Z * v0 * h};
+  settings.coupling.convergence.displacement = {v0 * dt, 1e-6, 1e-6 * v0 * dt, {}};
+  settings.coupling.convergence.force = {1, 1e-6, 1e-6 * Z * v0 * h, {}};
   settings.coupling.mapping.tolerance = 1e-9;
   run_coupled(settings, soil_side, structure_side);
   CoupledImpact result;
