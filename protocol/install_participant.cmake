@@ -7,7 +7,8 @@ set(gabion_participant_package ${CMAKE_INSTALL_LIBDIR}/cmake/gabion_participant)
 install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_participant
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT gabion_participant)
 install(FILES ${PROJECT_SOURCE_DIR}/common/base/config_reader.hpp ${PROJECT_SOURCE_DIR}/common/base/error.hpp
-  ${PROJECT_SOURCE_DIR}/common/base/solver.hpp ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
+  ${PROJECT_SOURCE_DIR}/common/base/solver.hpp ${PROJECT_SOURCE_DIR}/common/base/state.hpp
+  ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/base COMPONENT gabion_participant)
 install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
   process.hpp serve.hpp socket.hpp gabion_participant.h
