@@ -89,7 +89,9 @@ class FakeSolver : public Solver {
   }
   void reject_step() override {}
   void write_output(double time) override {
-    if (time > 0.03 && time < 0.045) at("output");
+    if (time <= 0.03 || time >= 0.045) return;
+    at("output");
+    if (misdeed_.kind == "announced") sleep_for(pause_);  // for the coupler to be struck here
   }
   std::vector<double> probes() const override { return {0}; }
   Json summary() const override { return Json::object(); }
