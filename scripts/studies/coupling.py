@@ -48,3 +48,6 @@ def _show(runner: Runner, name: str, head: list[str], rows: list[list]) -> None:
     print(f"\n{name}")
     print_table(head, rows)
     write_table(runner.folder / f"{name}.csv", head, rows)
+
+
+STUDIES = {coupling.__name__: coupling}

@@ -92,3 +92,6 @@ def stability(runner: Runner) -> None:
             "energy created [J/m]", "run time [s]"]
     report(runner.folder, head, rows)
     print(f"{sum(row[1] == 'end' for row in rows)} of {len(rows)} runs came to their end")
+
+
+STUDIES = {stability.__name__: stability}

@@ -6,6 +6,7 @@ import contextlib
 import csv
 import io
 import json
+import re
 import unittest
 
 import numpy as np
@@ -19,7 +20,15 @@ from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
 from studies.measures import Curve, Measured, relative_rms
 from studies.run_out import height_law, run_out, run_out_law
 from studies.runner import Runner
-from studies.stability import cases, verdict
+from studies.stability import cases, stability, verdict
+
+
+class ProgramTest(ScriptCase):
+    def test_lists_every_study(self) -> None:
+        shown = self.script("bench", "--help")
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        for study in (error_vs_time, acceleration, dt_consistency, columns, run_out, coupling.coupling, stability):
+            self.assertRegex(shown.stdout, rf"(?m)^  {study.__name__} +{re.escape(study.__doc__)}$")
 
 
 class MadeUpRunner(Runner):
