@@ -154,9 +154,11 @@ void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
   finish_structures(now, start_structures(now, may_sleep), watch);
 }
 
-void CouplingLoop::start_soils(const Attempt& now) {
+void CouplingLoop::start_soils(Attempt& now) {
   for (Side& soil : soils_) {
-    soil.start_solve(now.row.request, map_->soil_displacement(soil.name(), now.x));
+    InterfaceValues& given = now.soil_displacement[soil.name()];
+    given = map_->soil_displacement(soil.name(), now.x);
+    soil.start_solve(now.row.request, given);
   }
 }
 
@@ -173,7 +175,7 @@ void CouplingLoop::finish_soils(Attempt& now, const Stopwatch& watch) {
     soil.finish_solve(sent);
     map_->add_soil_force(soil.name(), sent, now.force);
     const Resultant resultant =
-        map_->soil_resultant(soil.name(), map_->soil_displacement(soil.name(), now.x), sent);
+        map_->soil_resultant(soil.name(), now.soil_displacement.at(soil.name()), sent);
     now.row.soil.force += resultant.force;
     now.row.soil.moment += resultant.moment;
     now.row.soil_newton += soil.report().newton_iterations;

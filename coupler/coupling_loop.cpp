@@ -7,8 +7,8 @@
 #include <gabion_version.hpp>
 #include <utility>
 
-#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/scene.hpp"
 
 namespace gabion {
 
@@ -22,6 +22,11 @@ Solver& find_solver(const std::vector<NamedSolver>& participants, const std::str
   return found->solver;
 }
 
+template <class Value>
+std::string bytes_of(const std::vector<Value>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
+}
+
 }  // namespace
 
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
@@ -31,14 +36,19 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
       predictor_(settings.coupling.predictor),
       convergence_(settings.coupling.convergence),
       steps_(settings.time),
+      checkpoints_(
+          keeper, steps_, [this](StateVisitor& visitor) { visit_state(visitor); }, phases_),
       clock_(settings.output_interval),
       progress_(settings.time.end, files.writes()),
-      files_(files),
-      keeper_(keeper) {
+      files_(files) {
   std::map<std::string, std::vector<InterfaceMesh>> meshes;
   for (const ParticipantRole& entry : settings_.participants) {
     Solver& solver = find_solver(participants, entry.name);
     meshes[entry.name] = solver.interfaces();
+    for (const InterfaceMesh& mesh : meshes[entry.name]) {
+      surfaces_[entry.name][mesh.name] =
+          hash_text(bytes_of(mesh.coordinates) + bytes_of(mesh.facets));
+    }
     (entry.sends_force ? soils_ : structures_).emplace_back(entry.name, solver);
   }
   map_ = std::make_unique<InterfaceMap>(settings_.interfaces, meshes, settings_.coupling.mapping);
@@ -78,8 +88,8 @@ void CouplingLoop::run_steps() {
     probes.insert(probes.end(), values.begin(), values.end());
   }
   record_->start(probe_names);
-  if (keeper_ != nullptr && keeper_->start() != nullptr) {
-    go_on_from(*keeper_->start());
+  if (checkpoints_.go_on()) {
+    clock_.due(steps_.time());  // what is due here was written by the run that is continued
   } else {
     record_->probes(0, probes);
     predictor_.accept(0, stacked(accepted_x_, accepted_x_));  // no displacement, no force
@@ -87,51 +97,41 @@ void CouplingLoop::run_steps() {
   }
   while (!steps_.finished()) {
     advance();
-    keep();
+    checkpoints_.after_step();
   }
   write_output();
-  if (keeper_ != nullptr && saved_ != steps_.step()) save();
+  checkpoints_.at_end();
+}
+
+/// A foreign code does not read the scene, so its surface may be another one than it was.
+void CouplingLoop::visit_surfaces(StateVisitor& visitor) const {
+  Json saved = surfaces_;
+  visitor.fact("surfaces", saved);
+  for (const auto& participant : surfaces_.items()) {
+    const Json before = saved.value(participant.key(), Json::object());
+    for (const auto& surface : participant.value().items()) {
+      require<ConfigError>(
+          before.value(surface.key(), "") == surface.value(),
+          fmt::format("participant \"{}\": found another mesh of interface \"{}\", allowed: that "
+                      "of the run that is continued",
+                      participant.key(), surface.key()));
+    }
+  }
 }
 
 void CouplingLoop::visit_state(StateVisitor& visitor) {
+  visit_surfaces(visitor);
   steps_.visit_state(visitor);
   record_->visit_state(visitor);
   acceleration_->visit_state(visitor);
   predictor_.visit_state(visitor);
   contact_.visit_state(visitor);
+  map_->visit_state(visitor);
   visit_vector(visitor, "accepted_x", accepted_x_);
   visitor.integer("forgotten_columns", forgotten_columns_);
   soil_work_.visit_state(visitor, "soil_work.");
   structure_work_.visit_state(visitor, "structure_work.");
   for (Side* side : sides()) visitor.flag("may_sleep." + side->name(), side->may_sleep);
-}
-
-void CouplingLoop::go_on_from(const RestartPoint& start) {
-  StateReader reader(start.run);
-  visit_state(reader);
-  require<ConfigError>(!steps_.finished(),
-                       fmt::format("{}: is at {} s, so nothing is left to do; allowed: an end "
-                                   "behind it (/time/end)",
-                                   start.path, start.point.time));
-  first_step_ = saved_ = steps_.step();
-  clock_.due(steps_.time());  // what is due here was written by the run that is continued
-  log::info("going on from {}, step {}, {} s", start.path, start.point.step, start.point.time);
-}
-
-void CouplingLoop::keep() {
-  if (keeper_ == nullptr) return;
-  const int signal = keeper_->signal();
-  if (keeper_->due(steps_.step() - 1) || signal != 0) save();
-  if (signal != 0) throw Interrupted(signal);
-}
-
-void CouplingLoop::save() {
-  const ScopedTimer timer(phases_, "checkpoint");
-  State run;
-  StateWriter writer(run);
-  visit_state(writer);
-  keeper_->save({steps_.step() - 1, steps_.time()}, run);
-  saved_ = steps_.step();
 }
 
 void CouplingLoop::advance() {
@@ -198,6 +198,7 @@ void CouplingLoop::accept(const Attempt& now, int cuts, const Stopwatch& watch) 
   if (now.skipped != "none") ++counts_.skipped_acceleration;
   if (now.skipped == "structure") ++counts_.skipped_structure;
   progress_.update(now.row.request.step, row.time, now.row.request.dt, row.iterations);
+  map_->accept(accepted_x_);
   if (clock_.due(row.time)) write_output();
 }
 
@@ -267,10 +268,7 @@ Json CouplingLoop::summary(bool participants_answer) {
   result["program"] = files_.kind();
   result["version"] = version;
   result["end_time"] = steps_.time();
-  result["steps"] = steps_.step() - first_step_;
-  if (keeper_ != nullptr && keeper_->start() != nullptr) {
-    result["restart"] = keeper_->start()->summary();
-  }
+  result.update(checkpoints_.summary());
   result["cuts"] = steps_.cuts();
   result["methods"] = {{"scheme", name(coupling.scheme)},
                        {"acceleration", implicit ? coupling.acceleration.method : "none"},

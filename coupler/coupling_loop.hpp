@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/loop_checkpoints.hpp"
 #include "common/base/progress.hpp"
-#include "common/base/run_keeper.hpp"
 #include "common/base/run_record.hpp"
 #include "common/base/solver.hpp"
 #include "common/base/time_steps.hpp"
@@ -48,8 +48,9 @@ class CouplingLoop {
  private:
   /// One try to solve a step; row.request is its last request.
   struct Attempt {
-    Eigen::VectorXd x;                         // given to the soils
-    Eigen::VectorXd force_given;               // to the structures
+    Eigen::VectorXd x;                                         // given to the soils
+    std::map<std::string, InterfaceValues> soil_displacement;  // H x, by the soil's name
+    Eigen::VectorXd force_given;                               // to the structures
     Eigen::VectorXd force;                     // answered by the soils; serial: force_given too
     Eigen::VectorXd x_tilde;                   // answered by the structures
     std::vector<InterfaceValues> soil_forces;  // as each soil sent them
@@ -64,9 +65,7 @@ class CouplingLoop {
 
   void run_steps();
   void visit_state(StateVisitor& visitor);
-  void go_on_from(const RestartPoint& start);
-  void keep();
-  void save();
+  void visit_surfaces(StateVisitor& visitor) const;
   void advance();
   Attempt try_step(const StepRequest& request);
   Attempt iterate(StepRequest request);
@@ -74,7 +73,7 @@ class CouplingLoop {
   bool solve_serial(Attempt& now);
   bool solve_parallel(Attempt& now);
   void solve_soils(Attempt& now);
-  void start_soils(const Attempt& now);
+  void start_soils(Attempt& now);
   void solve_structures(Attempt& now, bool may_sleep);
   void finish_soils(Attempt& now, const Stopwatch& watch);
   void finish_structures(Attempt& now, const std::vector<Side*>& started, const Stopwatch& watch);
@@ -100,15 +99,17 @@ class CouplingLoop {
   std::vector<Side> soils_;
   std::vector<Side> structures_;
   std::unique_ptr<InterfaceMap> map_;
+  Json surfaces_ = Json::object();  // participant -> interface -> hash of its mesh
   std::unique_ptr<Acceleration> acceleration_;
   Predictor predictor_;
   Convergence convergence_;
   ContactWatch contact_;
   TimeSteps steps_;
+  PhaseTimes phases_;
+  LoopCheckpoints checkpoints_;
   OutputClock clock_;
   Progress progress_;
   RunRecord& files_;
-  RunKeeper* keeper_;
   std::unique_ptr<CouplingRecord> record_;
   Eigen::VectorXd accepted_x_;
   int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
@@ -116,12 +117,9 @@ class CouplingLoop {
   double acceleration_seconds_ = 0;  // since the last accepted step
   InterfaceWork soil_work_;
   InterfaceWork structure_work_;
-  double written_ = -1;          // [s] time of the last frame
-  std::int64_t first_step_ = 1;  // of this run
-  std::int64_t saved_ = 0;       // step under way at the last checkpoint
+  double written_ = -1;  // [s] time of the last frame
 
   CouplingCounts counts_;
-  PhaseTimes phases_;
   Stopwatch watch_;
 };
 

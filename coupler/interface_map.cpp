@@ -8,6 +8,8 @@
 #include <set>
 
 #include "common/base/log.hpp"
+#include "coupler/state_vectors.hpp"
+#include "coupler/surface_check.hpp"
 
 namespace gabion {
 
@@ -69,6 +71,16 @@ void add_resultant(const InterfaceMesh& mesh, const double* displacement, const 
   }
 }
 
+/// @throws ConfigError  as Mapping does, and says when the surfaces seem to have unequal units
+Mapping make_mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
+                     const MappingSettings& settings) {
+  try {
+    return {structure, soil, settings};
+  } catch (const ConfigError& error) {
+    throw ConfigError(error.what() + unit_hint(structure, soil));
+  }
+}
+
 void log_report(const InterfaceSettings& names, const Mapping& mapping, const std::string& method) {
   const MappingReport& report = mapping.report();
   log::info("interface {}: {} vertices of {} on {} of {} ({}), farthest {:.3g} m", names.name,
@@ -86,7 +98,8 @@ void log_report(const InterfaceSettings& names, const Mapping& mapping, const st
 }  // namespace
 
 InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes,
-                           const MappingSettings& settings) {
+                           const MappingSettings& settings)
+    : settings_(settings) {
   check_all_coupled(interfaces, meshes);
   for (const InterfaceSettings& names : interfaces) {
     const InterfaceMesh& soil = mesh_of(meshes, names.soil, names.name);
@@ -98,7 +111,8 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
                                      names.name, structure.dim, interfaces.front().name, dim_));
     const auto size = static_cast<Eigen::Index>(structure.coordinates.size());
     interfaces_.push_back(
-        {names, soil, structure, Mapping(structure, soil, settings), size_, size});
+        {names, soil, structure, make_mapping(structure, soil, settings), size_, size, {}, {}});
+    interfaces_.back().reach = settings.moved * extent(structure);
     size_ += size;
     const Mapping& mapping = interfaces_.back().mapping;
     log_report(names, mapping, settings.method);
@@ -109,13 +123,62 @@ InterfaceValues InterfaceMap::soil_displacement(const std::string& soil,
                                                 const Eigen::VectorXd& x) const {
   InterfaceValues result;
   for (const Interface& interface : interfaces_) {
-    if (interface.names.soil != soil) continue;
-    std::vector<double>& values = result[interface.names.name];
-    values.resize(interface.soil_mesh.coordinates.size());
-    interface.mapping.to_soil(
-        {x.data() + interface.offset, static_cast<std::size_t>(interface.size)}, values);
+    if (interface.names.soil == soil) result[interface.names.name] = soil_values(interface, x);
   }
   return result;
+}
+
+std::vector<double> InterfaceMap::soil_values(const Interface& interface,
+                                              const Eigen::VectorXd& x) const {
+  std::vector<double> values(interface.soil_mesh.coordinates.size());
+  const auto own = x.segment(interface.offset, interface.size);
+  if (interface.x_b.size() == 0) {
+    interface.mapping.to_soil({own.data(), static_cast<std::size_t>(own.size())}, values);
+    return values;
+  }
+  const Eigen::VectorXd dx = own - interface.x_b;
+  interface.mapping.to_soil({dx.data(), static_cast<std::size_t>(dx.size())}, values);
+  for (Eigen::Index i = 0; i < interface.u_b.size(); ++i) values[i] += interface.u_b(i);
+  return values;
+}
+
+void InterfaceMap::accept(const Eigen::VectorXd& x) {
+  if (!settings_.deformed) return;
+  for (Interface& interface : interfaces_) {
+    if (interface.mapping.is_identity()) continue;
+    Eigen::VectorXd moved = x.segment(interface.offset, interface.size);
+    if (interface.x_b.size() > 0) moved -= interface.x_b;
+    const double farthest = moved.reshaped(dim_, moved.size() / dim_).colwise().norm().maxCoeff();
+    if (farthest <= interface.reach) continue;
+    const std::vector<double> u = soil_values(interface, x);
+    interface.u_b = Eigen::Map<const Eigen::VectorXd>(u.data(), std::ssize(u));
+    interface.x_b = x.segment(interface.offset, interface.size);
+    set_up(interface);
+    ++interface.num_set_ups;
+  }
+}
+
+void InterfaceMap::set_up(Interface& interface) const {
+  InterfaceMesh structure = interface.structure_mesh;
+  InterfaceMesh soil = interface.soil_mesh;
+  for (Eigen::Index i = 0; i < interface.x_b.size(); ++i) {
+    structure.coordinates[i] += interface.x_b(i);
+  }
+  for (Eigen::Index i = 0; i < interface.u_b.size(); ++i) soil.coordinates[i] += interface.u_b(i);
+  soil.vertices_per_facet = 0;  // which side is which was checked in the reference configuration
+  soil.facets.clear();
+  interface.mapping = Mapping(structure, soil, settings_);
+}
+
+void InterfaceMap::visit_state(StateVisitor& visitor) {
+  if (!settings_.deformed) return;
+  for (Interface& interface : interfaces_) {
+    const Eigen::VectorXd before = interface.x_b;
+    visit_vector(visitor, "map.x_b." + interface.names.name, interface.x_b);
+    visit_vector(visitor, "map.u_b." + interface.names.name, interface.u_b);
+    const Eigen::VectorXd& now = interface.x_b;
+    if (now.size() != before.size() || now != before) set_up(interface);
+  }
 }
 
 void InterfaceMap::add_soil_force(const std::string& soil, const InterfaceValues& sent,
@@ -159,7 +222,8 @@ Json InterfaceMap::report() const {
                                  {"unused_vertices", report.unused_vertices},
                                  {"farthest", report.farthest},
                                  {"largest_shift", report.largest_shift},
-                                 {"largest_weight", report.largest_weight}};
+                                 {"largest_weight", report.largest_weight},
+                                 {"set_ups", interface.num_set_ups}};
   }
   return all;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/solver.hpp"
+#include "common/base/state.hpp"
 #include "coupler/mapping/mapping.hpp"
 
 namespace gabion {
@@ -26,6 +27,13 @@ struct Resultant {
 
 /// All interfaces of a run. The displacement of the structures' wet surfaces, one interface after
 /// the other, is one vector x; the force on them is a vector of the same layout.
+///
+/// A map H that was set up at x_b, where the soil's displacement was u_b, gives the soil
+///
+///     u = u_b + H (x - x_b)
+///
+/// so that u does not jump when H changes, and H^T is conservative for the work of each step. In
+/// reference positions x_b = 0, u_b = 0.
 class InterfaceMap {
  public:
   /// @param meshes  of each participant, as its interfaces() gives them
@@ -38,10 +46,17 @@ class InterfaceMap {
   int dim() const { return dim_; }
   Eigen::Index size() const { return size_; }  ///< of x
 
-  /// MappingReport of each interface, for summary.json.
+  /// MappingReport of each interface's last set-up, and their number, for summary.json.
   Json report() const;
 
-  /// H x for the interfaces of one soil.
+  /// x was accepted. With positions "deformed": set up again the maps of the interfaces that have a
+  /// vertex which has moved by more than the share `moved` of the structure's extent since the last
+  /// set-up.
+  void accept(const Eigen::VectorXd& x);
+  /// Save or load where the maps were set up.
+  void visit_state(StateVisitor& visitor);
+
+  /// u for the interfaces of one soil.
   InterfaceValues soil_displacement(const std::string& soil, const Eigen::VectorXd& x) const;
   /// force += H^T (what this soil sent). @throws Error  an interface is missing or has another size
   void add_soil_force(const std::string& soil, const InterfaceValues& sent,
@@ -65,7 +80,15 @@ class InterfaceMap {
     Mapping mapping;
     Eigen::Index offset;  // in x
     Eigen::Index size;
+    Eigen::VectorXd x_b;  // of this interface; empty: reference positions
+    Eigen::VectorXd u_b;
+    double reach = 0;  // [m] that a vertex may move before the next set-up
+    int num_set_ups = 1;
   };
+  std::vector<double> soil_values(const Interface& interface, const Eigen::VectorXd& x) const;
+  void set_up(Interface& interface) const;
+
+  MappingSettings settings_;
   int dim_ = 0;
   Eigen::Index size_ = 0;
   std::vector<Interface> interfaces_;

@@ -3,44 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <functional>
 #include <random>
-#include <span>
+#include <tuple>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "coupler/answer_difference.hpp"
 
 namespace gabion {
 namespace {
 
 constexpr int num_rejecting_steps = 5;
 constexpr double warm_start_tolerance = 1e-8;  // of the largest value
-
-/// How two answers to the same request compare.
-struct Difference {
-  std::string text;     ///< empty: the bits are equal; else where they differ most
-  double relative = 0;  ///< largest difference by the largest value
-
-  void add(const InterfaceMesh& mesh, std::span<const double> a, std::span<const double> b) {
-    const auto dim = static_cast<std::size_t>(mesh.dim);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      largest_value_ = std::max({largest_value_, std::abs(a[i]), std::abs(b[i])});
-      const double by = std::abs(a[i] - b[i]);
-      if (std::memcmp(&a[i], &b[i], sizeof(double)) == 0 || by <= largest_) continue;
-      largest_ = by;
-      text = fmt::format(
-          "differs by {:.3g} ({:.17g}, then {:.17g}) at \"{}\", vertex {}, component {}", by, a[i],
-          b[i], mesh.name, i / dim, i % dim);
-    }
-    relative = largest_ > 0 ? largest_ / largest_value_ : 0;
-  }
-
- private:
-  double largest_ = -1;
-  double largest_value_ = 0;
-};
 
 /// A participant's trials, a row each.
 class ParticipantCheck {
@@ -59,6 +34,7 @@ class ParticipantCheck {
       accept("an accepted step", first_);
       try_second_step();
       try_many_steps();
+      try_restart();
       try_skipped_step();
       row("summary", [this] { return solver_.summary(), Difference(); });
     } catch (const ProtocolError& lost) {
@@ -105,12 +81,16 @@ class ParticipantCheck {
   /// Solve, and compare with an earlier answer to the same.
   Difference again(const InterfaceValues& values, const InterfaceValues& before,
                    double part_of_dt = 1) {
-    const InterfaceValues now = solve(values, part_of_dt);
     Difference difference;
-    for (const InterfaceMesh& mesh : meshes_) {
-      difference.add(mesh, before.at(mesh.name), now.at(mesh.name));
-    }
+    compare(before, solve(values, part_of_dt), difference);
     return difference;
+  }
+
+  void compare(const InterfaceValues& before, const InterfaceValues& now,
+               Difference& difference) const {
+    for (const InterfaceMesh& mesh : meshes_) {
+      difference.add(mesh.name, mesh.dim, before.at(mesh.name), now.at(mesh.name));
+    }
   }
 
   void try_output(const std::string& what) {
@@ -162,12 +142,16 @@ class ParticipantCheck {
   void accept(const std::string& what, const InterfaceValues& values, double part_of_dt = 1) {
     row(what, [&] {
       solve(values, part_of_dt);
-      const StepRequest accepted = request(part_of_dt * settings_.dt);
-      at_rest_ = solver_.accept_step(accepted, true).at_rest;
-      time_ += accepted.dt;
-      ++step_;
+      accept_last(part_of_dt);
       return Difference();
     });
+  }
+
+  void accept_last(double part_of_dt) {
+    const StepRequest accepted = request(part_of_dt * settings_.dt);
+    at_rest_ = solver_.accept_step(accepted, true).at_rest;
+    time_ += accepted.dt;
+    ++step_;
   }
 
   void try_second_step() {
@@ -201,6 +185,44 @@ class ParticipantCheck {
     }
   }
 
+  /// Some steps with the same values each time they are called at the same time.
+  /// @returns  the answers
+  std::vector<InterfaceValues> steps_from_here() {
+    std::vector<InterfaceValues> answers;
+    for (const auto& [values, part] :
+         {std::pair(&first_, 1.0), std::pair(&second_, 0.5), std::pair(&first_, 0.5)}) {
+      answers.push_back(solve(*values, part));
+      accept_last(part);
+    }
+    return answers;
+  }
+
+  /// A state that was saved a while ago comes back, though another one was saved since.
+  void try_restart() {
+    const std::string what = "the same steps after save, other steps and load";
+    if (!solver_.keeps_state()) {
+      rows_.push_back({what, CheckRow::Verdict::not_asked,
+                       "it does not keep its state: a run with it cannot be restarted"});
+      return;
+    }
+    row(what, [&] {
+      solver_.reject_step();
+      const State saved = solver_.save_state();
+      const auto start = std::pair(step_, time_);
+      const std::vector<double> probes = solver_.probes();
+      const std::vector<InterfaceValues> before = steps_from_here();
+      solver_.save_state();
+      steps_from_here();
+      solver_.load_state(saved);
+      std::tie(step_, time_) = start;
+      Difference difference;
+      difference.add("probes", 1, probes, solver_.probes());
+      const std::vector<InterfaceValues> after = steps_from_here();
+      for (std::size_t n = 0; n < before.size(); ++n) compare(before[n], after[n], difference);
+      return difference;
+    });
+  }
+
   void try_skipped_step() {
     const std::string what = "a skipped step";
     if (!at_rest_) {
@@ -229,41 +251,10 @@ class ParticipantCheck {
   bool at_rest_ = false;
 };
 
-const char* name_of(CheckRow::Verdict verdict) {
-  switch (verdict) {
-    case CheckRow::Verdict::passed:
-      return "passed";
-    case CheckRow::Verdict::inexact:
-      return "inexact";
-    case CheckRow::Verdict::failed:
-      return "FAILED";
-    case CheckRow::Verdict::not_asked:
-      return "not asked";
-  }
-  return "";
-}
-
 }  // namespace
 
 std::vector<CheckRow> check_participant(Solver& solver, const CheckSettings& settings) {
   return ParticipantCheck(solver, settings).run();
-}
-
-bool all_passed(const std::vector<CheckRow>& rows) {
-  return std::none_of(rows.begin(), rows.end(),
-                      [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
-}
-
-std::string table_text(const std::vector<CheckRow>& rows) {
-  std::size_t width = 0;
-  for (const CheckRow& row : rows) width = std::max(width, row.what.size());
-  std::string text;
-  for (const CheckRow& row : rows) {
-    const char* verdict = name_of(row.verdict);
-    text += fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, verdict,
-                        row.found.empty() ? "" : "  ", row.found);
-  }
-  return text;
 }
 
 }  // namespace gabion

@@ -27,10 +27,10 @@ struct CheckSettings {
 };
 
 /// Drive a participant through what a coupled run may ask of it: the same request twice, another
-/// trial in between, rejected steps, smaller dt, accepted steps, output, a skipped step. From the
-/// same state, that is after reject_step and accept_step, equal requests must give equal bits;
-/// after another trial of the same step, values that agree to 1e-8 of the largest. The values sent
-/// are the same in every check.
+/// trial in between, rejected steps, smaller dt, accepted steps, output, a state that is saved and
+/// loaded after other steps, a skipped step. From the same state, that is after reject_step and
+/// accept_step, equal requests must give equal bits; after another trial of the same step, values
+/// that agree to 1e-8 of the largest. The values sent are the same in every check.
 ///
 /// A participant that is lost on the way ends the table with a row that says so.
 std::vector<CheckRow> check_participant(Solver& solver, const CheckSettings& settings);

@@ -6,12 +6,16 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <set>
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/participant_check.hpp"
+#include "coupler/run_check.hpp"
+#include "coupler/scene_check.hpp"
+#include "coupler/surface_check.hpp"
 #include "protocol/keys.hpp"
 #include "protocol/server.hpp"
 
@@ -47,6 +51,39 @@ Json run_settings(const CouplerSettings& settings, const std::string& output) {
           {"checkpoints", true}};
 }
 
+void warn_all(const std::vector<std::string>& warnings) {
+  for (const std::string& text : warnings) log::warn("{}", text);
+}
+
+/// `--check`: the rules from file to file and, beside other programs, all that comes before the
+/// first step.
+void check_scene(const CouplerSettings& settings, const Scene& scene,
+                 const std::vector<SolverFile>& files, const ProgramOptions& options,
+                 const MpiSession& session) {
+  if (!options.restart.empty()) {
+    Checkpoints::load(options.restart, options.output, "coupler", scene);
+  }
+  warn_all(check_attendance(scene, settings, files));
+  if (session.is_only_process() && options.coupler.empty()) {
+    log::info("{}: valid", scene.path("coupler.json"));
+    return;
+  }
+  std::vector<Expected> expected = expected_participants(settings, scene.hash());
+  const std::set<std::string> here = participants_here(settings, files);
+  std::erase_if(expected, [&](const Expected& other) { return !here.contains(other.name); });
+  interrupt::install();
+  Server server(settings.server);
+  session.share("coupler", server.endpoint());
+  Json run = run_settings(settings, options.output);
+  run["check"] = true;
+  try {
+    check_run(server, settings, expected, run, scene);
+  } catch (const std::exception& error) {
+    server.abort(error.what());
+    throw;
+  }
+}
+
 /// For scripts/run, which starts the commands.
 void list_participants(const CouplerSettings& settings) {
   std::vector<std::string> items = {settings.server.endpoint};
@@ -58,8 +95,8 @@ void list_participants(const CouplerSettings& settings) {
 }
 
 /// The other participants of the scene are not needed, and nothing is coupled.
-void check(const CouplerSettings& settings, const std::string& scene_hash,
-           const ProgramOptions& options, const MpiSession& session) {
+void check_one(const CouplerSettings& settings, const std::string& scene_hash,
+               const ProgramOptions& options, const MpiSession& session) {
   const std::string& name = options.check_participant;
   std::vector<Expected> expected = expected_participants(settings, scene_hash);
   std::erase_if(expected, [&](const Expected& other) { return other.name != name; });
@@ -109,12 +146,15 @@ void couple(Server& server, const CouplerSettings& settings, const Scene& scene,
   const auto solvers = server.wait_for(expected_participants(settings, scene.hash()),
                                        run_settings(settings, files.folder()));
   std::vector<NamedSolver> participants;
+  std::vector<InterfaceMesh> surfaces;
   Checkpoints::Parts parts{.folder = files.folder(), .kind = files.kind(), .solvers = {}};
   for (const auto& entry : solvers) {
     Solver& solver = *entry.second;
     participants.push_back({entry.first, solver});
+    for (InterfaceMesh& mesh : solver.interfaces()) surfaces.push_back(std::move(mesh));
     parts.solvers.emplace_back(entry.first, [&solver] { return solver.save_state(); });
   }
+  warn_all(rounding_warnings(settings.coupling, surfaces, scene.path("coupler.json")));
   std::optional<Checkpoints> checkpoints;
   if (all_keep_states(participants, restart)) {
     std::optional<RestartPoint> start;
@@ -145,16 +185,22 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   const Scene scene(options.scene, options.overrides);
   const ConfigReader reader = scene.reader("coupler.json");
   CouplerSettings settings = read_coupler_settings(reader);
-  if (options.check) {
-    log::info("{}: valid", scene.path("coupler.json"));
-    return;
-  }
   for (std::string* file : {&settings.server.key_file, &settings.server.clients_file}) {
     if (!file->empty()) *file = scene.path(*file);
   }
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
   if (options.list_participants) return list_participants(settings);
-  if (!options.check_participant.empty()) return check(settings, scene.hash(), options, session);
+  if (!options.check_participant.empty()) {
+    return check_one(settings, scene.hash(), options, session);
+  }
+  const std::vector<SolverFile> read = files_read(scene, settings, [&](const std::string& name) {
+    return session.launched_with(name) || (options.check && session.is_only_process());
+  });
+  const std::vector<std::string> warnings = check_files(scene, settings, read);
+  if (options.check) {
+    warn_all(warnings);
+    return check_scene(settings, scene, read, options, session);
+  }
 
   std::optional<Checkpoint> restart;
   if (!options.restart.empty()) {
@@ -162,6 +208,7 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   }
   RunRecord files(options.output, "coupler");
   log::also_to_file(files.path("coupler.log"));
+  warn_all(warnings);
   files.write_json("resolved_config.json", {{"coupler.json", reader.resolved()}});
   interrupt::install();
   Server server(settings.server);

@@ -56,7 +56,8 @@ std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::in
   for (const auto& q : gauss_rule<facet_dim>(type, 3)) {
     shape_functions<facet_dim>(type, q.xi, shape);
     for (std::size_t f = 0; f + n <= facets.size(); f += n) {
-      Eigen::Matrix<double, dim, facet_dim> jacobian = Eigen::Matrix<double, dim, facet_dim>::Zero();
+      Eigen::Matrix<double, dim, facet_dim> jacobian =
+          Eigen::Matrix<double, dim, facet_dim>::Zero();
       for (int a = 0; a < n; ++a) {
         jacobian += mesh.nodes[facets[f + a]] * shape.dN[a].transpose();
       }
@@ -83,11 +84,10 @@ void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, std::int32
     current = function;
     return;
   }
-  throw ConfigError(
-      fmt::format("{}: component {} of node {} is already {} by another entry; allowed: one "
-                  "condition a component",
-                  where, component_names[component], node,
-                  current == fixed_dof ? "fixed" : "prescribed"));
+  throw ConfigError(fmt::format(
+      "{}: component {} of node {} is already {} by another entry; allowed: one "
+      "condition a component",
+      where, component_names[component], node, current == fixed_dof ? "fixed" : "prescribed"));
 }
 
 template <int dim>
@@ -132,8 +132,8 @@ void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
     loads_.push_back({nodes, std::vector<Vector<dim>>(nodes.size(), share), load.factor});
   }
   for (const auto& traction : settings.tractions) {
-    const auto weights = facet_weights(mesh, std::span<const std::int32_t>(
-                                                 mesh.facets(traction.group, traction.where)));
+    const auto weights = facet_weights(
+        mesh, std::span<const std::int32_t>(mesh.facets(traction.group, traction.where)));
     Load load{{}, {}, traction.factor};
     for (const auto node : mesh.group_nodes(traction.group, traction.where)) {
       load.nodes.push_back(node);

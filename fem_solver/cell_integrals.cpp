@@ -182,9 +182,13 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
   return std::visit(
       [&](const auto& law) {
         switch (nodes_per_cell_) {
-          case 3: return integrate<3>(law, u, f_int, K);
-          case 4: return integrate<4>(law, u, f_int, K);
-          default: assert(nodes_per_cell_ == 8); return integrate<8>(law, u, f_int, K);
+          case 3:
+            return integrate<3>(law, u, f_int, K);
+          case 4:
+            return integrate<4>(law, u, f_int, K);
+          default:
+            assert(nodes_per_cell_ == 8);
+            return integrate<8>(law, u, f_int, K);
         }
       },
       material_.law);

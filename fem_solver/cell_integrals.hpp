@@ -76,11 +76,11 @@ class CellIntegrals {
   int nodes_per_cell_ = 0;
   std::int32_t num_nodes_ = 0;
   int points_per_cell_ = 0;
-  std::vector<std::int32_t> cell_nodes_;     // of the rank's cells
-  std::vector<Vector<dim>> gradients_;       // cells x points x nodes
-  std::vector<double> weights_;              // cells x points [m^dim]
-  std::vector<double> cell_masses_;          // cells x nodes x nodes [kg]; empty when lumped
-  std::vector<double> lumped_masses_;        // num_nodes [kg]; empty when consistent
+  std::vector<std::int32_t> cell_nodes_;  // of the rank's cells
+  std::vector<Vector<dim>> gradients_;    // cells x points x nodes
+  std::vector<double> weights_;           // cells x points [m^dim]
+  std::vector<double> cell_masses_;       // cells x nodes x nodes [kg]; empty when lumped
+  std::vector<double> lumped_masses_;     // num_nodes [kg]; empty when consistent
   double smallest_cell_size_ = 0;
 };
 

@@ -103,7 +103,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<char> constrained_;  // by dof
 
   const NodalMotion* motion_n_ = nullptr;
-  std::vector<double> f_ext_;      // with the share of the forces at the start of the step
+  std::vector<double> f_ext_;  // with the share of the forces at the start of the step
   double dt_ = 0;
   bool with_inertia_ = false;
   NodalForces forces_;

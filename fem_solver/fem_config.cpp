@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/log.hpp"
+
 namespace gabion::fem {
 
 namespace {
@@ -66,8 +68,7 @@ PrescribedSettings read_prescribed(ConfigReader in) {
   if (in.has("rate") == in.has("table")) {
     in.fail("rate", "allowed: either \"rate\" [m/s] or \"table\" [[time, displacement], ...]");
   }
-  p.displacement =
-      in.has("rate") ? TimeFunction::ramp(in.number("rate")) : read_time_table(in);
+  p.displacement = in.has("rate") ? TimeFunction::ramp(in.number("rate")) : read_time_table(in);
   in.finish();
   return p;
 }
@@ -169,6 +170,22 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   require_distinct_names(in, "probes", s.probes);
 }
 
+/// Warn of facet groups that the file of the mesh names, and no condition, load or interface does.
+template <int dim>
+void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
+  if (s.mesh.file.empty()) return;  // a box names its sides in any case
+  std::set<std::string> used;
+  for (const auto& item : s.supports) used.insert(item.group);
+  for (const auto& item : s.prescribed) used.insert(item.group);
+  for (const auto& item : s.loads) used.insert(item.group);
+  for (const auto& item : s.tractions) used.insert(item.group);
+  for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
+  for (const auto& [name, facets] : s.mesh.facet_groups) {
+    if (used.contains(name)) continue;
+    log::warn("{}: nothing uses the facet group \"{}\" of {}", in.where("mesh"), name, s.mesh.file);
+  }
+}
+
 template <int dim>
 void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
   s.dynamic = in.choice_or("analysis", {"dynamic", "static"}, "dynamic") == "dynamic";
@@ -190,16 +207,20 @@ void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
 
 }  // namespace
 
-int read_dimension(ConfigReader& in) { return in.integer("dimension", between(2, 3)); }
+int read_dimension(ConfigReader& in) {
+  return in.integer("dimension", between(2, 3));
+}
 
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   FemSettings<dim> s;
   s.material = read_elastic_material<dim>(in);
   s.mesh = read_mesh<dim>(scene, in.object("mesh"));
+  warn_of_cell_groups(s.mesh, in.where("mesh"));
   s.gravity = read_vector_or_zero<dim>(in, "gravity");
   read_dynamics(in, s);
   read_conditions(in, s);
+  warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
   if (auto newton = in.optional_object("newton")) {
     s.newton = read_newton_settings(*newton, s.newton);

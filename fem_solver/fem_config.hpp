@@ -19,9 +19,9 @@ namespace gabion::fem {
 /// Nodes of a facet group whose listed components do not move.
 struct SupportSettings {
   std::string group;
-  std::vector<int> components;    ///< 0 = x, 1 = y, 2 = z; all of them by default
-  bool report_reaction = false;   ///< adds probe columns reaction_<group>_x, ...
-  std::string where;              ///< place in the config, for error messages
+  std::vector<int> components;   ///< 0 = x, 1 = y, 2 = z; all of them by default
+  bool report_reaction = false;  ///< adds probe columns reaction_<group>_x, ...
+  std::string where;             ///< place in the config, for error messages
 };
 
 /// One displacement component of a group as a function of time.
@@ -71,8 +71,8 @@ template <int dim>
 struct FemSettings {
   Mesh<dim> mesh;
   Material<dim> material;
-  bool dynamic = true;          ///< false: inertia is left out
-  bool lumped_mass = false;     ///< row sums instead of the consistent mass matrix
+  bool dynamic = true;       ///< false: inertia is left out
+  bool lumped_mass = false;  ///< row sums instead of the consistent mass matrix
   NewmarkBossak time_integration;
   Vector<dim> gravity = Vector<dim>::Zero();           ///< [m/s^2]
   Vector<dim> initial_velocity = Vector<dim>::Zero();  ///< [m/s], of all free components

@@ -5,6 +5,26 @@
 
 namespace gabion::fem {
 
+namespace {
+
+using Values = std::span<const double>;
+
+template <int dim>
+std::vector<OutputField> frame_fields(Values u, Values v, Values f_ext, Values stress) {
+  return {{"displacement", dim, u, false},
+          {"velocity", dim, v, false},
+          {"external_force", dim, f_ext, false},
+          {"stress", symmetric_size<dim>, stress, true}};
+}
+
+}  // namespace
+
+template <int dim>
+std::int64_t FemOutput<dim>::frame_bytes(const Mesh<dim>& mesh) {
+  return XdmfSeries::frame_bytes(mesh.num_nodes_total(), mesh.cell_type, mesh.num_cells(),
+                                 frame_fields<dim>({}, {}, {}, {}));
+}
+
 template <int dim>
 FemOutput<dim>::FemOutput(const Mesh<dim>& mesh, std::string folder, MPI_Comm comm)
     : mesh_(mesh), comm_(comm), folder_(std::move(folder)) {}
@@ -25,10 +45,7 @@ void FemOutput<dim>::write(double time, const FemState& state,
   std::vector<double> x(state.motion.u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh_.nodes[i / dim][i % dim];
   series_->write(time, dim, x, mesh_.cell_type, mesh_.cells,
-                 {{"displacement", dim, state.motion.u, false},
-                  {"velocity", dim, state.motion.v, false},
-                  {"external_force", dim, state.f_ext, false},
-                  {"stress", size, stress, true}});
+                 frame_fields<dim>(state.motion.u, state.motion.v, state.f_ext, stress));
 }
 
 template class FemOutput<2>;

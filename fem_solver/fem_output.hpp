@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ class FemOutput {
   /// @throws Error  disk full, folder gone
   /// @note Collective.
   void write(double time, const FemState& state, const Equilibrium<dim>& equilibrium);
+  /// Size of a frame before compression.
+  static std::int64_t frame_bytes(const Mesh<dim>& mesh);
 
  private:
   const Mesh<dim>& mesh_;

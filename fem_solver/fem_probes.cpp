@@ -57,9 +57,8 @@ typename FemProbes<dim>::Point FemProbes<dim>::locate(const Mesh<dim>& mesh,
       return {{nodes.begin(), nodes.end()}, {shape->N, shape->N + nodes.size()}};
     }
   }
-  throw ConfigError(fmt::format(
-      "{}: found [{}], allowed: a point inside the mesh", probe.where,
-      fmt::join(probe.point.data(), probe.point.data() + dim, ", ")));
+  throw ConfigError(fmt::format("{}: found [{}], allowed: a point inside the mesh", probe.where,
+                                fmt::join(probe.point.data(), probe.point.data() + dim, ", ")));
 }
 
 template <int dim>

@@ -31,8 +31,8 @@ void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
 template <int dim>
 StepReport FemSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
-  require(request.dt > 0, fmt::format("step {}: found dt {}, allowed: dt > 0", request.step,
-                                      request.dt));
+  require(request.dt > 0,
+          fmt::format("step {}: found dt {}, allowed: dt > 0", request.step, request.dt));
   require(std::abs(request.time - state_.time) <= 1e-6 * request.dt,
           fmt::format("step {}: asked to start at {} s, but the accepted state is that of {} s",
                       request.step, request.time, state_.time));
@@ -48,8 +48,7 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
 template <int dim>
 AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   if (solved) {
-    require(trial_.has_value(),
-            fmt::format("step {}: accepted without a solution", request.step));
+    require(trial_.has_value(), fmt::format("step {}: accepted without a solution", request.step));
     state_ = std::move(*trial_);
   }
   state_.time = request.time + request.dt;
@@ -78,6 +77,9 @@ template <int dim>
 Json FemSolver<dim>::summary() const {
   Json result = step_.summary();
   result["nodes"] = settings_.mesh.nodes.size();
+  result["unknowns"] =
+      settings_.mesh.nodes.size() * dim - step_.conditions().constrained_dofs().size();
+  result["frame_bytes"] = FemOutput<dim>::frame_bytes(settings_.mesh);
   result["cells"] = settings_.mesh.num_cells();
   result["cell_type"] = name(settings_.mesh.cell_type);
   result["material"] = settings_.material.law_name;

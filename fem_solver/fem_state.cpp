@@ -30,6 +30,8 @@ void FemState::visit_state(StateVisitor& visitor) {
 
   std::int64_t method = rescue ? static_cast<std::int64_t>(*rescue) : -1;
   visitor.integer("rescue", method);
+  require(method >= -1 && method <= static_cast<std::int64_t>(SolutionMethod::cg),
+          "saved state: \"rescue\" is no method of solution");
   rescue.reset();
   if (method >= 0) rescue = static_cast<SolutionMethod>(method);
 }

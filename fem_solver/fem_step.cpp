@@ -45,9 +45,9 @@ FemStep<dim>::FemStep(const FemSettings<dim>& settings, MPI_Comm comm)
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
-      linear_(comm, with_kept_factor<dim>(settings.linear_solver,
-                                          static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim,
-                                          comm)),
+      linear_(comm, with_kept_factor<dim>(
+                        settings.linear_solver,
+                        static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim, comm)),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
 }
@@ -87,8 +87,7 @@ FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
   state.reactions.assign(equilibrium_.num_dofs(), 0.0);
   const std::vector<double> inertia = equilibrium_.mass_times(state.motion.a);
   for (const auto dof : dofs) {
-    state.reactions[dof] =
-        equilibrium_.forces().internal[dof] + inertia[dof] - state.f_ext[dof];
+    state.reactions[dof] = equilibrium_.forces().internal[dof] + inertia[dof] - state.f_ext[dof];
   }
   state.f_int = equilibrium_.forces().internal;
   state.elastic_energy = equilibrium_.forces().elastic_energy;
@@ -163,11 +162,9 @@ std::vector<double> FemStep<dim>::first_guess(const FemState& state_n, double dt
 /// @returns whether the linear solver holds the matrix that this solution starts with
 template <int dim>
 bool FemStep<dim>::prepare_matrix(const FemState& state_n, double dt, bool with_inertia) {
-  const double courant = with_inertia
-                             ? equilibrium_.wave_speed() * dt / equilibrium_.length_scale()
-                             : std::numeric_limits<double>::infinity();
-  linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant},
-                     K_.num_nodes());
+  const double courant = with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.length_scale()
+                                      : std::numeric_limits<double>::infinity();
+  linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant}, K_.num_nodes());
   const auto fits = [&](const std::optional<TangentPoint>& point) {
     return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
   };
@@ -196,8 +193,8 @@ NewtonReport FemStep<dim>::solve_balance(const FemState& state_n, std::span<cons
   equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   try {
-    const NewtonReport report = solve_newton<dim>(equilibrium_, K_, new_pattern_, linear_, newton_,
-                                                  du, times_, &memory);
+    const NewtonReport report =
+        solve_newton<dim>(equilibrium_, K_, new_pattern_, linear_, newton_, du, times_, &memory);
     new_pattern_ = new_pattern_ && report.iterations == 0;
     if (!memory.matrix_is_usable) held_tangent_.reset();
     if (memory.matrix_is_usable && report.matrices > 0) held_tangent_ = equilibrium_.last_tangent();
@@ -236,16 +233,16 @@ void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext
   trial.rescue = linear_.rescue();
 }
 
-/// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the instants
-/// that the steps balance, alpha_f dt before their ends.
+/// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the
+/// instants that the steps balance, alpha_f dt before their ends.
 template <int dim>
 double FemStep<dim>::work(const FemState& state_n, const FemState& trial,
                           std::span<const double> du) const {
   const double later = 0.5 + equilibrium_.scheme().alpha_f;
   double sum = 0;
   for (std::size_t i = 0; i < du.size(); ++i) {
-    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) +
-                    (1 - later) * state_n.reactions[i] + later * trial.reactions[i]);
+    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + (1 - later) * state_n.reactions[i] +
+                    later * trial.reactions[i]);
   }
   return sum;
 }

@@ -17,14 +17,14 @@ namespace gabion::fem {
 struct FemState {
   double time = 0;  ///< [s]
   NodalMotion motion;
-  std::vector<double> f_ext;      ///< loads and interface forces, num_nodes x dim [N]
-  std::vector<double> f_int;      ///< internal forces, num_nodes x dim [N]
+  std::vector<double> f_ext;  ///< loads and interface forces, num_nodes x dim [N]
+  std::vector<double> f_int;  ///< internal forces, num_nodes x dim [N]
   /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
   /// [N].
   std::vector<double> reactions;
-  bool balanced = false;          ///< the motion solves the equations under f_ext
-  double elastic_energy = 0;      ///< [J]
-  double external_work = 0;       ///< of loads, interface forces and reactions since time 0 [J]
+  bool balanced = false;      ///< the motion solves the equations under f_ext
+  double elastic_energy = 0;  ///< [J]
+  double external_work = 0;   ///< of loads, interface forces and reactions since time 0 [J]
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
   /// gives other last bits with another matrix.
   std::optional<TangentPoint> tangent;
@@ -98,7 +98,7 @@ class FemStep {
   BlockMatrix<dim> K_;
   bool new_pattern_ = true;
   std::optional<TangentPoint> held_tangent_;  // of the matrix in linear_, where it may serve again
-  std::vector<double> weight_;  // of the structure, by node [N]
+  std::vector<double> weight_;                // of the structure, by node [N]
   std::optional<Iterate> last_;
   PhaseTimes times_;
   std::int64_t solves_ = 0, skipped_solves_ = 0, repeated_solves_ = 0;

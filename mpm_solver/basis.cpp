@@ -26,18 +26,21 @@ BackgroundGrid<dim>::BackgroundGrid(Mesh<dim> mesh_, Basis basis_)
 }
 
 template <int dim>
+double shortest_edge(const Mesh<dim>& mesh, std::int32_t cell) {
+  const auto nodes = mesh.cell(cell);
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      shortest = std::min(shortest, (mesh.nodes[nodes[i]] - mesh.nodes[nodes[j]]).norm());
+    }
+  }
+  return shortest;
+}
+
+template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh) {
   double sum = 0;
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    const auto nodes = mesh.cell(c);
-    double shortest = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        shortest = std::min(shortest, (mesh.nodes[nodes[i]] - mesh.nodes[nodes[j]]).norm());
-      }
-    }
-    sum += shortest;
-  }
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) sum += shortest_edge(mesh, c);
   return sum / mesh.num_cells();
 }
 
@@ -142,6 +145,8 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
   }
 }
 
+template double shortest_edge<2>(const Mesh<2>&, std::int32_t);
+template double shortest_edge<3>(const Mesh<3>&, std::int32_t);
 template double mean_cell_size<2>(const Mesh<2>&);
 template double mean_cell_size<3>(const Mesh<3>&);
 template struct BackgroundGrid<2>;

@@ -37,7 +37,11 @@ struct BackgroundGrid {
   CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
 };
 
-/// Mean over the cells of the shortest distance between two nodes of a cell [m].
+/// Shortest distance between two nodes of a cell [m].
+template <int dim>
+double shortest_edge(const Mesh<dim>& mesh, std::int32_t cell);
+
+/// Mean of shortest_edge() over the cells [m].
 template <int dim>
 double mean_cell_size(const Mesh<dim>& mesh);
 

@@ -11,17 +11,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// Shortest distance of two nodes of a cell, over all cells.
 template <int dim>
-double shortest_edge(const Mesh<dim>& mesh) {
+double shortest_edge_of_all(const Mesh<dim>& mesh) {
   double shortest = std::numeric_limits<double>::infinity();
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    const auto nodes = mesh.cell(c);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        shortest = std::min(shortest, (mesh.nodes[nodes[i]] - mesh.nodes[nodes[j]]).norm());
-      }
-    }
+    shortest = std::min(shortest, shortest_edge(mesh, c));
   }
   return shortest;
 }
@@ -30,7 +24,7 @@ double shortest_edge(const Mesh<dim>& mesh) {
 
 template <int dim>
 GridExits<dim>::GridExits(const BackgroundGrid<dim>& grid)
-    : grid_(grid), safe_distance_(0.5 * shortest_edge(grid.mesh)) {
+    : grid_(grid), safe_distance_(0.5 * shortest_edge_of_all(grid.mesh)) {
   const Mesh<dim>& mesh = grid.mesh;
   std::vector<bool> outer(mesh.nodes.size(), false);
   for (const std::int32_t node : boundary_facets(mesh)) outer[node] = true;

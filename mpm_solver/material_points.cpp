@@ -2,7 +2,6 @@
 #include "mpm_solver/material_points.hpp"
 
 #include <algorithm>
-
 #include <cmath>
 
 namespace gabion::mpm {

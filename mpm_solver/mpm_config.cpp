@@ -41,13 +41,9 @@ void require_own_name(const ConfigReader& in, const Items& items) {
 
 template <int dim>
 SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
-  static const std::map<std::string, SmallCutMethod> methods = {
-      {"none", SmallCutMethod::none},
-      {"ghost", SmallCutMethod::ghost},
-      {"mass_cutoff", SmallCutMethod::mass_cutoff}};
   SmallCutSettings settings;
   if (in.has("method")) {
-    settings.method = methods.at(in.choice("method", {"none", "ghost", "mass_cutoff"}));
+    settings.method = small_cut_methods.at(in.choice("method", {"none", "ghost", "mass_cutoff"}));
   }
   if (settings.method == SmallCutMethod::ghost && mpm.basis != Basis::linear) {
     in.fail("method",
@@ -55,9 +51,7 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
                         basis_name(mpm.basis)));
   }
   const auto used = [&](SmallCutMethod method) {
-    return std::any_of(mpm.phases.begin(), mpm.phases.end(), [&](const Phase& phase) {
-      return method_in(settings, mpm.basis, phase.dynamic) == method;
-    });
+    return any_has_method(method, settings, mpm.basis, mpm.phases);
   };
   const bool at_rest = std::any_of(mpm.phases.begin(), mpm.phases.end(),
                                    [](const Phase& phase) { return !phase.dynamic; });
@@ -136,6 +130,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
   for (auto& item : items) {
     settings.layouts.emplace_back();
     settings.layouts.back().mesh = read_mesh<dim>(scene, item.object("mesh"));
+    warn_of_cell_groups(settings.layouts.back().mesh, item.where("mesh"));
   }
   settings.basis = read_basis(in, settings.grid, settings.layouts);
   for (std::size_t b = 0; b < items.size(); ++b) {

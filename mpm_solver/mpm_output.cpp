@@ -1,30 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/mpm_output.hpp"
 
-#include <numeric>
-
 #include "common/mechanics/flat.hpp"
-#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::mpm {
 
 namespace {
 
-// Concatenation of the ranks' values on the first rank.
-std::vector<double> gather(MPI_Comm comm, std::span<const double> own) {
-  const int size = num_ranks(comm);
-  if (size == 1) return {own.begin(), own.end()};
-  const int count = static_cast<int>(own.size());
-  std::vector<int> counts(size), starts(size + 1, 0);
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
-  std::vector<double> all(rank_of(comm) == 0 ? starts.back() : 0);
-  MPI_Gatherv(own.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE,
-              0, comm);
-  return all;
+using Values = std::span<const double>;
+
+template <int dim>
+std::vector<OutputField> frame_fields(Values u, Values v, Values stress, Values pressure,
+                                      Values plastic_strain, Values J, Values body) {
+  return {{"displacement", dim, u},
+          {"velocity", dim, v},
+          {"stress", symmetric_size<dim>, stress},
+          {"pressure", 1, pressure},
+          {"plastic_strain", 1, plastic_strain},
+          {"volume_ratio", 1, J},
+          {"body", 1, body}};
 }
 
 }  // namespace
+
+template <int dim>
+std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
+  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
+                                 frame_fields<dim>({}, {}, {}, {}, {}, {}, {}));
+}
 
 template <int dim>
 MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder)
@@ -47,23 +51,17 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
     pressure[p] = -(sigma[0] + sigma[1] + sigma[2]) / 3;
     plastic[p] = points.history[p].plastic_strain;
   }
-  const auto x = gather(comm_, flat(points.x));
-  const auto u = gather(comm_, flat(points.u));
-  const auto v = gather(comm_, flat(points.v));
-  body = gather(comm_, body);
-  pressure = gather(comm_, pressure);
-  plastic = gather(comm_, plastic);
-  stress = gather(comm_, stress);
-  const auto J = gather(comm_, points.J);
+  const auto x = gather<double>(comm_, flat(points.x));
+  const auto u = gather<double>(comm_, flat(points.u));
+  const auto v = gather<double>(comm_, flat(points.v));
+  body = gather<double>(comm_, body);
+  pressure = gather<double>(comm_, pressure);
+  plastic = gather<double>(comm_, plastic);
+  stress = gather<double>(comm_, stress);
+  const auto J = gather<double>(comm_, points.J);
   if (!series_) return;
   series_->write(time, dim, x, CellType::point1, {},
-                 {{"displacement", dim, u},
-                  {"velocity", dim, v},
-                  {"stress", symmetric_size<dim>, stress},
-                  {"pressure", 1, pressure},
-                  {"plastic_strain", 1, plastic},
-                  {"volume_ratio", 1, J},
-                  {"body", 1, body}});
+                 frame_fields<dim>(u, v, stress, pressure, plastic, J, body));
 }
 
 template <int dim>

@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,8 @@ class MpmOutput {
   MpmOutput(MPI_Comm comm, const std::string& folder);
   /// @note Collective.
   void write(double time, const MaterialPoints<dim>& points);
+  /// Size of a frame before compression.
+  static std::int64_t frame_bytes(std::int64_t num_points);
 
  private:
   MPI_Comm comm_;

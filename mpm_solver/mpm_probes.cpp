@@ -34,6 +34,13 @@ void MpmSolver<dim>::find_probe_points() {
       }
     }
     const double least = -max_over_ranks(comm_, -distance);
+    if (least > cell_size_) {
+      log::warn(
+          "mpm.json: at /probes/{}/point: probe \"{}\" follows the nearest material point, which "
+          "is "
+          "{:.3g} m away, more than a cell of the grid ({:.3g} m)",
+          probe_points_.size(), probe.name, least, cell_size_);
+    }
     const double id = distance == least ? static_cast<double>(points_.id[nearest])
                                         : std::numeric_limits<double>::infinity();
     const bool owner = nearest >= 0 && id == -max_over_ranks(comm_, -id);
@@ -141,19 +148,27 @@ template <int dim>
 Json MpmSolver<dim>::summary() const {
   const Json locking = {{"method", settings_.locking.average_volumes ? "fbar" : "none"},
                         {"reason", settings_.locking.reason}};
-  static constexpr const char* methods[] = {"none", "ghost", "mass_cutoff"};
   const auto method = method_in(settings_.small_cuts, grid_.basis, phase().dynamic);
-  Json cuts = {{"method", methods[static_cast<int>(method)]}, {"joined_nodes", joined_nodes_}};
+  const auto name = std::find_if(small_cut_methods.begin(), small_cut_methods.end(),
+                                 [&](const auto& entry) { return entry.second == method; });
+  Json cuts = {{"method", name->first}, {"joined_nodes", joined_nodes_}};
   if (ghost_) {
     cuts["steps_with_ghost"] = ghost_steps_;
     cuts["facets"] = ghost_facets_;
   }
-  std::vector<double> capped = {static_cast<double>(capped_domains_)};
-  sum_over_ranks(comm_, std::span<double>(capped));
+  std::vector<double> sums = {static_cast<double>(capped_domains_),
+                              static_cast<double>(points_.size())};
+  sum_over_ranks(comm_, std::span<double>(sums));
+  const auto num_points = static_cast<std::int64_t>(sums[1]);
   log::info("{}", newton_counts_.text());
   return {{"basis", basis_name(grid_.basis)},
           {"locking", locking},
-          {"capped_domains", static_cast<std::int64_t>(capped[0])},
+          {"bodies", settings_.bodies.size()},
+          {"points", num_points},
+          {"grid_cells", grid_.mesh.num_cells()},
+          {"grid_nodes", grid_.mesh.num_nodes_total()},
+          {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points)},
+          {"capped_domains", static_cast<std::int64_t>(sums[0])},
           {"phases", settings_.phases.size()},
           {"initial_displacement", initial_displacement_},
           {"small_cuts", cuts},

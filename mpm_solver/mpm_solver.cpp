@@ -11,6 +11,7 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/light_nodes.hpp"
 #include "mpm_solver/point_domains.hpp"
 #include "mpm_solver/shared_groups.hpp"
@@ -78,12 +79,8 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   for (const auto& boundary : settings_.interfaces) boundaries_.emplace_back(boundary);
   for (const auto& wall : settings_.rigid_walls) boundaries_.emplace_back(wall.boundary);
   rigid_wall_forces_.assign(settings_.rigid_walls.size() * wall_values<dim>, 0.0);
-  const bool has_ghost =
-      std::any_of(settings_.phases.begin(), settings_.phases.end(), [&](const Phase& phase) {
-        return method_in(settings_.small_cuts, settings_.basis, phase.dynamic) ==
-               SmallCutMethod::ghost;
-      });
-  if (has_ghost) {
+  if (any_has_method(SmallCutMethod::ghost, settings_.small_cuts, settings_.basis,
+                     settings_.phases)) {
     ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
   }
   find_probe_points();
@@ -214,11 +211,12 @@ AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved
   double dissipated = 0;
   for (std::int32_t e = 0; e < points_.size(); ++e) {
     const std::int32_t p = weights_.point[e];
+    const Symmetric<dim> mean_tau = (points_.tau[p] + trial_.tau[e]) / 2;
+    dissipated += points_.V0[p] * contract<dim>(mean_tau, trial_.plastic_increment[e]);
     points_.history[p] = trial_.history[e];
     points_.tau[p] = trial_.tau[e];
     points_.energy[p] = trial_.energy[e];
     points_.J[p] *= trial_.J_ratio[e];
-    dissipated += points_.V0[p] * trial_.dissipation[e];
   }
   ledger_.add_step(balance, scheme_, dt_, dissipated, points_);
   for (auto& boundary : boundaries_) boundary.accept();

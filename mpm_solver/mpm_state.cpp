@@ -11,6 +11,15 @@ namespace gabion::mpm {
 
 namespace {
 
+void require_below(const char* what, std::int32_t first, std::span<const std::int32_t> indices,
+                   std::int32_t end) {
+  for (const std::int32_t index : indices) {
+    require(
+        index >= first && index < end,
+        fmt::format("saved state: {}: found {}, allowed: {} to {}", what, index, first, end - 1));
+  }
+}
+
 template <int dim>
 void visit_history(StateVisitor& visitor, std::vector<MaterialState<dim>>& history) {
   std::vector<Symmetric<dim>> e;
@@ -81,6 +90,8 @@ void MpmSolver<dim>::load_state(const State& state) {
   dt_ = 0;
   StateReader reader(state);
   visit_state(reader);
+  require_below("cell of a material point", 0, points_.cell, grid_.mesh.num_cells());
+  require_below("material point of a probe", -1, probe_points_, points_.size());
 }
 
 template void MpmSolver<2>::visit_state(StateVisitor& visitor);

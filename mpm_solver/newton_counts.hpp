@@ -21,6 +21,7 @@ class NewtonCounts {
   Json json() const;
   std::int64_t solutions() const;
   std::int64_t iterations() const;
+  double mean() const;  ///< iterations a solution, NaN without one
   /// The same as one line for the log.
   std::string text() const;
 

@@ -17,13 +17,13 @@ struct TrialPoints {
   std::vector<Symmetric<dim>> tau;
   std::vector<double> J_ratio;  ///< volume ratio of the step
   std::vector<double> energy;
-  std::vector<double> dissipation;  ///< plastic work of the step [J/m^3]
+  std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
   void resize(std::size_t n) {
     history.resize(n);
     tau.resize(n);
     J_ratio.resize(n);
     energy.resize(n);
-    dissipation.resize(n);
+    plastic_increment.resize(n);
   }
 };
 
@@ -73,7 +73,7 @@ bool point_stress(const StressParts<dim>& parts, const Law& law, std::int32_t en
   parts.trial.tau[entry] = stress.tau;
   parts.trial.J_ratio[entry] = stress.J;
   parts.trial.energy[entry] = stress.energy;
-  parts.trial.dissipation[entry] = stress.dissipation;
+  parts.trial.plastic_increment[entry] = stress.plastic_increment;
   return true;
 }
 

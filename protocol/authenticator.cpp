@@ -3,9 +3,9 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <vector>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 
 namespace gabion {
@@ -27,12 +27,7 @@ Authenticator::Authenticator(zmq::context_t& context, std::set<std::string> clie
     : clients_(std::move(clients)), socket_(context, zmq::socket_type::rep) {
   socket_.set(zmq::sockopt::linger, 0);
   socket_.bind("inproc://zeromq.zap.01");
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = interrupt::quiet_thread([this] { run(); });
 }
 
 Authenticator::~Authenticator() {

@@ -16,8 +16,8 @@ namespace gabion {
 namespace {
 
 constexpr int slice_milliseconds = 100;
-constexpr double health_check_period = 0.05;     // [s]
-constexpr double own_sleep = 1.0;                // [s] between two checks: this process did not run
+constexpr double health_check_period = 0.05;  // [s]
+constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
 
 std::string random_text() {
   std::random_device device;
@@ -61,6 +61,24 @@ void Connection::fail(const std::string& reason) {
   throw ProtocolError(reason);
 }
 
+Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceMesh>& interfaces,
+               const std::vector<std::string>& probe_names, const std::vector<double>& probes,
+               bool keeps_state) {
+  Hello hello;
+  hello.participant = settings.name;
+  hello.program = settings.program;
+  hello.program_version = settings.program_version.empty() ? version : settings.program_version;
+  hello.scene_hash = settings.scene_hash;
+  hello.dimension = settings.dimension;
+  hello.receives = settings.receives;
+  hello.sends = settings.sends;
+  hello.interfaces = interfaces;
+  hello.probe_names = probe_names;
+  hello.probes = probes;
+  hello.keeps_state = keeps_state;
+  return hello;
+}
+
 void Connection::handshake(const Solver& solver) {
   handshake(solver.interfaces(), solver.probe_names(), solver.probes(), solver.keeps_state());
 }
@@ -69,19 +87,8 @@ void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
                            const std::vector<std::string>& probe_names,
                            const std::vector<double>& probes, bool keeps_state) {
   require<ProtocolError>(!welcomed(), "the handshake is done already");
-  Hello hello;
-  hello.participant = settings_.name;
-  hello.program = settings_.program;
-  hello.program_version = settings_.program_version.empty() ? version : settings_.program_version;
+  Hello hello = hello_of(settings_, interfaces, probe_names, probes, keeps_state);
   hello.session = session_;
-  hello.scene_hash = settings_.scene_hash;
-  hello.dimension = settings_.dimension;
-  hello.receives = settings_.receives;
-  hello.sends = settings_.sends;
-  hello.interfaces = interfaces;
-  hello.probe_names = probe_names;
-  hello.probes = probes;
-  hello.keeps_state = keeps_state;
   hello.process = this_process();
   post(to_message(hello));
   const Message answer = await_answer_to_hello();

@@ -33,6 +33,11 @@ struct ParticipantSettings {
   bool exit_when_coupler_is_lost = true;
 };
 
+/// What a participant says of itself; the connection adds its session and process.
+Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceMesh>& interfaces,
+               const std::vector<std::string>& probe_names, const std::vector<double>& probes,
+               bool keeps_state);
+
 /// The participant's end of the wire: one coupler, one thread that talks, one that beats.
 /// Any failure is final. Destroyed before the run is finished, it tells the coupler.
 class Connection {

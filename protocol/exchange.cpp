@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
 #include <limits>
 
 #include "protocol/codec.hpp"
@@ -108,6 +109,8 @@ namespace {
 
 constexpr const char* real_prefix = "real:";
 constexpr const char* integer_prefix = "integer:";
+constexpr const char* bytes_name = "bytes";
+constexpr std::size_t bytes_a_value = sizeof(std::int64_t);
 
 }  // namespace
 
@@ -124,10 +127,14 @@ void put(Message& message, const State& state) {
 State read_state(const Message& message) {
   State state;
   state.facts = message.field("state");
+  require<ProtocolError>(
+      state.facts.is_object(),
+      fmt::format("message \"{}\", field \"state\": expected an object, found {}", message.type,
+                  shortened(state.facts)));
   for (const auto& array : message.arrays) {
-    require<ProtocolError>(array.name.find('/') == std::string::npos,
-                           fmt::format("message \"{}\": array \"{}\" has a / in its name",
-                                       message.type, array.name));
+    require<ProtocolError>(
+        array.name.find('/') == std::string::npos,
+        fmt::format("message \"{}\": array \"{}\" has a / in its name", message.type, array.name));
     const std::string reals = real_prefix, integers = integer_prefix;
     if (array.name.starts_with(reals)) {
       state.reals[array.name.substr(reals.size())] = message.reals(array.name, {-1});
@@ -136,6 +143,29 @@ State read_state(const Message& message) {
     }
   }
   return state;
+}
+
+State pack_bytes(std::span<const std::byte> bytes) {
+  State state;
+  state.facts[bytes_name] = bytes.size();
+  std::vector<std::int64_t>& values = state.integers[bytes_name];
+  values.resize((bytes.size() + bytes_a_value - 1) / bytes_a_value);
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return state;
+}
+
+std::vector<std::byte> unpack_bytes(const State& state) {
+  const auto values = state.integers.find(bytes_name);
+  const Json count = state.facts.value(bytes_name, Json());
+  require<ProtocolError>(
+      values != state.integers.end() && count.is_number_unsigned() &&
+          values->second.size() == count.get<std::size_t>() / bytes_a_value +
+                                       (count.get<std::size_t>() % bytes_a_value != 0),
+      fmt::format("state: expected an array of {} bytes, found {} values of 8 bytes", count.dump(),
+                  values == state.integers.end() ? 0 : values->second.size()));
+  std::vector<std::byte> bytes(count.get<std::size_t>());
+  if (!bytes.empty()) std::memcpy(bytes.data(), values->second.data(), bytes.size());
+  return bytes;
 }
 
 std::string describe(const Message& request) {

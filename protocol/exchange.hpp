@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,12 @@ InterfaceValues read_values(const Message& message, const std::string& quantity,
 void put(Message& message, const State& state);
 /// Arrays of other names are left out.
 State read_state(const Message& message);
+
+/// The bytes of a participant that keeps its state in a form of its own: the fact "bytes", their
+/// number, and one array of that name, eight bytes a value (little-endian), filled up with zeros.
+State pack_bytes(std::span<const std::byte> bytes);
+/// @throws ProtocolError  not a state of pack_bytes()
+std::vector<std::byte> unpack_bytes(const State& state);
 
 /// `solve_step 57 iteration 3`: what a request asks, for phases and messages.
 std::string describe(const Message& request);

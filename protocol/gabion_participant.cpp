@@ -183,6 +183,28 @@ gabion_status gabion_set_output(gabion_participant* p, int (*write)(double, void
   });
 }
 
+gabion_status gabion_set_state(gabion_participant* p, int (*save)(const void**, size_t*, void*),
+                               int (*load)(const void*, size_t, void*), void* user) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(reinterpret_cast<const void*>(save), "save");
+    require_given(reinterpret_cast<const void*>(load), "load");
+    participant.set_state(
+        [save, user] {
+          const void* data = nullptr;
+          std::size_t size = 0;
+          const int code = save(&data, &size, user);
+          gabion::require(code == 0, fmt::format("saving the state failed, code {}", code));
+          if (size > 0) require_given(data, "data of the state");
+          const auto* bytes = static_cast<const std::byte*>(data);
+          return std::vector<std::byte>(bytes, bytes + size);
+        },
+        [load, user](std::span<const std::byte> bytes) {
+          const int code = load(bytes.data(), bytes.size(), user);
+          gabion::require(code == 0, fmt::format("loading the state failed, code {}", code));
+        });
+  });
+}
+
 gabion_status gabion_initialize(gabion_participant* p) {
   return call(p, [](gabion::Participant& participant) { participant.initialize(); });
 }

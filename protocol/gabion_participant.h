@@ -77,6 +77,18 @@ gabion_status gabion_write_probes(gabion_participant* p, size_t count, const dou
 gabion_status gabion_set_output(gabion_participant* p, int (*write)(double time, void* user),
                                 void* user);
 
+/* Optional, so that a run with this code can be restarted. Both return 0, or anything else to end
+ * the run.
+ *
+ * save points *data at *size bytes: all of the accepted state that later steps depend on, which
+ * then is the code's current state. They are copied before anything else is called.
+ *
+ * load goes on from such bytes, of an earlier run perhaps, and calls gabion_write_probes. It is
+ * called by gabion_initialize already, or between two steps. */
+gabion_status gabion_set_state(gabion_participant* p,
+                               int (*save)(const void** data, size_t* size, void* user),
+                               int (*load)(const void* data, size_t size, void* user), void* user);
+
 /* Connect, introduce, and wait for the first step. */
 gabion_status gabion_initialize(gabion_participant* p);
 

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
 
+#include "common/base/interrupt.hpp"
 #include "protocol/codec.hpp"
 
 namespace gabion {
@@ -25,12 +25,7 @@ Heartbeat::Heartbeat(std::shared_ptr<SocketContext> context, const HeartbeatSett
     : settings_(settings),
       socket_(Socket::connect_dealer(std::move(context), settings.endpoint, settings.route, 0,
                                      settings.keys)) {
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = interrupt::quiet_thread([this] { run(); });
 }
 
 Heartbeat::~Heartbeat() {

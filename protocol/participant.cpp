@@ -84,21 +84,15 @@ void Participant::initialize() {
   before_initialize("initialize");
   require<UsageError>(!meshes_.empty(), "interfaces: found none, allowed: one or more");
   // Read back by the rules of the coupler: what it would refuse is found here.
-  Hello hello;
-  hello.participant = settings_.name;
-  hello.dimension = settings_.dimension;
-  hello.receives = settings_.receives;
-  hello.sends = settings_.sends;
-  hello.interfaces = meshes_;
-  hello.probe_names = probe_names_;
-  hello.probes = accepted_probes_ = probes_;
+  accepted_probes_ = probes_;
+  const bool keeps_state = save_ != nullptr;
   try {
-    read_hello(to_message(hello));
+    read_hello(to_message(hello_of(settings_, meshes_, probe_names_, probes_, keeps_state)));
   } catch (const ProtocolError& problem) {
     throw UsageError(problem.what());
   }
   connection_ = std::make_unique<Connection>(settings_);
-  guarded([this] { connection_->handshake(meshes_, probe_names_, probes_); });
+  guarded([&] { connection_->handshake(meshes_, probe_names_, probes_, keeps_state); });
   must_write_ = true;
   settle();
 }
@@ -239,6 +233,9 @@ void Participant::await_verdict() {
     require<ProtocolError>(request.type != "write_output" || !output_,
                            "the coupler wants the accepted state on disk in the middle of a step: "
                            "this participant writes it between steps only");
+    require<ProtocolError>(
+        request.type != "save" && request.type != "load",
+        fmt::format("the coupler asked for \"{}\" in the middle of a step", request.type));
     other_request(request);
     if (request_) {
       must_read_ = true;
@@ -277,6 +274,10 @@ void Participant::other_request(const Message& request) {
   } else if (request.type == "write_output") {
     if (output_) output_(request.number("time"));
     reply(message_of("written"));
+  } else if (request.type == "save" && save_) {
+    save_state();
+  } else if (request.type == "load" && load_) {
+    load_state(request);
   } else if (request.type == "summarize") {
     Message answer = message_of("summary");
     answer.fields["summary"] = summary_;
@@ -286,8 +287,8 @@ void Participant::other_request(const Message& request) {
     finished_ = true;
     connection_->close();
   } else {
-    throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
-                                    request.type, protocol_version));
+    throw ProtocolError(fmt::format(
+        "the coupler asked for \"{}\", which this participant does not know", request.type));
   }
 }
 

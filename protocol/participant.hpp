@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -64,6 +65,14 @@ class Participant {
   /// the code's current state. Without it the code writes when it likes, such as after
   /// is_time_window_complete(). Before initialize().
   void set_output(std::function<void(double)> write);
+  /// Optional, so that a run with this code can be restarted. Before initialize().
+  /// @param save  gives all of the accepted state, which then is the code's current state, that
+  ///              later steps depend on, in a form of the code's own
+  /// @param load  goes on from what `save` gave, in an earlier run perhaps; calls write_probes().
+  ///              Each later step then gives the bits that it would have given there. Called in
+  ///              initialize() already, or between two steps.
+  void set_state(std::function<std::vector<std::byte>()> save,
+                 std::function<void(std::span<const std::byte>)> load);
   /// What summary.json shall say of this participant.
   void set_summary(Json summary);
 
@@ -112,6 +121,8 @@ class Participant {
   void accepted(const Message& request);
   void other_request(const Message& request);
   void write_if_asked(const Message& request);
+  void save_state();
+  void load_state(const Message& request);
   Message next();
   void reply(Message message);
   void answer_step(Message message);
@@ -130,6 +141,8 @@ class Participant {
   std::vector<double> probes_;           // of the code's current state
   std::vector<double> accepted_probes_;  // of the accepted state
   std::function<void(double)> output_;
+  std::function<std::vector<std::byte>()> save_;  // empty: does not keep its state
+  std::function<void(std::span<const std::byte>)> load_;
   Json summary_ = Json::object();
   std::unique_ptr<Connection> connection_;  // after initialize()
 

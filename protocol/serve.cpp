@@ -5,6 +5,7 @@
 
 #include "common/base/timer.hpp"
 #include "protocol/exchange.hpp"
+#include "protocol/step_order.hpp"
 
 namespace gabion {
 namespace {
@@ -33,7 +34,7 @@ class Service {
     if (request.type == "reject_step") return reject();
     if (request.type == "write_output") return write(request);
     if (request.type == "summarize") return summarize();
-    if (request.type == "save") return save();
+    if (request.type == "save") return save(request);
     if (request.type == "load") return load(request);
     if (request.type == "finish") return reply_of("finished");
     throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
@@ -47,10 +48,11 @@ class Service {
       received = read_values(request, settings_.receives.name, interfaces_);
     }
     InterfaceValues sent;
-    has_solution_ = false;
+    order_.check(step);
+    order_.reject();
     try {
       const StepReport report = solver_.solve_step(step, received, sent);
-      has_solution_ = true;
+      order_.solved(step);
       Message reply = reply_of("solved");
       put(reply, report);
       put_values(reply, settings_.sends.name, interfaces_, sent);
@@ -65,11 +67,8 @@ class Service {
   Message accept(const Message& request) {
     const StepRequest step = read_step_request(request);
     const bool solved = request.boolean("solved");
-    require<ProtocolError>(
-        !solved || has_solution_,
-        fmt::format("the coupler accepts step {}, which has no solution", step.step));
+    order_.accept(step, solved);
     const AcceptReport report = solver_.accept_step(step, solved);
-    has_solution_ = false;
     if (request.boolean("write_output")) solver_.write_output(request.number("output_time"));
     Message reply = reply_of("accepted");
     put(reply, report);
@@ -78,7 +77,7 @@ class Service {
 
   Message reject() {
     solver_.reject_step();
-    has_solution_ = false;
+    order_.reject();
     return reply_of("rejected");
   }
 
@@ -93,25 +92,33 @@ class Service {
     return reply;
   }
 
-  Message save() {
+  Message save(const Message& request) {
+    require_between_steps(request);
     Message reply = reply_of("saved");
     put(reply, solver_.save_state());
     return reply;
   }
 
   Message load(const Message& request) {
+    require_between_steps(request);
     solver_.load_state(read_state(request));
-    has_solution_ = false;
+    order_.forget();
     Message reply = reply_of("loaded");
     const std::vector<double> probes = solver_.probes();
     reply.add("probes", {static_cast<std::int64_t>(probes.size())}, probes);
     return reply;
   }
 
+  void require_between_steps(const Message& request) const {
+    require<ProtocolError>(
+        !order_.has_solution(),
+        fmt::format("the coupler asked for \"{}\" in the middle of a step", request.type));
+  }
+
   Solver& solver_;
   const ParticipantSettings& settings_;
   std::vector<InterfaceMesh> interfaces_;
-  bool has_solution_ = false;
+  StepOrder order_;
 };
 
 void answer_requests(Solver& solver, Connection& connection) {

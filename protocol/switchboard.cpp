@@ -2,7 +2,6 @@
 #include "protocol/switchboard.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <span>
 
 #include "common/base/interrupt.hpp"
@@ -26,12 +25,7 @@ Switchboard::Switchboard(const std::string& endpoint, const Deadlines& deadlines
       context_(make_socket_context()),
       socket_(Socket::bind_router(context_, endpoint, keys)) {
   endpoint_ = socket_.endpoint();
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits
-  background_ = std::thread([this] { beat_in_background(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  background_ = interrupt::quiet_thread([this] { beat_in_background(); });
 }
 
 Switchboard::~Switchboard() {

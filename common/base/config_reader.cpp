@@ -234,7 +234,8 @@ std::vector<int> ConfigReader::integers(const std::string& key, int count, const
   const std::vector<double> found = numbers(key, count, range);
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (found[i] != std::floor(found[i]) || std::abs(found[i]) > 2e9) {
-      fail(fmt::format("{}/{}", key, i), fmt::format("found {}, allowed: a whole number", found[i]));
+      fail(fmt::format("{}/{}", key, i),
+           fmt::format("found {}, allowed: a whole number", found[i]));
     }
     result.push_back(static_cast<int>(found[i]));
   }
@@ -247,8 +248,7 @@ std::vector<std::string> ConfigReader::texts(const std::string& key) {
   std::vector<std::string> result;
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (!value[i].is_string()) {
-      fail(fmt::format("{}/{}", key, i),
-           fmt::format("found {}, allowed: a text", shown(value[i])));
+      fail(fmt::format("{}/{}", key, i), fmt::format("found {}, allowed: a text", shown(value[i])));
     }
     result.push_back(value[i].get<std::string>());
   }

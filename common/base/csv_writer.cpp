@@ -21,9 +21,8 @@ CsvWriter::CsvWriter(const std::string& path, const std::vector<std::string>& co
 }
 
 void CsvWriter::row(const std::vector<CsvValue>& values) {
-  require(values.size() == num_columns_,
-          fmt::format("{}: row of {} cells, table has {} columns", path_, values.size(),
-                      num_columns_));
+  require(values.size() == num_columns_, fmt::format("{}: row of {} cells, table has {} columns",
+                                                     path_, values.size(), num_columns_));
   std::vector<std::string> cells;
   for (const auto& value : values) cells.push_back(cell_text(value));
   write_line(fmt::format("{}\n", fmt::join(cells, ",")));

@@ -7,8 +7,8 @@
 
 namespace gabion {
 
-/// A failure caused by the user, a file, a peer or the physics of a run; our own bugs are `assert`s.
-/// The message says what was expected, what was found and where.
+/// A failure caused by the user, a file, a peer or the physics of a run; our own bugs are
+/// `assert`s. The message says what was expected, what was found and where.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

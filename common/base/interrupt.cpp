@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 namespace gabion {
 namespace {
@@ -47,6 +48,16 @@ double patience() {
 
 void check() {
   if (const int signal = requested(); signal != 0) throw Interrupted(signal);
+}
+
+std::thread quiet_thread(std::function<void()> work) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // a new thread inherits the mask
+  std::thread thread(std::move(work));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
 }
 
 void clear() {

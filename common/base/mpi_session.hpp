@@ -38,9 +38,9 @@ class MpiSession {
   /// Take down the whole launch with this exit code. Does not return.
   [[noreturn]] static void abort(int exit_code);
 
-  /// End this process only: another one of the launch has failed, or the launcher's signal came. The
-  /// launch gets the exit code of the first process that is lost, so the one that failed needs a
-  /// head start. Does not return.
+  /// End this process only: another one of the launch has failed, or the launcher's signal came.
+  /// The launch gets the exit code of the first process that is lost, so the one that failed needs
+  /// a head start. Does not return.
   /// @param head_start  [s] in [0, 1), cut short when the launcher's signal comes
   [[noreturn]] static void leave(int exit_code, double head_start);
 

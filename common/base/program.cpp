@@ -53,7 +53,9 @@ int run_program(int argc, char** argv, const std::string& program,
       ->type_name("FILE:/json/pointer=VALUE")
       ->expected(1)
       ->take_all();
-  app.add_flag("--check", options.check, "Read and cross-check the scene, then end");
+  app.add_flag(
+      "--check", options.check,
+      "Check the scene, write nothing; in a launch as that of a run: up to the first step");
   app.add_option("--log-level", log_level, "debug, info, warn or error")->capture_default_str();
   app.add_option("--coupler", options.coupler,
                  program == "coupler" ? "Endpoint to bind, such as tcp://127.0.0.1:5555"

@@ -6,8 +6,8 @@
 #include <ctime>
 #include <gabion_version.hpp>
 
-#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/loop_checkpoints.hpp"
 #include "common/base/progress.hpp"
 #include "common/base/timer.hpp"
 
@@ -21,8 +21,9 @@ class LoneRun {
           RunKeeper* keeper)
       : solver_(solver),
         record_(record),
-        keeper_(keeper),
         steps_(settings),
+        checkpoints_(
+            keeper, steps_, [this](StateVisitor& visitor) { visit_state(visitor); }, phases_),
         clock_(output_interval),
         progress_(settings.end, record.writes()) {}
 
@@ -30,18 +31,18 @@ class LoneRun {
     std::vector<std::string> columns = solver_.probe_names();
     columns.insert(columns.begin(), "time");
     record_.open_table("probes.csv", columns);
-    if (keeper_ != nullptr && keeper_->start() != nullptr) {
-      go_on_from(*keeper_->start());
+    if (checkpoints_.go_on()) {
+      clock_.due(steps_.time());  // what is due here was written by the run that is continued
     } else {
       probe_row(solver_.probes());
       write_output_if(clock_.due(0));
     }
     while (!steps_.finished()) {
       advance();
-      keep();
+      checkpoints_.after_step();
     }
     write_output_if(written_ != steps_.time());
-    if (keeper_ != nullptr && saved_ != steps_.step()) save();
+    checkpoints_.at_end();
   }
 
   /// The accepted state of a run that ended early.
@@ -53,16 +54,13 @@ class LoneRun {
     Json summary = {{"program", record_.kind()},
                     {"version", version},
                     {"end_time", steps_.time()},
-                    {"steps", steps_.step() - first_step_},
                     {"cuts", steps_.cuts()},
                     {"newton_iterations", newton_iterations_},
                     {"linear_iterations", linear_iterations_},
                     {"wall_seconds", wall},
                     {"cpu_seconds", static_cast<double>(std::clock()) / CLOCKS_PER_SEC},
                     {"solver", solver_.summary()}};
-    if (keeper_ != nullptr && keeper_->start() != nullptr) {
-      summary["restart"] = keeper_->start()->summary();
-    }
+    summary.update(checkpoints_.summary());
     return summary;
   }
 
@@ -70,34 +68,6 @@ class LoneRun {
   void visit_state(StateVisitor& visitor) {
     steps_.visit_state(visitor);
     details_.visit_state(visitor, "columns");
-  }
-
-  void go_on_from(const RestartPoint& start) {
-    StateReader reader(start.run);
-    visit_state(reader);
-    require<ConfigError>(!steps_.finished(),
-                         fmt::format("{}: is at {} s, so nothing is left to do; allowed: an end "
-                                     "behind it (/time/end)",
-                                     start.path, start.point.time));
-    first_step_ = saved_ = steps_.step();
-    clock_.due(steps_.time());  // what is due here was written by the run that is continued
-    log::info("going on from {}, step {}, {} s", start.path, start.point.step, start.point.time);
-  }
-
-  void keep() {
-    if (keeper_ == nullptr) return;
-    const int signal = keeper_->signal();
-    if (keeper_->due(steps_.step() - 1) || signal != 0) save();
-    if (signal != 0) throw Interrupted(signal);
-  }
-
-  void save() {
-    const ScopedTimer timer(phases_, "checkpoint");
-    State run;
-    StateWriter writer(run);
-    visit_state(writer);
-    keeper_->save({steps_.step() - 1, steps_.time()}, run);
-    saved_ = steps_.step();
   }
 
   void advance() {
@@ -175,16 +145,14 @@ class LoneRun {
 
   Solver& solver_;
   RunRecord& record_;
-  RunKeeper* keeper_;
   TimeSteps steps_;
+  PhaseTimes phases_;
+  LoopCheckpoints checkpoints_;
   OutputClock clock_;
   Progress progress_;
   DetailColumns details_;
-  PhaseTimes phases_;
   Stopwatch watch_;
-  double written_ = -1;          // [s] time of the last frame
-  std::int64_t first_step_ = 1;  // of this run
-  std::int64_t saved_ = 0;       // step under way at the last checkpoint
+  double written_ = -1;  // [s] time of the last frame
   std::int64_t newton_iterations_ = 0;
   std::int64_t linear_iterations_ = 0;
 };

@@ -31,10 +31,10 @@ void require_entries(const Json& file, Json::json_pointer pointer, const std::st
     const auto parent = pointer.parent_pointer();
     if (!file.contains(parent) || !file.at(parent).is_array()) continue;
     const std::size_t size = file.at(parent).size();
-    require<ConfigError>(file.contains(pointer),
-                         fmt::format("--set {}: found entry \"{}\" of {}, allowed: 0 to {}", text,
-                                     pointer.back(), parent.to_string(),
-                                     static_cast<std::int64_t>(size) - 1));
+    require<ConfigError>(
+        file.contains(pointer),
+        fmt::format("--set {}: found entry \"{}\" of {}, allowed: 0 to {}", text, pointer.back(),
+                    parent.to_string(), static_cast<std::int64_t>(size) - 1));
   }
 }
 
@@ -59,8 +59,9 @@ Scene::Scene(const std::string& folder, const std::vector<std::string>& override
     if (!has(file)) {
       std::vector<std::string> present;
       for (const auto& item : files_.items()) present.push_back(item.key());
-      throw ConfigError(fmt::format("--set {}: the scene {} has no file \"{}\"; did you mean \"{}\"?",
-                                    text, folder, file, nearest_word(file, present)));
+      throw ConfigError(
+          fmt::format("--set {}: the scene {} has no file \"{}\"; did you mean \"{}\"?", text,
+                      folder, file, nearest_word(file, present)));
     }
     const std::string value_text = text.substr(equal + 1);
     Json value = Json::parse(value_text, nullptr, /*allow_exceptions=*/false);
@@ -96,6 +97,8 @@ std::string hash_text(const std::string& text) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string Scene::hash() const { return hash_text(files_.dump()); }
+std::string Scene::hash() const {
+  return hash_text(files_.dump());
+}
 
 }  // namespace gabion

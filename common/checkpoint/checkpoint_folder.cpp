@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gabion_version.hpp>
+#include <string_view>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -25,6 +26,8 @@ namespace {
 
 constexpr int format = 1;
 constexpr const char* manifest_name = "manifest.json";
+constexpr const char* checkpoints_name = "checkpoints";
+constexpr std::string_view step_prefix = "step_";
 
 /// Until this returns, a power cut may undo what was written.
 void flush_to_disk(const fs::path& path) {
@@ -38,10 +41,9 @@ void flush_to_disk(const fs::path& path) {
 /// Number of a folder "step_000123"; -1: it has another name.
 std::int64_t step_of(const fs::path& folder) {
   const std::string name = folder.filename().string();
-  const std::string prefix = "step_";
-  if (!name.starts_with(prefix) || name.size() == prefix.size()) return -1;
-  if (name.find_first_not_of("0123456789", prefix.size()) != std::string::npos) return -1;
-  return std::stoll(name.substr(prefix.size()));
+  if (!name.starts_with(step_prefix) || name.size() == step_prefix.size()) return -1;
+  const std::string digits = name.substr(step_prefix.size());
+  return digits.find_first_not_of("0123456789") == std::string::npos ? std::stoll(digits) : -1;
 }
 
 void remove_others(const fs::path& checkpoints, const fs::path& kept) {
@@ -73,10 +75,15 @@ const State& Checkpoint::state_of(const std::string& part) const {
   return states.at(part);
 }
 
+std::string checkpoint_path(const std::string& results, const RunPoint& point) {
+  const std::string step = fmt::format("{}{:06}", step_prefix, point.step);
+  return (fs::path(results) / checkpoints_name / step).string();
+}
+
 void write_checkpoint(const std::string& results, const std::string& kind,
                       const Checkpoint& checkpoint) {
-  const fs::path all = fs::path(results) / "checkpoints";
-  const fs::path folder = all / fmt::format("step_{:06}", checkpoint.point.step);
+  const fs::path folder = checkpoint_path(results, checkpoint.point);
+  const fs::path all = folder.parent_path();
   try {
     fs::remove(folder / manifest_name);
     fs::remove_all(folder);
@@ -108,7 +115,7 @@ void write_checkpoint(const std::string& results, const std::string& kind,
 }
 
 std::string find_checkpoint(const std::string& results) {
-  const fs::path all = fs::path(results) / "checkpoints";
+  const fs::path all = fs::path(results) / checkpoints_name;
   fs::path last;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(all, error)) {

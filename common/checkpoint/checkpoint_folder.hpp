@@ -17,7 +17,10 @@ struct Checkpoint {
   const State& state_of(const std::string& part) const;
 };
 
-/// Write RESULTS/checkpoints/step_000123 with a file a part, then its manifest.json, then remove
+/// RESULTS/checkpoints/step_000123, there or not.
+std::string checkpoint_path(const std::string& results, const RunPoint& point);
+
+/// Write checkpoint_path() with a file a part, then its manifest.json, then remove
 /// older checkpoints. All of it is flushed to the disk before the manifest gets its name, and a
 /// folder without manifest does not count: whatever ends the program, a whole checkpoint is left.
 /// @param kind  of the run, as in RunRecord

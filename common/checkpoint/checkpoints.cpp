@@ -57,9 +57,7 @@ Checkpoint Checkpoints::load(const std::string& results, const std::string& outp
 }
 
 RestartPoint restart_point(const std::string& results, const Checkpoint& checkpoint) {
-  return {(fs::path(results) / "checkpoints" / fmt::format("step_{:06}", checkpoint.point.step))
-              .string(),
-          checkpoint.point, checkpoint.state_of("run")};
+  return {checkpoint_path(results, checkpoint.point), checkpoint.point, checkpoint.state_of("run")};
 }
 
 Checkpoints::Checkpoints(const CheckpointSettings& settings, const Scene& scene, Parts parts,

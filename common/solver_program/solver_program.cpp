@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/run_alone.hpp"
 #include "common/base/run_record.hpp"
@@ -13,7 +14,6 @@
 #include "common/mechanics/ranks/ranked_solver.hpp"
 #include "common/mechanics/ranks/ranked_state.hpp"
 #include "common/mechanics/ranks/sum.hpp"
-#include "common/base/interrupt.hpp"
 #include "protocol/serve.hpp"
 
 namespace gabion {
@@ -43,12 +43,8 @@ std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& se
 void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
                     const MpiSession& session, const Scene& scene, ConfigReader& reader,
                     const std::string& endpoint) {
-  const std::string folder = options.output + "/" + program.folder;
+  const std::string folder = options.check ? "" : options.output + "/" + program.folder;
   const auto solver = program.make(scene, reader, session.comm(), folder, nullptr);
-  if (session.is_root()) {
-    std::filesystem::create_directories(folder);
-    write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
-  }
   ParticipantSettings settings;
   settings.endpoint = endpoint;
   settings.name = options.name;
@@ -63,6 +59,11 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   interrupt::install();  // all ranks: the first one ends the run
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
     Connection connection(settings);
+    connection.handshake(ranked);
+    if (!options.check) {  // now the coupler has made the folder of the results
+      std::filesystem::create_directories(folder);
+      write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
+    }
     serve(ranked, connection);
   });
 }
@@ -111,9 +112,11 @@ void run_solver_program(const SolverProgram& program, const ProgramOptions& opti
   const Scene scene(options.scene, options.overrides);
   ConfigReader reader = scene.reader(program.file);
   const bool is_alone = !scene.has("coupler.json");
-  if (options.check) {
+  const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
+  if (options.check && (is_alone || !has_coupler)) {
     AloneSettings alone;
     program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    if (is_alone) load_checkpoint(program, options, scene);
     log::info("{}: valid", scene.path(program.file));
   } else if (is_alone) {
     drive_alone(program, options, session, scene, reader);

@@ -41,7 +41,8 @@ struct SolverProgram {
       make;
 };
 
-/// Follow the coupler; or run alone when the scene has no coupler.json; or only check the file.
+/// Follow the coupler; or run alone when the scene has no coupler.json. With `--check`: read the
+/// file and, where a coupler is there, follow it to the first step; nothing is written.
 /// @throws ConfigError, ProtocolError, ConvergenceError
 /// @note Collective over session.comm().
 void run_solver_program(const SolverProgram& program, const ProgramOptions& options,

@@ -11,13 +11,14 @@ import argparse
 import csv
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from beam import Beam, BeamSettings, Load, NoSolution, directors
+from beam import Beam, BeamSettings, Load, NoSolution, State, directors
 from gabion_participant import (AcceptReport, Connection, ConvergenceError, InterfaceMesh, InterfaceValues,
                                 ParticipantError, ParticipantSettings, Solver, StepReport, StepRequest,
-                                serve_over)
+                                interrupt, introduce, serve_over)
 
 
 class Outline:
@@ -51,6 +52,7 @@ class Wall(Solver):
 
     def __init__(self, beam: Beam, top_segments: int) -> None:
         self.beam, self.outline = beam, Outline(beam, top_segments)
+        self.top_segments = top_segments
         self.accepted = beam.at_rest()
         self.trial = self.accepted
         self.newton = self.steps = 0
@@ -87,6 +89,23 @@ class Wall(Solver):
                 rows.writerow(["time", "point", "x", "y"])
             rows.writerows([time, k, *map(float, point)] for k, point in enumerate(place))
 
+    def save_state(self) -> bytes:
+        state = self.accepted
+        return json.dumps({"settings": self.settings(), "q": state.q.tolist(), "v": state.v.tolist(),
+                           "a": state.a.tolist()}).encode()
+
+    def load_state(self, state: bytes) -> None:
+        saved = json.loads(state)
+        for name, value in self.settings().items():
+            if value != saved["settings"].get(name):
+                raise ValueError(f"structure.json: at /{name}: found {value}, allowed: "
+                                 f"{saved['settings'].get(name)} as in the run that is continued")
+        self.accepted = self.trial = State(*(np.array(saved[name]) for name in ("q", "v", "a")))
+
+    def settings(self) -> dict:
+        """structure.json with its defaults, as JSON gives it back."""
+        return json.loads(json.dumps(asdict(self.beam.settings) | {"top_segments": self.top_segments}))
+
     def probe_names(self) -> list[str]:
         return ["A.ux", "A.uy"]
 
@@ -116,19 +135,25 @@ def main() -> int:
     parser.add_argument("--name", default="structure", help="of this participant in coupler.json")
     parser.add_argument("--settings", type=Path, default=Path(__file__).parent / "structure.json")
     arguments = parser.parse_args()
+    interrupt.install()
     try:
         wall = read_wall(arguments.settings)
         settings = ParticipantSettings(arguments.name, arguments.coupler, dimension=2, program="structure.py")
         with Connection(settings) as connection:
-            connection.handshake(wall.interfaces(), wall.probe_names(), wall.probes())
-            folder = Path(connection.run_settings()["output"]) / "beam"
-            folder.mkdir(parents=True, exist_ok=True)
-            wall.file = folder / "outline.csv"
-            wall.file.unlink(missing_ok=True)
+            introduce(wall, connection)
+            run = connection.run_settings()
+            if not run.get("check"):
+                folder = Path(run["output"]) / "beam"
+                folder.mkdir(parents=True, exist_ok=True)
+                wall.file = folder / "outline.csv"
+                wall.file.unlink(missing_ok=True)
             serve_over(wall, connection)
     except ValueError as problem:
         print(f"[beam] error: {problem}", file=sys.stderr)
         return 2
+    except interrupt.Interrupted as problem:
+        print(f"[beam] error: {problem}", file=sys.stderr)
+        return 128 + problem.signal
     except ParticipantError as problem:
         print(f"[beam] error: {problem}", file=sys.stderr)
         return 4

@@ -20,8 +20,9 @@ const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn
 std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings, Eigen::Index size) {
   if (settings.method == "constant") return std::make_unique<Constant>(settings.relaxation);
   if (settings.method == "aitken") return std::make_unique<Aitken>(settings.relaxation);
-  if (settings.method == "iqn_ils") return std::make_unique<IqnIls>(settings);
-  if (settings.method == "mvqn") return std::make_unique<Mvqn>(settings);
+  if (settings.method == "iqn_ils" || settings.method == "mvqn") {
+    return std::make_unique<QuasiNewton>(settings);
+  }
   if (settings.method == "mvqn_residual") {
     return std::make_unique<ResidualJacobian>(settings, size);
   }

@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 
+#include "coupler/acceleration/vector_sums.hpp"
+
 namespace gabion {
 
 namespace {
@@ -64,19 +66,23 @@ void FilteredLeastSquares::factor(const Eigen::MatrixXd& A,
   q_.resize(A.rows(), most);
   r_.setZero(most, most);
   Eigen::Index kept = 0;
+  Rows q;
   for (const Eigen::Index column : columns) {
     if (kept == most) break;
     const double length = A.col(column).norm();
     Eigen::VectorXd rest = A.col(column);
     Eigen::VectorXd along = Eigen::VectorXd::Zero(kept);
     for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the round-off of the first
-      const Eigen::VectorXd part = q_.leftCols(kept).transpose() * rest;
-      rest.noalias() -= q_.leftCols(kept) * part;
+      Eigen::VectorXd part = Eigen::VectorXd::Zero(kept);
+      add_dots(q, rest.data(), rest.size(), part.data());
       along += part;
+      part = -part;
+      add_columns(q, part.data(), rest.size(), rest.data());
     }
     const double across = rest.norm();
     if (!(across > round_off * length) || (kept > 0 && across < limit * length)) continue;
     q_.col(kept) = rest / across;
+    q.push_back(q_.col(kept).data());
     r_.col(kept).head(kept) = along;
     r_(kept, kept) = across;
     kept_.push_back(column);

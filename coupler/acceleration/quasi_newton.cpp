@@ -67,9 +67,9 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
   add_pair(x, x_tilde, t);
   if (watch_.fails(x_tilde, r_last_) && fall_back()) t = basis_.coordinates(r_last_);
   limit_columns();
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(secants_.size()));
+  Eigen::VectorXd c;
   Eigen::VectorXd t_left = t;
-  cover(secants_, t_left, c);
+  cover(t_left, c);
   counters_.columns = num_in_use();
   if (counters_.columns == 0) {
     counters_.omega = settings_.relaxation;
@@ -92,22 +92,21 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
   return result;
 }
 
-void QuasiNewton::cover_part(std::deque<Secant>& secants, const std::vector<std::size_t>& which,
-                             Eigen::VectorXd& t, Eigen::VectorXd& c) {
-  if (which.empty()) return;
-  const FilteredLeastSquares problem(matrix_of(secants, which, t.size()), filter_);
-  const Eigen::VectorXd found = problem.solve(t);
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    const bool kept =
-        next < problem.kept().size() && problem.kept()[next] == static_cast<Eigen::Index>(k);
-    if (kept) {
-      c(static_cast<Eigen::Index>(which[k])) = found(static_cast<Eigen::Index>(next++));
-    } else {
-      secants[which[k]].dropped = true;
-      ++counters_.dropped_by_filter;
-    }
+void QuasiNewton::cover(Eigen::VectorXd& t, Eigen::VectorXd& c) {
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < secants_.size(); ++k) {
+    if (!secants_[k].dropped) used.push_back(k);
   }
+  const FilteredLeastSquares problem(matrix_of(secants_, used, t.size()), filter_);
+  const Eigen::VectorXd found = problem.solve(t);
+  c.resize(static_cast<Eigen::Index>(secants_.size()));
+  for (const std::size_t k : used) secants_[k].dropped = true;
+  for (std::size_t i = 0; i < problem.kept().size(); ++i) {
+    const std::size_t k = used[static_cast<std::size_t>(problem.kept()[i])];
+    secants_[k].dropped = false;
+    c(static_cast<Eigen::Index>(k)) = found(static_cast<Eigen::Index>(i));
+  }
+  counters_.dropped_by_filter = static_cast<int>(used.size() - problem.kept().size());
 }
 
 bool QuasiNewton::fall_back() {
@@ -190,25 +189,6 @@ void QuasiNewton::rescale(const Eigen::VectorXd& ratio) {
   r_last_.array() *= ratio.array();
   x_tilde_last_.array() *= ratio.array();
   watch_.rescale(ratio);
-}
-
-void IqnIls::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) {
-  std::vector<std::size_t> all;
-  for (std::size_t k = 0; k < secants.size(); ++k) {
-    if (!secants[k].dropped) all.push_back(k);
-  }
-  cover_part(secants, all, t, c);
-}
-
-void Mvqn::cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) {
-  std::vector<std::size_t> block;
-  for (std::size_t k = 0; k < secants.size(); ++k) {
-    if (!secants[k].dropped) block.push_back(k);
-    const bool last = k + 1 == secants.size() || secants[k + 1].step != secants[k].step;
-    if (!last) continue;
-    cover_part(secants, block, t, c);
-    block.clear();
-  }
 }
 
 void QuasiNewton::visit_state(StateVisitor& visitor) {

@@ -36,11 +36,15 @@ class ProgressWatch {
   int since_best_ = 0;
 };
 
-/// What both quasi-Newton methods share: the secants of this and of earlier steps, and
+/// Interface quasi-Newton with an inverse Jacobian from differences of iterations:
 ///
+///     c  = argmin |V c + r|      over the columns of this and of earlier steps
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// where the methods differ in how c follows from them. Without any secant x+ = x + omega r.
+/// Without any column x+ = x + omega r. This is IQN-ILS, and the multi-vector update that keeps
+/// what earlier steps found, N V_prev = W_prev: the two are the same (README.md section 2).
+/// @see Degroote, Bathe, Vierendeels (2009); Bogaers et al. (2014) for the multi-vector idea; Gay,
+///      Schnabel (1978) for updates that keep earlier secants
 class QuasiNewton : public Acceleration {
  public:
   explicit QuasiNewton(const AccelerationSettings& settings)
@@ -55,20 +59,14 @@ class QuasiNewton : public Acceleration {
   AccelerationCounters counters() const override { return counters_; }
   void visit_state(StateVisitor& visitor) override;
 
- protected:
-  /// Take the covered part out of a residual, secants from newest to oldest.
-  /// @param[in,out] t  coordinates of r; becomes those of r + V c
-  /// @param[in,out] c  of each secant in use, 0 at the start; the others' entries are not touched
-  virtual void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) = 0;
-
-  /// c for consecutive secants; those that do not pass the filter are marked as dropped.
-  /// @param which  positions in `secants`, from newest to oldest
-  void cover_part(std::deque<Secant>& secants, const std::vector<std::size_t>& which,
-                  Eigen::VectorXd& t, Eigen::VectorXd& c);
-
  private:
   /// Take in the pair; t: coordinates of its residual.
   void add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde, Eigen::VectorXd& t);
+  /// Take the part of a residual that the columns cover out of it. Columns that do not pass the
+  /// filter are marked as dropped.
+  /// @param[in,out] t  coordinates of r; becomes those of r + V c
+  /// @param[out]    c  of each secant; not set where it is dropped
+  void cover(Eigen::VectorXd& t, Eigen::VectorXd& c);
   /// To the default filter, from the best pair, when the one of the settings leads nowhere.
   /// @returns false: it is the default already
   bool fall_back();
@@ -87,29 +85,6 @@ class QuasiNewton : public Acceleration {
   std::int64_t step_ = 0;
   Eigen::VectorXd r_last_;  // empty before the first iteration of a step
   Eigen::VectorXd x_tilde_last_;
-};
-
-/// Interface quasi-Newton with inverse Jacobian from a least-squares model: one least-squares
-/// problem over the secants of this step and of the last `history` steps.
-/// @see Degroote, Bathe, Vierendeels (2009)
-class IqnIls : public QuasiNewton {
- public:
-  using QuasiNewton::QuasiNewton;
-
- protected:
-  void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) override;
-};
-
-/// Multi-vector inverse Jacobian without a matrix: the residual is projected on the secants of this
-/// step, what they leave over on those of the step before, and so on. With unlimited history and
-/// no filter equal to the dense update N = N_prev + (W - N_prev V) V^+, x+ = x_tilde - N r.
-/// @see Bogaers et al. (2014) for the multi-vector idea, Spenke et al. (2020) for the product form
-class Mvqn : public QuasiNewton {
- public:
-  using QuasiNewton::QuasiNewton;
-
- protected:
-  void cover(std::deque<Secant>& secants, Eigen::VectorXd& t, Eigen::VectorXd& c) override;
 };
 
 }  // namespace gabion

@@ -3,57 +3,33 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "coupler/acceleration/vector_sums.hpp"
 #include "coupler/state_vectors.hpp"
 
 namespace gabion {
 
 namespace {
 
-constexpr Eigen::Index block_size = 1024;  // rows that stay in the cache between two uses
+// Rows between two uses of a column: few enough for the cache, enough to read memory in one go.
+constexpr Eigen::Index block_size = 1024;
 constexpr double round_off = 1e-13;
-
-/// sums[k] += columns[k] . v of n rows, with partial sums side by side: the compiler must not
-/// reorder a plain sum, and would wait for each addition.
-void add_dots(const std::vector<const double*>& columns, const double* v, Eigen::Index n,
-              double* sums) {
-  constexpr int width = 8;
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    const double* q = columns[j];
-    std::array<double, width> parts = {};
-    Eigen::Index i = 0;
-    for (; i + width <= n; i += width) {
-      for (int k = 0; k < width; ++k) parts[k] += q[i + k] * v[i + k];
-    }
-    for (; i < n; ++i) parts[0] += q[i] * v[i];
-    for (const double part : parts) sums[j] += part;
-  }
-}
-
-/// v += sum_k factors[k] columns[k] of n rows, four columns at a time: v is read and written less.
-void add_columns(const std::vector<const double*>& columns, const double* factors, Eigen::Index n,
-                 double* v) {
-  constexpr int width = 4;
-  const std::size_t even = columns.size() / width * width;
-  for (std::size_t j = 0; j < even; j += width) {
-    const double *a = columns[j], *b = columns[j + 1], *c = columns[j + 2], *d = columns[j + 3];
-    const double* f = factors + j;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      v[i] += (f[0] * a[i] + f[1] * b[i]) + (f[2] * c[i] + f[3] * d[i]);
-    }
-  }
-  for (std::size_t j = even; j < columns.size(); ++j) {
-    for (Eigen::Index i = 0; i < n; ++i) v[i] += factors[j] * columns[j][i];
-  }
-}
+constexpr double cancelled = 1e-3;
 
 /// Where the rows of a block begin in each vector.
-std::vector<const double*> rows_at(const std::vector<Eigen::VectorXd>& q, Eigen::Index at) {
-  std::vector<const double*> result;
+Rows rows_at(const std::vector<Eigen::VectorXd>& q, Eigen::Index at) {
+  Rows result;
   result.reserve(q.size());
   for (const Eigen::VectorXd& vector : q) result.push_back(vector.data() + at);
+  return result;
+}
+
+/// Where the columns of a matrix or of a block of it begin.
+template <class Matrix>
+auto columns_of(Matrix&& A) {
+  std::vector<decltype(A.col(0).data())> result;
+  for (Eigen::Index k = 0; k < A.cols(); ++k) result.push_back(A.col(k).data());
   return result;
 }
 
@@ -72,21 +48,20 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   s.setZero(m + 1);
   t.setZero(m + 1);
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
-    const auto columns = rows_at(q_, at);
-    add_dots(columns, v.data() + at, rows, s.data());
-    add_dots(columns, r.data() + at, rows, t.data());
+    add_dots(rows_at(q_, at), v.data() + at, r.data() + at, rows, s.data(), t.data());
   });
   Eigen::VectorXd rest = v;
-  Eigen::VectorXd left = Eigen::VectorXd::Zero(m);  // along the basis, by round-off
-  const Eigen::VectorXd minus_s = -s;
-  for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
-    const auto columns = rows_at(q_, at);
-    add_columns(columns, minus_s.data(), rows, rest.data() + at);
-    add_dots(columns, rest.data() + at, rows, left.data());
-  });
-  if (left.norm() > round_off * rest.norm()) {
-    add(-1, left, rest);
+  Eigen::VectorXd left = take_out(s, rest);
+  // What is left along the basis is round-off of v. It goes in a second pass, which leaves as small
+  // a share of itself: enough, unless there was little else in the rest (then that share counts
+  // against the small rest, and the basis would lose its right angles column by column).
+  for (int pass = 0; pass < 3 && left.norm() > round_off * rest.norm(); ++pass) {
     s.head(m) += left;
+    if (left.norm() < cancelled * rest.norm()) {
+      add(-1, left, rest);
+      break;
+    }
+    left = take_out(left, rest);
   }
   const double across = rest.norm();
   if (!(across > round_off * v.norm())) {
@@ -97,6 +72,17 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   s(m) = across;
   q_.push_back(rest / across);
   t(m) = q_.back().dot(r);
+}
+
+Eigen::VectorXd SecantBasis::take_out(const Eigen::VectorXd& t, Eigen::VectorXd& rest) const {
+  const Eigen::VectorXd minus_t = -t;
+  Eigen::VectorXd left = Eigen::VectorXd::Zero(size());
+  for_blocks(rest.size(), [&](Eigen::Index at, Eigen::Index rows) {
+    const Rows columns = rows_at(q_, at);
+    add_columns(columns, minus_t.data(), rows, rest.data() + at);
+    add_dots(columns, rest.data() + at, rows, left.data());
+  });
+  return left;
 }
 
 Eigen::VectorXd SecantBasis::coordinates(const Eigen::VectorXd& r) const {
@@ -119,7 +105,7 @@ void SecantBasis::add(double factor, const Eigen::VectorXd& t, Eigen::VectorXd& 
 void add_combination(const std::vector<const Eigen::VectorXd*>& columns,
                      const std::vector<double>& factors, Eigen::VectorXd& sum) {
   for_blocks(sum.size(), [&](Eigen::Index at, Eigen::Index rows) {
-    std::vector<const double*> parts;
+    Rows parts;
     for (const Eigen::VectorXd* column : columns) parts.push_back(column->data() + at);
     add_columns(parts, factors.data(), rows, sum.data() + at);
   });
@@ -137,27 +123,41 @@ void SecantBasis::shrink(Eigen::MatrixXd& s) {
     s.resize(0, 0);
     return;
   }
-  // Z: what no column has a part along. Householder reflections that turn Z into the first unit
+  // Z: what no column has a part along. Householder reflections H that turn Z into the first unit
   // vectors change the basis so that its first vectors are not needed: work grows with the surplus,
-  // not with the square of the size.
+  // not with the square of the size. Together they are H = I - Y T Y^T (Schreiber, Van Loan 1989).
   const Eigen::HouseholderQR<Eigen::MatrixXd> of_s(s);
   Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(s.rows(), s.rows()).rightCols(surplus);
   Z.applyOnTheLeft(of_s.householderQ());
   const Eigen::HouseholderQR<Eigen::MatrixXd> of_Z(Z);
-  const auto H = of_Z.householderQ();
-  s.applyOnTheLeft(H.adjoint());
+  s.applyOnTheLeft(of_Z.householderQ().adjoint());
   s = s.bottomRows(s.rows() - surplus).eval();
-  Eigen::MatrixXd rows_of_q;
+  Eigen::MatrixXd Y = of_Z.matrixQR().triangularView<Eigen::UnitLower>();
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(surplus, surplus);
+  for (Eigen::Index k = 0; k < surplus; ++k) {
+    T(k, k) = of_Z.hCoeffs()(k);
+    T.col(k).head(k) = -T(k, k) * (T.topLeftCorner(k, k) * (Y.leftCols(k).transpose() * Y.col(k)));
+  }
+  reflect(Y, Y * T);
+  q_.erase(q_.begin(), q_.begin() + surplus);
+}
+
+void SecantBasis::reflect(const Eigen::MatrixXd& Y, const Eigen::MatrixXd& YT) {
+  const Eigen::MatrixXd minus_Y = -Y.transpose();
+  Eigen::MatrixXd P;  // Q Y T
   for_blocks(
       q_.front().size(),
       [&](Eigen::Index at, Eigen::Index rows) {
-        rows_of_q.resize(rows, size());
-        for (Eigen::Index j = 0; j < size(); ++j) rows_of_q.col(j) = q_[j].segment(at, rows);
-        rows_of_q.applyOnTheRight(H);
-        for (Eigen::Index j = surplus; j < size(); ++j) q_[j].segment(at, rows) = rows_of_q.col(j);
+        P.setZero(rows, Y.cols());
+        const std::vector<double*> in_P = columns_of(P);
+        add_columns(rows_at(q_, at), columns_of(YT), rows, in_P);
+        std::vector<double*> of_q;
+        for (Eigen::VectorXd& q : q_) of_q.push_back(q.data() + at);
+        of_q.erase(of_q.begin(), of_q.begin() + Y.cols());
+        add_columns({in_P.begin(), in_P.end()}, columns_of(minus_Y.rightCols(size() - Y.cols())),
+                    rows, of_q);
       },
-      block_size / 8);
-  q_.erase(q_.begin(), q_.begin() + surplus);
+      block_size / 4);  // every column is used as often as Y has columns
 }
 
 Eigen::MatrixXd SecantBasis::rescale(const Eigen::VectorXd& ratio) {

@@ -39,6 +39,11 @@ class SecantBasis {
   void visit_state(StateVisitor& visitor);
 
  private:
+  /// rest -= Q t in one sweep. @returns coordinates of what is left of the rest along the basis
+  Eigen::VectorXd take_out(const Eigen::VectorXd& t, Eigen::VectorXd& rest) const;
+  /// Q <- Q - (Q YT) Y^T, but for the first vectors, as many as Y has columns.
+  void reflect(const Eigen::MatrixXd& Y, const Eigen::MatrixXd& YT);
+
   std::vector<Eigen::VectorXd> q_;
 };
 

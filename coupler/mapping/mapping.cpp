@@ -36,6 +36,19 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
   }
 }
 
+/// A row of weights an image.
+Rows interpolation(const std::vector<SurfacePoint>& images, std::int64_t num_columns) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t v = 0; v < images.size(); ++v) {
+    for (int a = 0; a < images[v].count; ++a) {
+      entries.emplace_back(v, images[v].vertices[a], images[v].weights[a]);
+    }
+  }
+  Rows H(static_cast<Eigen::Index>(images.size()), num_columns);
+  H.setFromTriplets(entries.begin(), entries.end());
+  return H;
+}
+
 }  // namespace
 
 MappingSettings read_mapping_settings(ConfigReader in) {
@@ -47,6 +60,14 @@ MappingSettings read_mapping_settings(ConfigReader in) {
   settings.method = in.choice_or(
       "method", {"nearest_projection", "nearest_neighbor", "radial_basis"}, settings.method);
   settings.tolerance = in.number("tolerance", positive());
+  settings.deformed =
+      in.choice_or("positions", {"reference", "deformed"}, "reference") == "deformed";
+  if (settings.deformed && settings.method != "nearest_projection") {
+    in.fail("positions", fmt::format("found \"deformed\" with \"{}\", allowed: reference, or "
+                                     "nearest_projection, which keeps the vertices at the surface",
+                                     settings.method));
+  }
+  if (settings.deformed) settings.moved = in.number_or("moved", settings.moved, non_negative());
   if (settings.method == "radial_basis") {
     RadialBasisSettings& rbf = settings.radial_basis;
     rbf.kernel = kernels.at(in.choice_or(
@@ -69,53 +90,43 @@ Mapping::Mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
                                    structure.name, structure.dim, soil.dim));
   const Surface from(structure);
   const Surface to(soil);
-  check_distances(from, to, settings.tolerance);
-  if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);
   identity_ = structure.coordinates == soil.coordinates;
+  require<ConfigError>(
+      identity_ || from.has_facets() || settings.method != "nearest_projection",
+      fmt::format("interface \"{}\": the structure's side has no facets, which nearest_projection "
+                  "needs; allowed: nearest_neighbor, radial_basis",
+                  from.name()));
+  const std::vector<SurfacePoint> images = find_images(from, to, settings);
+  if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);
   if (identity_) {
     H_.resize(from.num_vertices(), from.num_vertices());
     H_.setIdentity();
+  } else if (settings.method == "radial_basis") {
+    H_ = radial_basis_weights(from, to, settings.radial_basis);
   } else {
-    find_rows(from, to, settings);
+    H_ = interpolation(images, from.num_vertices());
   }
   measure(from, to);
 }
 
-void Mapping::check_distances(const Surface& from, const Surface& to, double tolerance) {
+/// The place on the structure that each soil vertex belongs to.
+std::vector<SurfacePoint> Mapping::find_images(const Surface& from, const Surface& to,
+                                               const MappingSettings& settings) {
+  const bool on_facets = from.has_facets() && settings.method != "nearest_neighbor";
+  std::vector<SurfacePoint> images;
   for (std::int64_t v = 0; v < to.num_vertices(); ++v) {
     const Eigen::Vector3d x = to.vertex(v);
-    const double distance =
-        (from.has_facets() ? from.nearest_on_facets(x) : from.nearest_vertex(x)).distance;
+    images.push_back(on_facets ? from.nearest_on_facets(x) : from.nearest_vertex(x));
+    const double distance = images.back().distance;
     report_.farthest = std::max(report_.farthest, distance);
-    require<ConfigError>(
-        distance <= tolerance,
-        fmt::format("interface \"{}\": soil vertex {} at {} is {} m away from the structure's "
-                    "surface, allowed: {} m (coupling/mapping/tolerance)",
-                    to.name(), v, point_text(x, dim_), distance, tolerance));
+    if (distance <= settings.tolerance) continue;
+    throw ConfigError(
+        fmt::format("interface \"{}\": soil vertex {} at {} is {} m away from the structure's {}, "
+                    "allowed: {} m (coupling/mapping/tolerance)",
+                    to.name(), v, point_text(x, dim_), distance,
+                    on_facets ? "surface" : "nearest vertex", settings.tolerance));
   }
-}
-
-void Mapping::find_rows(const Surface& from, const Surface& to, const MappingSettings& settings) {
-  if (settings.method == "radial_basis") {
-    H_ = radial_basis_weights(from, to, settings.radial_basis);
-    return;
-  }
-  const bool project = settings.method == "nearest_projection";
-  require<ConfigError>(!project || from.has_facets(),
-                       fmt::format("interface \"{}\": the structure's side has no facets, which "
-                                   "nearest_projection needs; allowed: nearest_neighbor, "
-                                   "radial_basis",
-                                   from.name()));
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::int64_t v = 0; v < to.num_vertices(); ++v) {
-    const Eigen::Vector3d x = to.vertex(v);
-    const SurfacePoint image = project ? from.nearest_on_facets(x) : from.nearest_vertex(x);
-    for (int a = 0; a < image.count; ++a) {
-      entries.emplace_back(v, image.vertices[a], image.weights[a]);
-    }
-  }
-  H_.resize(to.num_vertices(), from.num_vertices());
-  H_.setFromTriplets(entries.begin(), entries.end());
+  return images;
 }
 
 void Mapping::measure(const Surface& from, const Surface& to) {

@@ -18,6 +18,8 @@ struct MappingSettings {
   std::string method = "nearest_projection";  ///< | nearest_neighbor | radial_basis
   double tolerance = 0;  ///< [m] > 0, largest distance of a soil vertex from the structure
   RadialBasisSettings radial_basis = {};
+  bool deformed = false;  ///< set up again in deformed positions; nearest_projection only
+  double moved = 1e-3;    ///< [of the extent] >= 0, after a vertex has moved by more than this
 };
 MappingSettings read_mapping_settings(ConfigReader in);
 
@@ -26,7 +28,7 @@ struct MappingReport {
   std::int64_t soil_vertices = 0;  ///< all of them have an image, else the mapping is refused
   std::int64_t structure_vertices = 0;
   std::int64_t unused_vertices = 0;  ///< of the structure: no soil vertex takes from them
-  double farthest = 0;               ///< [m] of a soil vertex from the structure's surface
+  double farthest = 0;               ///< [m] of a soil vertex from its place on the structure
   double largest_shift = 0;   ///< [m] |H X_structure - X_soil|, the error for a rotation by 1
   double largest_weight = 0;  ///< |H_ij|, 1 unless extrapolated
 };
@@ -53,8 +55,8 @@ class Mapping {
   std::int64_t num_weights() const { return H_.nonZeros(); }
 
  private:
-  void find_rows(const Surface& from, const Surface& to, const MappingSettings& settings);
-  void check_distances(const Surface& from, const Surface& to, double tolerance);
+  std::vector<SurfacePoint> find_images(const Surface& from, const Surface& to,
+                                        const MappingSettings& settings);
   void measure(const Surface& from, const Surface& to);
 
   int dim_;

@@ -157,8 +157,9 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> radial_basis_weights(const Surface&
       const double share = radial_function(Kernel::wendland_c2, distance);
       if (share == 0) continue;
       total(v) += share;
-      const bool good = cluster.weights(to.vertex(v), weights);
-      require<ConfigError>(good, refusal(from, cluster, settings));
+      if (!cluster.weights(to.vertex(v), weights)) {
+        throw ConfigError(refusal(from, cluster, settings));
+      }
       for (Eigen::Index i = 0; i < weights.size(); ++i) {
         entries.emplace_back(v, cluster.vertices()[static_cast<std::size_t>(i)],
                              share * weights(i));

@@ -14,22 +14,6 @@ using Vector3 = Eigen::Vector3d;
 
 namespace {
 
-/// Points as nanoflann wants to see them.
-struct Cloud {
-  std::vector<Vector3> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i](static_cast<Eigen::Index>(axis));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;  // nanoflann computes it
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud,
-                                                 3, std::size_t>;
-
 void check_shape(const InterfaceMesh& mesh) {
   const auto where = fmt::format("interface \"{}\": ", mesh.name);
   require<ConfigError>(mesh.dim == 2 || mesh.dim == 3,
@@ -54,6 +38,22 @@ void check_shape(const InterfaceMesh& mesh) {
 }  // namespace
 
 struct Surface::Trees {
+  /// Points as nanoflann wants to see them.
+  struct Cloud {
+    std::vector<Vector3> points;
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+      return points[i](static_cast<Eigen::Index>(axis));
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;  // nanoflann computes it
+    }
+  };
+
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
+                                                   Cloud, 3, std::size_t>;
+
   Cloud vertices;
   Cloud centroids;
   std::unique_ptr<Tree> vertex_tree;
@@ -67,7 +67,7 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
     require<ConfigError>(vertex(v).allFinite(),
                          fmt::format("interface \"{}\": vertex {} is not finite", mesh_.name, v));
   }
-  trees_->vertex_tree = std::make_unique<Tree>(3, trees_->vertices);
+  trees_->vertex_tree = std::make_unique<Trees::Tree>(3, trees_->vertices);
   trees_->vertex_tree->buildIndex();
   if (!has_facets()) return;
   for (std::int64_t f = 0; f < num_facets(); ++f) {
@@ -79,7 +79,7 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
     require<ConfigError>(normal(f).allFinite(),
                          fmt::format("interface \"{}\": facet {} has no extent", mesh_.name, f));
   }
-  trees_->centroid_tree = std::make_unique<Tree>(3, trees_->centroids);
+  trees_->centroid_tree = std::make_unique<Trees::Tree>(3, trees_->centroids);
   trees_->centroid_tree->buildIndex();
 }
 

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <map>
+#include <algorithm>
+#include <atomic>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/base/log.hpp"
@@ -48,7 +50,6 @@ void affine() {
       AccelerationSettings s;
       s.method = method;
       s.relaxation = 0.1;
-      s.filter.limit = method == "mvqn" ? 1e-9 : 1e-2;
       s.history = method == "mvqn" ? 100 : 10;
       s.max_columns = 1000;
       const auto acceleration = make_acceleration(s, {50});
@@ -60,19 +61,23 @@ void affine() {
 
 void print_tube(const std::string& label, const TubeRun& run) {
   const test::TubeResult result = test::run_tube(run);
-  if (!result.failure.empty()) return fmt::print("{},failed,,,,\n", label);
-  fmt::print("{},{:.2f},{},{},{:.4f},{:.8f}\n", label, result.mean_iterations, result.first_step,
-             result.max, result.pressure, result.area);
+  if (!result.failure.empty()) return fmt::print("{},failed,,,,,\n", label);
+  fmt::print("{},{:.2f},{},{},{},{:.4f},{:.8f}\n", label, result.mean_iterations, result.first_step,
+             result.max, result.at_limit, result.pressure, result.area);
 }
 
 void tube() {
-  fmt::print("method,mean,first,max,pressure,area\n");
+  fmt::print("method,mean,first,max,at_limit,pressure,area\n");
   TubeRun run;
   run.max_iterations = 300;
-  run.acceleration.method = "aitken";
-  run.acceleration.relaxation = 0.1;
   run.acceleration.max_columns = 1000;
-  print_tube("aitken", run);
+  run.acceleration.method = "aitken";
+  run.accept_at_limit = true;
+  for (const double omega : {0.1, 0.01}) {
+    run.acceleration.relaxation = omega;
+    print_tube(fmt::format("aitken {}", omega), run);
+  }
+  run.accept_at_limit = false;
   run.acceleration.method = "iqn_ils";
   run.acceleration.relaxation = 0.01;
   run.acceleration.filter.limit = 1e-3;
@@ -99,34 +104,41 @@ void tube() {
   print_tube("mvqn_residual", run);
 }
 
+/// @param steps  of each run; 0: one second
 void grid(int steps) {
-  const std::map<std::string, Filter> filters = {
-      {"none", {FilterKind::none, 0}},
-      {"qr1 1e-2", {FilterKind::qr1, 1e-2}},
-      {"qr1 1e-6", {FilterKind::qr1, 1e-6}},
-      {"qr1_absolute 1e-8", {FilterKind::qr1_absolute, 1e-8}},
-      {"qr2 1e-2", {FilterKind::qr2, 1e-2}},
-      {"qr2 1e-6", {FilterKind::qr2, 1e-6}},
-      {"qr3 1e-2", {FilterKind::qr3, 1e-2}}};
-  fmt::print("filter,relaxation,columns,dt,mean,max\n");
-  for (const auto& [label, filter] : filters) {
+  struct Setting {
+    std::string label;
+    TubeRun run;
+    test::TubeResult result;
+  };
+  std::vector<Setting> settings;
+  for (const auto& [label, filter] : test::grid_filters()) {
     for (const double relaxation : {0.01, 0.1, 0.5}) {
       for (const int columns : {20, 50, 100}) {
         for (const double dt : {0.005, 0.01, 0.02}) {
-          TubeRun run;
-          run.acceleration.filter = filter;
-          run.acceleration.relaxation = relaxation;
-          run.acceleration.max_columns = columns;
-          run.predictor = 1;
-          run.dt = dt;
-          run.steps = steps > 0 ? steps : static_cast<int>(1 / dt + 0.5);
-          const test::TubeResult result = test::run_tube(run);
-          const bool ok = result.failure.empty();
-          fmt::print("{},{},{},{},{},{}\n", label, relaxation, columns, dt,
-                     ok ? fmt::format("{:.2f}", result.mean_iterations) : "failed", result.max);
+          TubeRun run = test::grid_run(filter, relaxation, columns, dt);
+          if (steps > 0) run.steps = steps;
+          settings.push_back({fmt::format("{},{},{},{}", label, relaxation, columns, dt), run, {}});
         }
       }
     }
+  }
+  {
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::jthread> threads;
+    for (unsigned k = 0; k < std::max(1U, std::thread::hardware_concurrency()); ++k) {
+      threads.emplace_back([&] {
+        for (std::size_t i = next++; i < settings.size(); i = next++) {
+          settings[i].result = test::run_tube(settings[i].run);
+        }
+      });
+    }
+  }
+  fmt::print("filter,relaxation,columns,dt,mean,max\n");
+  for (const auto& [label, run, result] : settings) {
+    const bool ok = result.failure.empty();
+    fmt::print("{},{},{}\n", label, ok ? fmt::format("{:.2f}", result.mean_iterations) : "failed",
+               result.max);
   }
 }
 

@@ -15,13 +15,13 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent.parent / "protocol" / "python")]
 from gabion_participant.errors import ProtocolError  # noqa: E402
-from gabion_participant.handshake import read_step_request, read_welcome  # noqa: E402
+from gabion_participant.handshake import read_state, read_step_request, read_welcome  # noqa: E402
 from gabion_participant.message import Message, decode, encode  # noqa: E402
 
 
 def read_content(message: Message) -> None:
     """Every reader of a message's content may refuse it, and do nothing else."""
-    for read in (read_welcome, read_step_request):
+    for read in (read_welcome, read_step_request, read_state):
         try:
             read(message)
         except ProtocolError:

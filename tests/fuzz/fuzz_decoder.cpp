@@ -101,6 +101,7 @@ void read_content(const Message& message) {
   attempt([&] { read_step_request(message); });
   attempt([&] { read_step_report(message); });
   attempt([&] { read_accept_report(message, 1); });
+  attempt([&] { unpack_bytes(read_state(message)); });
   const std::vector<InterfaceMesh> wall = {{"wall", 2, {0, 0, 0, 1}, 2, {0, 1}}};
   attempt([&] { read_values(message, "force", wall); });
   attempt([&] { read_values(message, "displacement", wall); });

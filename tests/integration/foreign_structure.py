@@ -5,6 +5,7 @@
     foreign_structure.py HABIT --coupler ENDPOINT
 
 HABIT: good; keeps (does not go back after a rejected step); dies (in step 3); fails (before it connects).
+FOREIGN_STRUCTURE_SHIFT in the environment: [m] that its surface lies beside its place.
 """
 
 import os
@@ -25,10 +26,18 @@ def run(habit: str, endpoint: str) -> None:
                                    exit_when_coupler_is_lost=False)
     participant = Participant(settings)
     vertices = np.array([[0.26, 0.0], [0.26, 0.05], [0.25, 0.05], [0.25, 0.0]])
+    vertices += float(os.environ.get("FOREIGN_STRUCTURE_SHIFT", "0"))
     participant.set_interface("wall", vertices, [[0, 1], [1, 2], [2, 3]])
     participant.set_probes({"A.ux": 0.0})
-    participant.initialize()
     u = saved = np.zeros_like(vertices)
+
+    def load(state: bytes) -> None:
+        nonlocal u
+        u = np.frombuffer(state).reshape(u.shape)
+        participant.set_probes({"A.ux": float(u[2, 0])})
+
+    participant.set_state(lambda: u.tobytes(), load)
+    participant.initialize()
     steps = 0
     while participant.is_coupling_ongoing():
         if participant.requires_writing_checkpoint():

@@ -14,9 +14,11 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 import unittest
 import uuid
 import xml.etree.ElementTree
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -179,6 +181,18 @@ class IntegrationCase(unittest.TestCase):
         self.folder = Path(tempfile.mkdtemp(prefix="gabion_"))
         self.addCleanup(shutil.rmtree, self.folder)
         self.scene, self.out = self.folder / "scene", self.folder / "out"
+
+    def problem_of(self, action: Callable[[], None]) -> str:
+        """What goes wrong with an action of this object in a folder of its own, empty: nothing. For cases that run
+        side by side, each an object."""
+        self.setUp()
+        try:
+            action()
+            return ""
+        except Exception:  # noqa: BLE001 - the other cases go on
+            return traceback.format_exc()
+        finally:
+            self.doCleanups()
 
     def write_scene(self, files: dict[str, dict]) -> None:
         self.scene.mkdir(exist_ok=True)

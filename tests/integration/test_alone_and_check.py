@@ -4,6 +4,7 @@
 
 import json
 import os
+import shutil
 
 import launch
 from launch import ALONE, IntegrationCase, meeting, read_table
@@ -75,6 +76,18 @@ class Check(IntegrationCase):
                 self.write_scene(files)
                 ended = self.run_program(program, self.scene, "--check", code=2)
                 self.assert_says(ended.text, f"{file}.json: at /surprise: unknown key")
+
+
+    def test_groups_that_nothing_uses(self) -> None:
+        mesh = launch.Path(__file__).resolve().parents[1] / "unit" / "mesh" / "data" / "plate.msh"
+        fem = {"dimension": 2, "mesh": {"file": "plate.msh"}, "material": meeting()["fem"]["material"],
+               "supports": [{"group": "outside"}], "tractions": [{"group": "hole", "traction": [1, 0]}], **ALONE}
+        self.write_scene({"fem": fem})
+        shutil.copy(mesh, self.scene)
+        ended = self.run_program("fem_solver", self.scene, "--check", code=0)
+        self.assert_says(ended.text, "warning: ", "fem.json: at /mesh", 'the facet group "between" of plate.msh')
+        self.assert_says(ended.text, "warning: ", "fem.json: at /mesh", "cell groups inlay, plate", "one material")
+        self.assertEqual(ended.text.count("warning"), 2, ended.text)
 
 
 class Set(IntegrationCase):

@@ -51,9 +51,7 @@ class BadInput(IntegrationCase):
     def test_interface_without_partner(self) -> None:
         files = meeting()
         files["fem"]["interfaces"][0]["name"] = "fence"
-        self.write_scene(files)
-        ended = self.run_launch(code=4, within=QUICK)  # the handshake refuses it
-        self.assert_says(ended.text, "[cpl] error:", '"structure"', "interface", "fence", "wall")
+        self.refused(files, "[cpl]", "scene/coupler.json: at /interfaces/0/name: found \"wall\"", '"structure"', "fence")
 
     def test_surfaces_too_far_apart(self) -> None:
         files = meeting()

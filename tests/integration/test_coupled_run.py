@@ -14,6 +14,7 @@ class CoupledRun(IntegrationCase):
     def setUp(self) -> None:
         super().setUp()
         self.files = meeting()
+        self.files["coupler"]["coupling"]["max_iterations"] = 12  # one step needs more, and is cut
         self.write_scene(self.files)
 
     def table(self, name: str) -> list[dict[str, str]]:

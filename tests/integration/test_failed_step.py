@@ -13,6 +13,7 @@ class FailedStep(IntegrationCase):
         super().setUp()
         files = meeting()
         files["coupler"]["time"]["dt_min"] = 4e-4  # the first cut, some steps after contact, needs less
+        files["coupler"]["coupling"]["max_iterations"] = 9
         self.write_scene(files)
 
     def test_reason_and_last_state_are_kept(self) -> None:

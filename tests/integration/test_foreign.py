@@ -118,6 +118,7 @@ class Check(ForeignCase):
     def test_a_good_one(self) -> None:
         text = self.check("good", 0, "--amplitude", "2.5")
         self.assert_says(text, "the same bits after reject_step ", "passed")
+        self.assert_says(text, "the same steps after save, other steps and load", "passed")
         self.assert_says(text, "the end", "passed")
         self.assertNotIn("FAILED", text)
 
@@ -141,6 +142,7 @@ class Check(ForeignCase):
                 self.write_scene(meeting())
                 ended = self.run_launch(code=0, programs=("coupler", program),
                                         own={"coupler": ["--check-participant", name]})
+                self.assert_says(ended.text, "the same steps after save, other steps and load", "passed")
                 self.assert_says(ended.text, "the end", "passed")
 
 

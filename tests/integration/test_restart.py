@@ -2,24 +2,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that goes on from a checkpoint gives the rows of the straight run, byte for byte but for wall times."""
 
-import csv
 import json
 import os
+import shutil
 import signal
 from pathlib import Path
 
 import launch
-from launch import ALONE, IntegrationCase, endless, meeting
+import restart_table
+from launch import IntegrationCase, endless, meeting
+from restart_rows import rows_of_steps, rows_without_seconds
 
+MESH = Path(__file__).resolve().parent.parent / "unit" / "mesh" / "data" / "plate.msh"
 TABLES = ("steps", "probes")
-
-
-def rows_without_seconds(path: Path) -> list[tuple[str, ...]]:
-    """Texts of a table's cells as they stand in the file, columns of wall time left out; names first."""
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    kept = [k for k, name in enumerate(rows[0]) if not name.endswith("_seconds")]
-    return [tuple(row[k] for k in kept) for row in rows]
 
 
 class RestartCase(IntegrationCase):
@@ -48,24 +43,11 @@ class RestartCase(IntegrationCase):
 
 
 def soil_alone() -> dict:
-    """Plastic soil that falls against a rigid wall, with walls of both kinds and a probe."""
-    soil = meeting()["mpm"]
-    del soil["interfaces"]
-    soil["rigid_walls"] = [{
-        "name": "gate", "surface": {"polyline": [[0.245, 0.1], [0.245, 0]], "spacing": 0.01},
-        "mode": "contact", "friction": 0.3, "penalty": 1e7,
-    }]
-    soil["probes"] = [{"name": "P", "point": [0.2, 0.05]}]
-    return {**soil, **json.loads(json.dumps(ALONE)), "time": {"end": 0.03, "dt": 1e-3, "dt_min": 1e-5}}
+    return restart_table.alone(restart_table.soil(), 0.03)
 
 
 def structure_alone(method: str) -> dict:
-    """A cantilever that is pushed and let go; modified Newton keeps its matrix over the steps."""
-    structure = meeting()["fem"]
-    del structure["interfaces"]
-    structure["loads"] = [{"point": [0.25, 0.05], "force": [3, 0], "table": [[0, 0], [0.01, 1], [0.011, 0]]}]
-    structure["linear_solver"] = {"method": method}
-    return {**structure, **json.loads(json.dumps(ALONE)), "time": {"end": 0.02, "dt": 1e-3, "dt_min": 1e-5}}
+    return restart_table.alone(restart_table.structure(linear_solver={"method": method}), 0.02)
 
 
 class Alone(RestartCase):
@@ -167,6 +149,24 @@ class Alone(RestartCase):
         manifest.write_text(json.dumps({**content, "program": "fem_solver"}))
         self.refused("at /program", 'found "fem_solver"', 'allowed: "mpm_solver"')
 
+    def test_changed_mesh_file(self) -> None:
+        """Another place of one node, in a file that fem.json names."""
+        structure = restart_table.structure(mesh={"file": "plate.msh"}, supports=[{"group": "outside"}],
+                                            probes=[{"name": "A", "point": [1.25, 0.5]}])
+        structure["loads"][0]["point"] = [1.25, 0.5]
+        self.write_scene({"fem": restart_table.alone(structure, 0.004)})
+        mesh = self.scene / "plate.msh"
+        shutil.copy(MESH, mesh)
+        self.launch_into("first", "--set", "fem.json:/time/end=0.002", programs=("fem_solver",))
+        text = mesh.read_text()
+        self.assertEqual(text.count("\n1.25 0.5 0\n"), 1)
+        mesh.write_text(text.replace("\n1.25 0.5 0\n", "\n1.25 0.50001 0\n"))
+        ended = self.launch_into("second", "--restart", str(self.folder / "first"), code=2, programs=("fem_solver",))
+        self.assert_says(ended.text, "error:", "fem.json: at /mesh/file: found", "plate.msh",
+                         "the contents of that file")
+        mesh.write_text(text)
+        self.launch_into("second", "--restart", str(self.folder / "first"), programs=("fem_solver",))
+
     def test_wrong_settings(self) -> None:
         for value, words in (('{"steps": 0}', "/checkpoint/steps"), ('{"minutes": 0}', "/checkpoint/minutes"),
                              ('{"hours": 1}', "/checkpoint/hours")):
@@ -210,6 +210,17 @@ class Coupled(RestartCase):
                 files["coupler"]["coupling"]["acceleration"] = {"method": method}
                 self.two_parts(files, 22)
 
+    def test_deformed_positions(self) -> None:
+        files = meeting()
+        mapping = {"tolerance": 1e-3, "positions": "deformed", "moved": 1e-4}
+        files["coupler"]["coupling"]["mapping"] = mapping
+        # Off the structure's surface: on it the map would stay what it was.
+        files["mpm"]["interfaces"][0]["surface"]["polyline"] = [[0.2602, 0], [0.2602, 0.0502], [0.2498, 0.0502],
+                                                                [0.2498, 0]]
+        self.two_parts(files, 20)  # before the first cut: on the raster of dt
+        for part in ("first", "second"):
+            self.assertGreater(self.summary(part)["mapping"]["wall"]["set_ups"], 1)
+
     def test_sigterm(self) -> None:
         files = endless(in_contact=True)
         files["coupler"]["checkpoint"] = {"minutes": 60}
@@ -228,6 +239,30 @@ class Coupled(RestartCase):
         self.launch_into("straight", "--set", f"coupler.json:/time/end={end}")
         self.launch_into("second", "--restart", str(self.folder / "first"), "--set", f"coupler.json:/time/end={end}")
         self.assert_same_rows(first_step=step + 1)
+
+    def test_at_every_step(self) -> None:
+        """Elastic soil that meets a stiff wall and bounces: each step is a run of its own."""
+        files = meeting()
+        files["mpm"] |= {"gravity": [0, 0]}
+        files["mpm"]["bodies"][0] |= {"velocity": [2.0, 0], "material": {
+            "law": "hencky_elastic", "density": 2650, "young_modulus": 3e6, "poisson_ratio": 0}}
+        files["mpm"]["interfaces"][0]["mode"] = "slip"
+        files["fem"]["material"]["young_modulus"] = 1e9
+        files["coupler"]["time"] |= {"end": 0.017, "dt": 1e-3}
+        self.write_scene(files)
+        self.launch_into("straight")
+        straight, options = self.out, []
+        names, *steps = rows_without_seconds(straight / "steps.csv")
+        closed = [int(row[names.index("soil.closed_points")]) for row in steps]
+        self.assertTrue(closed[1] == 0 and max(closed) > 0 and closed[-2] == 0, closed)
+        self.assertEqual({row[names.index("cuts")] for row in steps}, {"0"})  # no step was tried beyond an end
+        for row in steps:
+            step, time = int(row[names.index("step")]), row[names.index("time")]
+            self.launch_into(f"to_{step}", *options, "--set", f"coupler.json:/time/end={time}")
+            for table in self.tables:
+                self.assertEqual(rows_of_steps(self.out, table, step, step, whole=step > 1),
+                                 rows_of_steps(straight, table, step, step), f"{table} of step {step}")
+            options = ["--restart", str(self.out)]
 
     def test_changed_scene_is_refused(self) -> None:
         self.write_scene(meeting())

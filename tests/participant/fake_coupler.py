@@ -69,7 +69,7 @@ class FakeCoupler:
         hello = self.receive()
         process = this_process().to_fields()
         self.send(Message("welcome", fields={
-            "protocol": "1.0", "program_version": "test", "process": process, "silence_deadline": 5.0,
+            "protocol": "1.1", "program_version": "test", "process": process, "silence_deadline": 5.0,
             "idle_deadline": 10.0, "heartbeat": 0.1, "run": {"end": 1.0}} | changes))
         return hello
 

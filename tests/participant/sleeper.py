@@ -6,7 +6,8 @@ import sys
 import time
 
 from fake_coupler import SQUARE
-from gabion_participant import AcceptReport, InterfaceMesh, ParticipantSettings, Solver, StepReport, serve
+from gabion_participant import (AcceptReport, InterfaceMesh, ParticipantError, ParticipantSettings, Solver, StepReport,
+                                interrupt, serve)
 
 
 class Sleeper(Solver):
@@ -20,5 +21,19 @@ class Sleeper(Solver):
     def accept_step(self, request, solved):
         return AcceptReport()
 
+    def save_state(self):
+        return b""
 
-serve(Sleeper(), ParticipantSettings("structure", sys.argv[1], dimension=2))
+    def load_state(self, state):
+        pass
+
+
+interrupt.install()
+try:
+    serve(Sleeper(), ParticipantSettings("structure", sys.argv[1], dimension=2))
+except interrupt.Interrupted as problem:
+    print(problem, file=sys.stderr)
+    sys.exit(128 + problem.signal)
+except ParticipantError as problem:
+    print(problem, file=sys.stderr)
+    sys.exit(4)

@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 from fake_coupler import ROOT
 from gabion_participant import ProtocolError
+from gabion_participant.handshake import read_state, saved
 from gabion_participant.message import MAX_FRAME_BYTES, Message, decode, encode
 
 
@@ -53,6 +54,24 @@ class Vectors(unittest.TestCase):
         for vector in refused:
             with self.subTest(vector["name"]), self.assertRaises(ProtocolError):
                 decode(frames_of(vector))
+
+
+    def test_bytes_of_a_state(self) -> None:
+        packed = [vector for vector in vectors("accepted.json") if "bytes" in vector]
+        self.assertEqual(len(packed), 3)
+        for vector in packed:
+            with self.subTest(vector["name"]):
+                expected = message_of(vector)
+                found = saved(bytes.fromhex(vector["bytes"]))
+                self.assertEqual(found.fields["state"], expected.fields["state"])
+                self.assertEqual(found.arrays["integer:bytes"].tolist(), expected.arrays["integer:bytes"].tolist())
+                self.assertEqual(read_state(expected).hex(), vector["bytes"])
+
+    def test_bytes_that_are_not_as_many_as_said(self) -> None:
+        for count, values in ((9, 1), (8, 2), (1, 0), (0, 1), (1 << 62, 1)):
+            with self.subTest(count), self.assertRaisesRegex(ProtocolError, f"{count} bytes, found {values} values"):
+                read_state(Message("load", 1, {"state": {"bytes": count}},
+                                   {"integer:bytes": np.zeros(values, dtype="<i8")}))
 
 
 class Limits(unittest.TestCase):

@@ -63,6 +63,7 @@ class Package(unittest.TestCase):
         code, text, foreign = self.check("spring_in_c")
         self.assertEqual((code, foreign.returncode), (0, 0), text + foreign.stderr)
         self.assertIn("(spring, pid", text)
+        self.assertRegex(text, "the same steps after save, other steps and load +passed")
         self.assertRegex(foreign.stdout, "outputs: 2")
 
     def test_in_c_that_keeps_what_was_rejected(self) -> None:
@@ -74,6 +75,7 @@ class Package(unittest.TestCase):
         code, text, foreign = self.check("spring_in_cpp")
         self.assertEqual((code, foreign.returncode), (0, 0), text + foreign.stderr)
         self.assertRegex(text, "a skipped step +passed")
+        self.assertRegex(text, "the same steps after save, other steps and load +not asked")
 
     def test_no_coupler(self) -> None:
         done = subprocess.run([self.outside / "spring_in_c", "nonsense"], capture_output=True, text=True, timeout=60,

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Participant: a foreign time loop, its checkpoints, and calls in the wrong order."""
 
+import struct
 import unittest
 
 import numpy as np
@@ -15,7 +16,7 @@ class Loop:
     """A code with a loop of its own: du/dt = f / 4 at every vertex, explicit Euler with steps of at most
     `own_dt`."""
 
-    def __init__(self, settings, own_dt: float = 1.0, writes: bool = True) -> None:
+    def __init__(self, settings, own_dt: float = 1.0, writes: bool = True, keeps: bool = False) -> None:
         self.u, self.saved = 0.0, 0.0
         self.own_dt = own_dt
         self.calls: list[str] = []
@@ -26,6 +27,13 @@ class Loop:
         self.participant.set_summary({"method": "Euler"})
         if writes:
             self.participant.set_output(lambda time: self.calls.append(f"write {time:g} u {self.u:g}"))
+        if keeps:
+            self.participant.set_state(lambda: struct.pack("<d", self.u), self.load)
+
+    def load(self, state: bytes) -> None:
+        self.u, = struct.unpack("<d", state)
+        self.participant.set_probes({"u": self.u})
+        self.calls.append(f"load {self.u:g}")
 
     def run(self) -> None:
         participant = self.participant
@@ -90,6 +98,55 @@ class OwnLoop(ParticipantCase):
         self.assertEqual(self.end(), "")
         self.assertEqual(loop.calls, ["write 0 u 0", "save 0", "restore 0", "restore 0", "restore 0", "write 0 u 0",
                                       "write 0.05 u 0.1", "complete", "save 0.1", "complete"])
+
+    def test_save_and_load_between_steps(self) -> None:
+        loop, coupler = self.begin(keeps=True), self.coupler
+        coupler.solve(1, 8.0)
+        coupler.accept(1)
+        saved = coupler.ask("save")
+        self.assertEqual((saved.type, saved.fields["state"]), ("saved", {"bytes": 8}))
+        for _ in range(2):
+            answer = self.displacement(coupler.solve(2, 4.0))
+            coupler.accept(2)
+            self.displacement(coupler.solve(3, 8.0))
+            self.assertEqual(coupler.ask("reject_step").type, "rejected")
+            loaded = coupler.ask("load", saved.arrays, state=saved.fields["state"])
+            self.assertEqual((loaded.type, loaded.arrays["probes"].tolist()), ("loaded", [0.2]))
+        self.assertEqual(self.displacement(coupler.solve(2, 4.0)), answer)
+        coupler.ask("reject_step")
+        self.assertEqual(self.displacement(coupler.solve(2, 4.0)), answer)
+        coupler.accept(2)
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls[:9], ["save 0", "complete", "save 0.2", "complete", "save 0.3", "restore 0.3",
+                                          "load 0.2", "save 0.2", "complete"])
+
+    def test_load_before_the_first_step(self) -> None:
+        loop, coupler = self.begin(keeps=True), self.coupler
+        state = np.frombuffer(struct.pack("<d", 0.7), dtype="<i8")
+        loaded = coupler.ask("load", {"integer:bytes": state}, state={"bytes": 8})
+        self.assertEqual(loaded.arrays["probes"].tolist(), [0.7])
+        self.assertEqual(self.displacement(coupler.solve(9, 4.0)), 0.7 + 0.1 * 4.0 / 4)
+        coupler.accept(9)
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls, ["load 0.7", "save 0.7", "complete"])
+
+    def test_wrong_saves_and_loads_end_the_run(self) -> None:
+        for keeps, solves, kind, fields, words in (
+                (False, False, "save", {}, 'asked for "save", which this participant does not know'),
+                (True, True, "save", {}, 'asked for "save" in the middle of a step'),
+                (True, False, "load", {"state": {"bytes": 80}}, "an array of 80 bytes, found 1 values"),
+                (True, False, "load", {"state": {"scheme": "Euler"}}, '"bytes": expected a signed 64-bit integer')):
+            with self.subTest(words):
+                self.problem = None
+                loop = self.begin(keeps=keeps)
+                self.addCleanup(loop.participant.finalize)
+                if solves:
+                    self.coupler.solve(1, 8.0)
+                reply = self.coupler.ask(kind, {"integer:bytes": np.zeros(1, dtype="<i8")}, **fields)
+                self.assertEqual(reply.type, "abort")
+                self.assertIn(words, self.end())
 
     def test_a_skipped_step_changes_nothing(self) -> None:
         loop, coupler = self.begin(), self.coupler

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """serve(): handshake, requests, failures, deadlines."""
 
+import struct
 import subprocess
 import sys
 import time
@@ -59,9 +60,21 @@ class Spring(Solver):
         return {"steps": np.int64(2)}
 
 
+class KeepingSpring(Spring):
+    """Keeps its state, eight bytes and the name of the method."""
+
+    def save_state(self):
+        return b"spring" + struct.pack("<d", self.accepted)
+
+    def load_state(self, state):
+        if state[:6] != b"spring":
+            raise ValueError("not the state of a spring")
+        self.accepted, = struct.unpack("<d", state[6:])
+
+
 class Serve(ParticipantCase):
-    def begin(self, **changes) -> Message:
-        self.solver = Spring()
+    def begin(self, solver: Spring | None = None, **changes) -> Message:
+        self.solver = solver or Spring()
         self.start(lambda: serve(self.solver, self.settings(**changes)))
         return self.coupler.welcome()
 
@@ -90,6 +103,57 @@ class Serve(ParticipantCase):
         self.assertEqual(coupler.ask("finish").type, "finished")
         self.assertEqual(self.end(), "")
         self.assertEqual(self.solver.calls, ["write 0.0", "reject", "accept True", "write 0.05", "accept False"])
+
+    def test_save_and_load(self) -> None:
+        hello = self.begin(KeepingSpring())
+        self.assertIs(hello.fields["keeps_state"], True)
+        coupler = self.coupler
+        coupler.solve(1, 2.0)
+        coupler.accept(1)
+        saved = coupler.ask("save")
+        self.assertEqual((saved.type, saved.fields["state"]), ("saved", {"bytes": 14}))
+        coupler.solve(2, 2.0)
+        coupler.accept(2)
+        loaded = coupler.ask("load", saved.arrays, state=saved.fields["state"])
+        self.assertEqual((loaded.type, loaded.arrays["probes"].tolist()), ("loaded", [0.1]))
+        np.testing.assert_array_equal(coupler.solve(2, None).arrays["displacement:wall"], np.full((3, 2), 0.1))
+        coupler.ask("reject_step")
+        reply = coupler.ask("load", {"integer:bytes": np.zeros(2, dtype="<i8")}, state={"bytes": 14})
+        self.assertEqual((reply.type, reply.fields["reason"]), ("abort", "not the state of a spring"))
+        self.assertEqual(self.end(), "ValueError: not the state of a spring")
+
+    def test_who_keeps_its_state_has_both_functions(self) -> None:
+        self.assertIs(self.begin().fields["keeps_state"], False)
+        self.assertEqual(self.coupler.ask("save").type, "abort")
+        self.assertIn('asked for "save" of a participant that keeps no state', self.end())
+
+        class Half(Spring):
+            def save_state(self):
+                return b""
+
+        with self.assertRaisesRegex(UsageError, "found one of them, allowed: both, or neither"):
+            serve(Half(), self.settings())
+
+    def test_a_signal_leaves_time_for_the_last_checkpoint(self) -> None:
+        """SIGTERM to the process; the coupler asks for the state, then ends the run. Then one without checkpoints."""
+        for keeps, code, words in ((True, 4, "the coupler ended the run: by signal"), (False, 143, "by signal 15")):
+            with self.subTest(keeps):
+                command = [sys.executable, str(Path(__file__).parent / "sleeper.py"), self.coupler.endpoint]
+                program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+                try:
+                    self.coupler.welcome(run={"checkpoints": keeps})
+                    self.coupler.ask("reject_step")
+                    program.terminate()
+                    self.coupler.listen(0.3)
+                    if keeps:
+                        self.assertEqual(self.coupler.ask("save").type, "saved")
+                        self.coupler.send(Message("abort", 0, {"reason": "by signal"}))
+                    self.assertEqual(program.wait(5), code)
+                    self.assertIn(words, program.stderr.read())
+                finally:
+                    program.kill()
+                    program.wait()
+                    program.stderr.close()
 
     def test_a_step_without_solution_is_the_couplers_business(self) -> None:
         self.begin()
@@ -171,7 +235,7 @@ class Handshake(ParticipantCase):
     def test_another_major_version(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
         self.coupler.welcome(protocol="2.0")
-        self.assertIn("protocol version: coupler 2.0, participant 1.0", self.end())
+        self.assertIn("protocol version: coupler 2.0, participant 1.1", self.end())
 
     def test_a_newer_minor_version_with_unknown_fields(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))

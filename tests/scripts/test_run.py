@@ -37,7 +37,8 @@ class Usage(ScriptCase):
         self.expect_refusal("a", "--outptu", words="unknown option --outptu")
 
     def test_option_without_value(self) -> None:
-        self.expect_refusal("a", "--output", words="--output needs a value")
+        for option in ("--output", "--restart"):
+            self.expect_refusal("a", option, words=f"{option} needs a value")
 
     def test_ranks(self) -> None:
         scene = self.scene("mpm.json")
@@ -49,6 +50,9 @@ class Usage(ScriptCase):
 
     def test_check_of_a_participant_without_coupler(self) -> None:
         self.expect_refusal(self.scene("mpm.json"), "--check-participant", "soil", words="has no coupler.json")
+
+    def test_both_checks(self) -> None:
+        self.expect_refusal(self.scene("coupler.json"), "--check", "--check-participant", "soil", words="one at a time")
 
     def test_two_solvers_without_coupler(self) -> None:
         self.expect_refusal(self.scene("mpm.json", "fem.json"), words="no coupler.json")

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/support/solver_server.hpp"
 
@@ -24,7 +25,7 @@ CouplerSettings settings_of(const TubeRun& run) {
   s.coupling.acceleration = run.acceleration;
   s.coupling.predictor = run.predictor;
   s.coupling.max_iterations = run.max_iterations;
-  s.coupling.on_limit = OnLimit::stop;
+  s.coupling.on_limit = run.accept_at_limit ? OnLimit::accept : OnLimit::stop;
   s.coupling.mapping.method = "nearest_neighbor";
   s.coupling.mapping.tolerance = 1e-9;
   // |a| = 1 within some percent, and half of all components are the zeros of y.
@@ -55,6 +56,27 @@ class CountingFlow : public TubeFlow {
 
 }  // namespace
 
+std::vector<std::pair<std::string, Filter>> grid_filters() {
+  return {{"none", {FilterKind::none, 0}},
+          {"qr1 1e-2", {FilterKind::qr1, 1e-2}},
+          {"qr1 1e-6", {FilterKind::qr1, 1e-6}},
+          {"qr1_absolute 1e-8", {FilterKind::qr1_absolute, 1e-8}},
+          {"qr2 1e-2", {FilterKind::qr2, 1e-2}},
+          {"qr2 1e-6", {FilterKind::qr2, 1e-6}},
+          {"qr3 1e-2", {FilterKind::qr3, 1e-2}}};
+}
+
+TubeRun grid_run(const Filter& filter, double relaxation, int columns, double dt) {
+  TubeRun run;
+  run.acceleration.filter = filter;
+  run.acceleration.relaxation = relaxation;
+  run.acceleration.max_columns = columns;
+  run.predictor = 1;
+  run.dt = dt;
+  run.steps = static_cast<int>(std::lround(1 / dt));
+  return run;
+}
+
 TubeResult run_tube(const TubeRun& run) {
   static std::atomic<int> count = 0;
   const fs::path folder = fs::temp_directory_path() / ("gabion_tube_" + std::to_string(getpid()) +
@@ -64,10 +86,17 @@ TubeResult run_tube(const TubeRun& run) {
   TubeResult result;
   try {
     RunRecord files(folder.string(), "coupler");
-    couple_through_sockets(settings_of(run), flow, wall, files);
+    if (run.through_sockets) {
+      couple_through_sockets(settings_of(run), flow, wall, files);
+    } else {
+      CouplingLoop(settings_of(run), {{"soil", flow}, {"structure", wall}}, files).run();
+    }
   } catch (const ConvergenceError& error) {
     result.failure = error.what();
   }
+  Json summary;
+  std::ifstream(folder / "summary.json") >> summary;
+  result.at_limit = summary.at("accepted_unconverged");
   fs::remove_all(folder);
   result.mean_iterations = static_cast<double>(flow.total) / run.steps;
   result.first_step = flow.first;

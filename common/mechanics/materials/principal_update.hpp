@@ -107,16 +107,19 @@ bool principal_update(const Surface& surface, const Matrix<dim>& H,
   }
   if (plastic || gap_was_open) {
     std::array<double, 3> e_principal;
-    for (int s = 0; s < 3; ++s) e_principal[order[s]] = strain_from_hencky(eps_e[s]);
+    std::array<double, 3> not_elastic;
+    for (int s = 0; s < 3; ++s) {
+      e_principal[order[s]] = strain_from_hencky(eps_e[s]);
+      not_elastic[order[s]] = eps[s] - state_n.gap / 3 - eps_e[s];
+    }
     out.state.e = compose<dim>(e_principal, trial.n);
+    out.plastic_increment = compose<dim>(not_elastic, trial.n);
+  } else {
+    out.plastic_increment.setZero();
   }
   const double volumetric = eps_e.sum();
   std::array<double, 3> tau;
-  out.dissipation = 0;
-  for (int s = 0; s < 3; ++s) {
-    tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
-    out.dissipation += tau[order[s]] * (eps[s] - state_n.gap / 3 - eps_e[s]);
-  }
+  for (int s = 0; s < 3; ++s) tau[order[s]] = lambda * volumetric + 2 * mu * eps_e[s];
   const Matrix<dim> F = Matrix<dim>::Identity() + H;
   const Matrix<dim> F_inverse = F.inverse();
   out.tau = compose<dim>(tau, trial.n);

@@ -53,9 +53,10 @@ struct StressUpdate {
   Matrix<dim> P;
   Symmetric<dim> tau;  ///< Kirchhoff stress [Pa]
   MaterialState<dim> state;
-  double J = 1;            ///< det(1 + H), volume ratio of this step
-  double energy = 0;       ///< elastic energy per unit of stress-free volume [J/m^3]
-  double dissipation = 0;  ///< tau : plastic strain of the step, per stress-free volume [J/m^3]
+  double J = 1;       ///< det(1 + H), volume ratio of this step
+  double energy = 0;  ///< elastic energy per unit of stress-free volume [J/m^3]
+  /// Hencky strain of the step that is not elastic, a gap's closing included.
+  Symmetric<dim> plastic_increment = Symmetric<dim>::Zero();
   YieldRegion region = YieldRegion::elastic;
 
   bool plastic() const { return region != YieldRegion::elastic; }

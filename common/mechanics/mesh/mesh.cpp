@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
 namespace gabion {
@@ -97,13 +98,24 @@ Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
     in.finish();
     return read_box<dim>(box);
   }
-  const std::string path = scene.path(in.text("file"));
+  const std::string file = in.text("file");
   in.finish();
   try {
-    return read_gmsh<dim>(path);
+    Mesh<dim> mesh = read_gmsh<dim>(scene.path(file));
+    mesh.file = file;
+    return mesh;
   } catch (const ConfigError& error) {
     in.fail("file", error.what());
   }
+}
+
+template <int dim>
+void warn_of_cell_groups(const Mesh<dim>& mesh, const std::string& where) {
+  if (mesh.cell_groups.size() < 2) return;
+  std::vector<std::string> names;
+  for (const auto& [name, cells] : mesh.cell_groups) names.push_back(name);
+  log::warn("{}: nothing tells the cell groups {} of {} apart: all cells get one material", where,
+            fmt::join(names, ", "), mesh.file);
 }
 
 template struct Mesh<2>;
@@ -112,5 +124,7 @@ template double cell_volume(const Mesh<2>&, std::int32_t);
 template double cell_volume(const Mesh<3>&, std::int32_t);
 template Mesh<2> read_mesh(const Scene&, ConfigReader);
 template Mesh<3> read_mesh(const Scene&, ConfigReader);
+template void warn_of_cell_groups(const Mesh<2>&, const std::string&);
+template void warn_of_cell_groups(const Mesh<3>&, const std::string&);
 
 }  // namespace gabion

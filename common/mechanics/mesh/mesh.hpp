@@ -25,6 +25,7 @@ struct Mesh {
   /// segment's direction, so the outward normal is the direction turned clockwise).
   std::map<std::string, std::vector<std::int32_t>> facet_groups;
   std::map<std::string, std::vector<std::int32_t>> cell_groups;
+  std::string file;  ///< it was read from, as the scene names it; empty: made from numbers
 
   int nodes_per_cell() const { return num_nodes(cell_type); }
   std::int32_t num_cells() const {
@@ -69,5 +70,11 @@ Mesh<dim> read_gmsh(const std::string& path);
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
+
+/// Warn when the file of a mesh with one material has several groups of cells: they look like
+/// several materials, and nothing tells them apart.
+/// @param where  file and pointer of the mesh
+template <int dim>
+void warn_of_cell_groups(const Mesh<dim>& mesh, const std::string& where);
 
 }  // namespace gabion

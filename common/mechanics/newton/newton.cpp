@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/error.hpp"
-
+#include "common/base/log.hpp"
 #include "common/mechanics/norm.hpp"
 
 namespace gabion {
@@ -46,6 +47,10 @@ WorstNode worst_node(std::span<const double> values) {
 // A full Newton step below this share of the length scale cannot improve the solution: what is left
 // of r is round-off (forces that cancel, as in a free body that moves without strain).
 constexpr double round_off = 1e-14;
+
+// Share of the forces that their own rounding may leave in |r|: some thousand terms of either sign.
+constexpr double likely_round_off = 1e-13;
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// State of one solve.
 template <int dim>
@@ -273,7 +278,8 @@ void Newton<dim>::fail(const std::string& reason, const std::string& cause) cons
 }  // namespace
 
 NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults) {
-  const Range residual{[](double x) { return x > 0 && x <= 0.1; }, "a number in (0, 0.1]"};
+  const Range residual{[](double x) { return x >= epsilon && x <= 0.1; },
+                       "a number from 2.3e-16 (rounding of the forces) to 0.1"};
   const Range increment{[](double x) { return x > 0 && x <= 1; }, "a number in (0, 1]"};
   NewtonSettings settings;
   settings.residual_tolerance =
@@ -283,6 +289,16 @@ NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults) {
   settings.max_iterations = in.integer_or("max_iterations", defaults.max_iterations, at_least(1));
   settings.reuse_matrix = in.boolean_or("reuse_matrix", defaults.reuse_matrix);
   in.finish();
+  if (settings.residual_tolerance < likely_round_off) {
+    log::warn(
+        "{}: found {:g}: |r| is a sum of forces that cancel, and their rounding alone may keep it "
+        "above that; {:g} is a safe choice",
+        in.where("residual_tolerance"), settings.residual_tolerance, likely_round_off);
+  }
+  if (settings.increment_tolerance < round_off) {
+    log::warn("{}: found {:g}: without effect below {:g}, where a step counts as small in any case",
+              in.where("increment_tolerance"), settings.increment_tolerance, round_off);
+  }
   return settings;
 }
 

@@ -15,7 +15,7 @@ namespace gabion {
 
 /// The "newton" object of a solver's config.
 struct NewtonSettings {
-  double residual_tolerance = 1e-8;   ///< |r| <= tol * scale of the forces; (0, 0.1]
+  double residual_tolerance = 1e-8;   ///< |r| <= tol * scale of the forces; [eps, 0.1]
   double increment_tolerance = 1e-8;  ///< max |step| <= tol * length; (0, 1]
   int max_iterations = 20;            ///< >= 1
   /// Keep the matrix (and its factor) while |r| falls by more than a factor 4 an iteration.

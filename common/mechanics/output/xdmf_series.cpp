@@ -105,9 +105,6 @@ void check_name(const std::string& what, const std::string& name) {
 XdmfSeries::XdmfSeries(std::string folder, std::string name)
     : folder_(std::move(folder)), name_(std::move(name)) {
   check_name("output series", name_);
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  require(!error, fmt::format("{}: cannot create this folder: {}", folder_, error.message()));
 }
 
 void XdmfSeries::write(double time, int dim, std::span<const double> coordinates, CellType type,
@@ -130,6 +127,11 @@ void XdmfSeries::write(double time, int dim, std::span<const double> coordinates
                       connectivity.size(), per_cell));
   const std::size_t num_cells = connectivity.size() / per_cell;
 
+  if (times_.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    require(!error, fmt::format("{}: cannot create this folder: {}", folder_, error.message()));
+  }
   const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
   Hdf5File file((std::filesystem::path(folder_) / file_name).string());
   // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
@@ -163,6 +165,17 @@ void XdmfSeries::write(double time, int dim, std::span<const double> coordinates
   times_.push_back(time);
   grids_.push_back(grid + "</Grid>\n");
   write_index();
+}
+
+std::int64_t XdmfSeries::frame_bytes(std::int64_t num_points, CellType type, std::int64_t num_cells,
+                                     const std::vector<OutputField>& fields) {
+  std::int64_t bytes = num_points * 3 * std::int64_t{sizeof(double)} +
+                       num_cells * num_nodes(type) * std::int64_t{sizeof(std::int32_t)};
+  for (const OutputField& field : fields) {
+    const std::int64_t rows = field.on_cells ? num_cells : num_points;
+    bytes += rows * std::ssize(layout(field).columns) * std::int64_t{sizeof(float)};
+  }
+  return bytes;
 }
 
 void XdmfSeries::write_index() const {

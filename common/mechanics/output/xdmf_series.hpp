@@ -23,7 +23,8 @@ struct OutputField {
 /// renamed, so that a killed run never leaves a broken frame) and one .xdmf file that lists them.
 class XdmfSeries {
  public:
-  /// Creates `folder` when missing. Files are folder/name_000000.h5 ... and folder/name.xdmf.
+  /// The first frame creates `folder` when missing. Files are folder/name_000000.h5 ... and
+  /// folder/name.xdmf.
   XdmfSeries(std::string folder, std::string name);
 
   /// @param coordinates   num_points x dim
@@ -32,6 +33,12 @@ class XdmfSeries {
   /// @throws Error  disk full, folder gone
   void write(double time, int dim, std::span<const double> coordinates, CellType type,
              std::span<const std::int32_t> connectivity, const std::vector<OutputField>& fields);
+
+  /// Size of a frame with these fields before compression, without what HDF5 itself takes (some
+  /// kB).
+  /// @param fields  without values
+  static std::int64_t frame_bytes(std::int64_t num_points, CellType type, std::int64_t num_cells,
+                                  const std::vector<OutputField>& fields);
 
   int num_frames() const { return static_cast<int>(times_.size()); }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/mechanics/petsc/linear_method.hpp"
 
+#include <limits>
+
 namespace gabion {
 
 namespace {
@@ -41,7 +43,9 @@ bool direct_is_faster(const LinearRegime& regime, int dim, std::int64_t num_dofs
 }  // namespace
 
 LinearSolverSettings read_linear_solver_settings(ConfigReader in, LinearSolverSettings defaults) {
-  const Range tolerance{[](double x) { return x > 0 && x <= 1e-2; }, "a number in (0, 0.01]"};
+  const Range tolerance{
+      [](double x) { return x >= std::numeric_limits<double>::epsilon() && x <= 1e-2; },
+      "a number from 2.3e-16 (rounding of the right-hand side) to 0.01"};
   LinearSolverSettings settings;
   settings.method =
       in.choice_or("method", {"auto", "lu", "mumps", "bicgstab", "gmres", "cg"}, defaults.method);

@@ -14,7 +14,7 @@ struct LinearSolverSettings {
   std::string method = "auto";
   /// "auto" | "jacobi" (node blocks) | "ilu" (node blocks, no fill); for Krylov methods
   std::string preconditioner = "auto";
-  double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; (0, 1e-2]
+  double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; [eps, 1e-2]
   int max_iterations = 500;  ///< of a Krylov method, then the direct one takes over; >= 1
 };
 LinearSolverSettings read_linear_solver_settings(ConfigReader in,

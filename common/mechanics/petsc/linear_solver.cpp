@@ -8,8 +8,8 @@
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
-#include "common/mechanics/petsc/petsc_matrix.hpp"
 #include "common/mechanics/norm.hpp"
+#include "common/mechanics/petsc/petsc_matrix.hpp"
 #include "common/mechanics/petsc/petsc_solver.hpp"
 
 namespace gabion {

@@ -26,10 +26,14 @@ int failure_of(const std::exception& error) {
 
 [[noreturn]] void throw_failure(int failure, const std::string& text) {
   switch (failure) {
-    case convergence: throw ConvergenceError(text);
-    case config: throw ConfigError(text);
-    case protocol: throw ProtocolError(text);
-    default: throw Error(text);
+    case convergence:
+      throw ConvergenceError(text);
+    case config:
+      throw ConfigError(text);
+    case protocol:
+      throw ProtocolError(text);
+    default:
+      throw Error(text);
   }
 }
 
@@ -52,7 +56,9 @@ void broadcast_bytes(MPI_Comm comm, std::vector<std::uint8_t>& bytes) {
   broadcast_asleep(comm, bytes.data(), size);
 }
 
-Json request_json(const StepRequest& r) { return {r.step, r.iteration, r.time, r.dt}; }
+Json request_json(const StepRequest& r) {
+  return {r.step, r.iteration, r.time, r.dt};
+}
 
 StepRequest request_from(const Json& j) {
   return {j.at(0).get<std::int64_t>(), j.at(1).get<int>(), j.at(2).get<double>(),
@@ -99,9 +105,13 @@ void RankedSolver::together(const std::function<void()>& work) const {
   throw_failure(worst.failure, text);
 }
 
-std::vector<InterfaceMesh> RankedSolver::interfaces() const { return inner_.interfaces(); }
+std::vector<InterfaceMesh> RankedSolver::interfaces() const {
+  return inner_.interfaces();
+}
 
-std::vector<std::string> RankedSolver::probe_names() const { return inner_.probe_names(); }
+std::vector<std::string> RankedSolver::probe_names() const {
+  return inner_.probe_names();
+}
 
 StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
@@ -170,13 +180,26 @@ void RankedSolver::follow_call(Call call, const Json& arguments) {
     case Call::accept_step:
       inner_.accept_step(request_from(arguments.at(0)), arguments.at(1).get<bool>());
       break;
-    case Call::reject_step: inner_.reject_step(); break;
-    case Call::write_output: inner_.write_output(arguments.get<double>()); break;
-    case Call::probes: inner_.probes(); break;
-    case Call::summary: inner_.summary(); break;
-    case Call::save_state: gather_state(comm_, inner_.save_state()); break;
-    case Call::load_state: inner_.load_state(scatter_state(comm_, {})); break;
-    case Call::stop: break;
+    case Call::reject_step:
+      inner_.reject_step();
+      break;
+    case Call::write_output:
+      inner_.write_output(arguments.get<double>());
+      break;
+    case Call::probes:
+      inner_.probes();
+      break;
+    case Call::summary:
+      inner_.summary();
+      break;
+    case Call::save_state:
+      gather_state(comm_, inner_.save_state());
+      break;
+    case Call::load_state:
+      inner_.load_state(scatter_state(comm_, {}));
+      break;
+    case Call::stop:
+      break;
   }
 }
 

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <numeric>
+#include <algorithm>
+#include <limits>
+#include <map>
 
 #include "common/base/error.hpp"
-#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion {
 
@@ -14,42 +16,13 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-MPI_Datatype type_of(const std::vector<double>&) {
-  return MPI_DOUBLE;
-}
-MPI_Datatype type_of(const std::vector<std::int64_t>&) {
-  return MPI_INT64_T;
-}
-MPI_Datatype type_of(const Bytes&) {
-  return MPI_BYTE;
-}
-
-std::vector<int> starts_of(const std::vector<int>& counts) {
-  std::vector<int> starts(counts.size() + 1, 0);
-  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
-  return starts;
-}
-
-/// @param[out] counts  values of each rank, on the first one
-template <class Value>
-std::vector<Value> gather(MPI_Comm comm, const std::vector<Value>& own, std::vector<int>& counts) {
-  const int count = static_cast<int>(own.size());
-  counts.assign(num_ranks(comm), 0);
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-  const std::vector<int> starts = starts_of(counts);
-  std::vector<Value> all(rank_of(comm) == 0 ? starts.back() : 0);
-  MPI_Gatherv(own.data(), count, type_of(own), all.data(), counts.data(), starts.data(),
-              type_of(own), 0, comm);
-  return all;
-}
-
 template <class Value>
 std::vector<Value> scatter(MPI_Comm comm, const std::vector<Value>& all,
                            const std::vector<int>& counts) {
   const std::vector<int> starts = starts_of(counts);
   std::vector<Value> own(counts[rank_of(comm)]);
-  MPI_Scatterv(all.data(), counts.data(), starts.data(), type_of(all), own.data(),
-               static_cast<int>(own.size()), type_of(own), 0, comm);
+  MPI_Scatterv(all.data(), counts.data(), starts.data(), mpi_type<Value>(), own.data(),
+               static_cast<int>(own.size()), mpi_type<Value>(), 0, comm);
   return own;
 }
 
@@ -63,6 +36,50 @@ Json broadcast(MPI_Comm comm, const Json& value) {
   return Json::from_cbor(bytes);
 }
 
+/// Why the counts of the ranks do not fit these arrays; empty: they do.
+template <class Value>
+std::string problem_with(const Json& counts_by_name, std::size_t num_ranks,
+                         const std::map<std::string, std::vector<Value>>& arrays) {
+  if (!counts_by_name.is_object()) return "found no counts by array";
+  for (const auto& [name, counts] : counts_by_name.items()) {
+    const auto array = arrays.find(name);
+    if (array == arrays.end()) return fmt::format("\"{}\" is missing", name);
+    if (!counts.is_array() || counts.size() != num_ranks) {
+      return fmt::format("\"{}\": found counts {}, allowed: one for each of {} ranks", name,
+                         counts.dump(), num_ranks);
+    }
+    std::int64_t sum = 0;
+    for (const Json& count : counts) {
+      const bool good =
+          count.is_number_integer() && count >= 0 && count <= std::numeric_limits<int>::max();
+      if (!good) return fmt::format("\"{}\": found count {}", name, count.dump());
+      sum += count.get<std::int64_t>();
+    }
+    if (sum != std::ssize(array->second)) {
+      return fmt::format("\"{}\" has {} values, its ranks had {}", name, array->second.size(), sum);
+    }
+  }
+  return "";
+}
+
+/// Why this is not what gather_state() made; empty: it is.
+std::string problem_with(const State& all) {
+  const Json ranks = all.facts.value("ranks", Json());
+  if (!ranks.is_number_integer() || ranks < 1 || ranks > std::numeric_limits<int>::max()) {
+    return "found no number of MPI ranks";
+  }
+  const auto num_ranks = ranks.get<std::size_t>();
+  const Json facts = all.facts.value("facts", Json());
+  const bool each =
+      facts.is_array() && facts.size() == num_ranks &&
+      std::all_of(facts.begin(), facts.end(), [](const Json& of) { return of.is_object(); });
+  if (!each) return fmt::format("found no facts of each of {} ranks", num_ranks);
+  const std::string problem = problem_with(all.facts.value("reals", Json()), num_ranks, all.reals);
+  return !problem.empty()
+             ? problem
+             : problem_with(all.facts.value("integers", Json()), num_ranks, all.integers);
+}
+
 }  // namespace
 
 State gather_state(MPI_Comm comm, const State& own) {
@@ -70,14 +87,14 @@ State gather_state(MPI_Comm comm, const State& own) {
   Json real_counts = Json::object(), integer_counts = Json::object(), facts = Json::array();
   std::vector<int> counts;
   for (const auto& [name, values] : own.reals) {
-    all.reals[name] = gather(comm, values, counts);
+    all.reals[name] = gather<double>(comm, values, counts);
     real_counts[name] = counts;
   }
   for (const auto& [name, values] : own.integers) {
-    all.integers[name] = gather(comm, values, counts);
+    all.integers[name] = gather<std::int64_t>(comm, values, counts);
     integer_counts[name] = counts;
   }
-  const Bytes texts = gather(comm, Json::to_cbor(own.facts), counts);
+  const Bytes texts = gather<std::uint8_t>(comm, Json::to_cbor(own.facts), counts);
   if (rank_of(comm) != 0) return {};
   const std::vector<int> starts = starts_of(counts);
   for (std::size_t r = 0; r < counts.size(); ++r) {
@@ -91,7 +108,9 @@ State gather_state(MPI_Comm comm, const State& own) {
 }
 
 State scatter_state(MPI_Comm comm, const State& all) {
-  const Json parts = broadcast(comm, all.facts);
+  const std::string problem = rank_of(comm) == 0 ? problem_with(all) : "";
+  const Json parts = broadcast(comm, problem.empty() ? all.facts : Json(problem));
+  if (parts.is_string()) throw Error("saved state: " + parts.get<std::string>());
   const int saved_ranks = parts.at("ranks").get<int>();
   require<ConfigError>(
       saved_ranks == num_ranks(comm),

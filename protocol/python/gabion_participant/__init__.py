@@ -5,13 +5,15 @@ serve(solver, settings)   for codes that offer a few functions: derive from Solv
 Participant(settings)     for codes that keep their own time loop
 """
 
+from . import interrupt
 from .connection import Connection
 from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageError
 from .handshake import PROTOCOL_VERSION, ParticipantSettings
 from .participant import Participant
-from .service import serve, serve_over
+from .service import introduce, serve, serve_over
 from .solver import AcceptReport, InterfaceMesh, InterfaceValues, Solver, StepReport, StepRequest
 
 __all__ = ["PROTOCOL_VERSION", "AcceptReport", "Connection", "ConvergenceError", "InterfaceMesh",
            "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
-           "Solver", "StepReport", "StepRequest", "UsageError", "serve", "serve_over"]
+           "Solver", "StepReport", "StepRequest", "UsageError", "interrupt", "introduce", "serve",
+           "serve_over"]

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 import zmq
 
+from . import interrupt
 from .errors import ProtocolError
 from .handshake import ParticipantSettings, Welcome, hello, read_welcome
 from .heartbeat import OWN_SLEEP, Heartbeat
@@ -57,6 +58,7 @@ class Connection:
         self._coupler: PeerWatch | None = None
         self._last_sequence = 0
         self._last_look = time.monotonic()
+        self._signal_came: float | None = None  # [s] when it was noticed
         self._failure = ""
         self._closed = False
 
@@ -75,13 +77,13 @@ class Connection:
         return self.welcome.run if self.welcome else {}
 
     def handshake(self, interfaces: Sequence[InterfaceMesh], probe_names: Sequence[str] = (),
-                  probes: Sequence[float] = ()) -> None:
-        """Introduce this participant. Raises ProtocolError: refused (both values are named), or no answer in
-        time."""
+                  probes: Sequence[float] = (), keeps_state: bool = False) -> None:
+        """Introduce this participant; `keeps_state`: it will answer "save" and "load". Raises ProtocolError:
+        refused (both values are named), or no answer in time."""
         self._require_usable()
         if self.welcome:
             raise ProtocolError("the handshake is done already")
-        self._post(hello(self.settings, self._session, interfaces, probe_names, probes))
+        self._post(hello(self.settings, self._session, interfaces, probe_names, probes, keeps_state))
         answer = self._await_answer()
         if answer.type == "refused":
             self._fail(f'the coupler at {self.settings.endpoint} refused participant "{self.settings.name}": '
@@ -173,6 +175,7 @@ class Connection:
             if message and message.type != "alive":
                 self._monitor.close()
                 return message
+            interrupt.check()
             try:
                 self._monitor.check()
             except ProtocolError as refusal:
@@ -205,9 +208,21 @@ class Connection:
         if now - self._last_look > OWN_SLEEP:
             self._coupler.forgive()
         self._last_look = now
-        if death := self._coupler.death():
+        interrupted = interrupt.requested() and not self._waits_for_last_checkpoint(now)
+        if interrupted or self._coupler.death():
             while frames := self._receive(SLICE):  # it may have said why
                 self._read(frames)
+        if death := self._coupler.death():
             self._fail(death)
+        if interrupted:
+            interrupt.check()
         if silent and (silence := self._coupler.silence(self.welcome.silence_deadline)):
             self._fail(silence)
+
+    def _waits_for_last_checkpoint(self, now: float) -> bool:
+        """A launcher sends the signal to all programs; the coupler then ends the run after the step under
+        way, with a checkpoint."""
+        if self._signal_came is None:
+            self._signal_came = now
+        keeps = bool(self.run_settings().get("checkpoints", False))
+        return keeps and now - self._signal_came < interrupt.patience()

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from .errors import ProtocolError, UsageError
-from .message import Message, require_finite
+from .message import VALUE_BYTES, Message, require_finite
 from .process import ProcessIdentity, this_process
 from .solver import AcceptReport, InterfaceMesh, InterfaceValues, StepReport, StepRequest
 
-PROTOCOL_VERSION = "1.0"
+PROTOCOL_VERSION = "1.1"
 SIGN_CONVENTION = "displacement: total from reference; force: by soil on structure"
 UNITS = {"displacement": "m", "force": "N"}
 NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")
@@ -90,8 +90,9 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
 
 
 def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[InterfaceMesh],
-          probe_names: Sequence[str], probes: Sequence[float]) -> Message:
-    """What a participant says about itself. `probes`: values in the initial state, as many as names."""
+          probe_names: Sequence[str], probes: Sequence[float], keeps_state: bool = False) -> Message:
+    """What a participant says about itself. `probes`: values in the initial state, as many as names.
+    `keeps_state`: it answers "save" and "load"."""
     check_interfaces(interfaces, settings.dimension)
     if len(probe_names) != len(probes):
         raise UsageError(f"probes: found {len(probes)} values, allowed: as many as names, {len(probe_names)}")
@@ -106,6 +107,7 @@ def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[Inte
             {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1]}
             for mesh in interfaces],
         "probe_names": list(probe_names), "heartbeat": True, "process": this_process().to_fields(),
+        "keeps_state": keeps_state,
     })
     for mesh in interfaces:
         message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
@@ -192,3 +194,24 @@ def accepted(report: AcceptReport, probes: Sequence[float]) -> Message:
         "at_rest": bool(report.at_rest), "proposed_dt": float(report.proposed_dt),
         "details": plain(report.details),
     }, arrays={"probes": np.array(probes, dtype="<f8")})
+
+
+def saved(state: bytes) -> Message:
+    """The bytes as one array, eight a value, filled up with zeros, and their number."""
+    padded = state + bytes(-len(state) % VALUE_BYTES)
+    return Message("saved", fields={"state": {"bytes": len(state)}},
+                   arrays={"integer:bytes": np.frombuffer(padded, dtype="<i8")})
+
+
+def read_state(message: Message) -> bytes:
+    """The bytes of saved(). Raises ProtocolError for a state of another form."""
+    count = message.object("state").count("bytes")
+    values = message.integers("integer:bytes", (-1,))
+    if values.size != -(-count // VALUE_BYTES):
+        raise ProtocolError(
+            f"state: expected an array of {count} bytes, found {values.size} values of 8 bytes")
+    return values.tobytes()[:count]
+
+
+def loaded(probes: Sequence[float]) -> Message:
+    return Message("loaded", arrays={"probes": np.array(probes, dtype="<f8")})

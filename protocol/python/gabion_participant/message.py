@@ -93,15 +93,23 @@ class Message:
 
     def reals(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
         """An array of finite values; an extent of -1 in `shape` accepts any."""
+        array = self._array(name, "<f8", shape)
+        require_finite(array, name)
+        return array
+
+    def integers(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
+        """An array of integers; an extent of -1 in `shape` accepts any."""
+        return self._array(name, "<i8", shape)
+
+    def _array(self, name: str, dtype: str, shape: tuple[int, ...]) -> np.ndarray:
         array = self.arrays.get(name)
         where = f'message "{self.type}", array "{name}"'
         if array is None:
             raise ProtocolError(f"{where}: expected shape {list(shape)}, found none")
         fits = array.ndim == len(shape) and all(a in (-1, b) for a, b in zip(shape, array.shape))
-        if array.dtype != np.dtype("<f8") or not fits:
-            raise ProtocolError(f'{where}: expected "<f8" of shape {list(shape)}, found '
+        if array.dtype != np.dtype(dtype) or not fits:
+            raise ProtocolError(f'{where}: expected "{dtype}" of shape {list(shape)}, found '
                                 f'"{array.dtype.str}" of shape {list(array.shape)}')
-        require_finite(array, name)
         return array
 
 

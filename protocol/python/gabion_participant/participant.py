@@ -9,8 +9,8 @@ import numpy as np
 
 from .connection import Connection
 from .errors import ProtocolError, UsageError
-from .handshake import (ParticipantSettings, accepted, check_interfaces, plain, put_values, read_step_request,
-                        read_values, solved)
+from .handshake import (ParticipantSettings, accepted, check_interfaces, loaded, plain, put_values,
+                        read_state, read_step_request, read_values, saved, solved)
 from .message import Message
 from .solver import AcceptReport, InterfaceMesh, InterfaceValues, StepReport, StepRequest
 
@@ -38,6 +38,8 @@ class Participant:
         self._meshes: list[InterfaceMesh] = []
         self._connection: Connection | None = None
         self._output: Callable[[float], None] | None = None
+        self._save: Callable[[], bytes] | None = None  # None: does not keep its state
+        self._load: Callable[[bytes], None] | None = None
         self._summary: dict[str, Any] = {}
         self._probes: dict[str, float] = {}
         self._accepted_probes: list[float] = []
@@ -70,6 +72,17 @@ class Participant:
         self._before_initialize("set_output")
         self._output = write
 
+    def set_state(self, save: Callable[[], bytes], load: Callable[[bytes], None]) -> None:
+        """Optional, so that a run with this code can be restarted. Before initialize().
+
+        `save()` gives all of the accepted state, which then is the code's current state, that later steps
+        depend on, in a form of the code's own. `load(state)` goes on from what `save` gave, in an earlier run
+        perhaps, and calls set_probes(); each later step then gives the bits that it would have given there.
+        It is called in initialize() already, or between two steps.
+        """
+        self._before_initialize("set_state")
+        self._save, self._load = save, load
+
     def set_summary(self, summary: dict[str, Any]) -> None:
         """What summary.json shall say of this participant."""
         self._summary = dict(summary)
@@ -81,7 +94,8 @@ class Participant:
         self._connection = Connection(self._settings)
         self._accepted_probes = list(self._probes.values())
         names = list(self._probes)
-        self._guarded(lambda: self._connection.handshake(self._meshes, names, self._accepted_probes))
+        self._guarded(lambda: self._connection.handshake(self._meshes, names, self._accepted_probes,
+                                                          self._save is not None))
         self._must_write = True
         self._settle()
 
@@ -214,6 +228,8 @@ class Participant:
             if request.type == "write_output" and self._output:
                 raise ProtocolError("the coupler wants the accepted state on disk in the middle of a step: "
                                     "this participant writes it between steps only")
+            if request.type in ("save", "load"):
+                raise ProtocolError(f'the coupler asked for "{request.type}" in the middle of a step')
             self._other_request(request)
             if self._request:
                 self._must_read = True
@@ -243,6 +259,13 @@ class Participant:
                 if self._output:
                     self._output(request.number("time"))
                 self._reply(Message("written"))
+            case "save" if self._save:
+                self._reply(saved(self._save()))
+            case "load" if self._load:
+                self._load(read_state(request))
+                self._accepted_probes = list(self._probes.values())
+                self._must_write = True  # what the code saved for repeated steps is of another state
+                self._reply(loaded(self._accepted_probes))
             case "summarize":
                 self._reply(Message("summary", fields={"summary": plain(self._summary)}))
             case "finish":
@@ -250,7 +273,8 @@ class Participant:
                 self._finished = True
                 self._connection.close()
             case _:
-                raise ProtocolError(f'the coupler asked for "{request.type}" out of order')
+                raise ProtocolError(
+                    f'the coupler asked for "{request.type}", which this participant does not know')
 
     def _write_if_asked(self, request: Message) -> None:
         if request.boolean("write_output") and self._output:

@@ -4,11 +4,19 @@
 import time
 
 from .connection import Connection
-from .errors import ConvergenceError, ProtocolError
-from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, plain, put_values, read_step_request,
-                        read_values, solved)
+from .errors import ConvergenceError, ProtocolError, UsageError
+from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded, plain, put_values,
+                        read_state, read_step_request, read_values, saved, solved)
 from .message import Message
 from .solver import Solver
+
+
+def keeps_state(solver: Solver) -> bool:
+    """Whether the solver has functions of its own in place of those that only raise."""
+    own = [getattr(type(solver), name) is not getattr(Solver, name) for name in ("save_state", "load_state")]
+    if own[0] != own[1]:
+        raise UsageError("save_state, load_state: found one of them, allowed: both, or neither")
+    return own[0]
 
 
 class Service:
@@ -18,6 +26,7 @@ class Service:
         self._solver = solver
         self._settings = settings
         self._interfaces = solver.interfaces()
+        self._keeps_state = keeps_state(solver)
         self._has_solution = False
 
     def answer(self, request: Message) -> Message:
@@ -41,8 +50,16 @@ class Service:
                 return Message("written")
             case "summarize":
                 return Message("summary", fields={"summary": plain(self._solver.summary())})
+            case "save" if self._keeps_state and not self._has_solution:
+                return saved(self._solver.save_state())
+            case "load" if self._keeps_state and not self._has_solution:
+                self._solver.load_state(read_state(request))
+                return loaded(self._solver.probes())
             case "finish":
                 return Message("finished")
+        if request.type in ("save", "load"):
+            why = "in the middle of a step" if self._keeps_state else "of a participant that keeps no state"
+            raise ProtocolError(f'the coupler asked for "{request.type}" {why}')
         raise ProtocolError(
             f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
 
@@ -81,10 +98,15 @@ def serve(solver: Solver, settings: ParticipantSettings) -> None:
         serve_over(solver, connection)
 
 
+def introduce(solver: Solver, connection: Connection) -> None:
+    """The handshake, with what the solver says of itself."""
+    connection.handshake(solver.interfaces(), solver.probe_names(), solver.probes(), keeps_state(solver))
+
+
 def serve_over(solver: Solver, connection: Connection) -> None:
     """The same over a connection that the caller made, so as to read run_settings() after its handshake."""
     if connection.welcome is None:
-        connection.handshake(solver.interfaces(), solver.probe_names(), solver.probes())
+        introduce(solver, connection)
     service = Service(solver, connection.settings)
     while True:
         request = connection.next_request()

@@ -95,6 +95,16 @@ class Solver(ABC):
     def write_output(self, time: float) -> None:
         """Write the accepted state to disk; called at time 0 [s] too."""
 
+    def save_state(self) -> bytes:
+        """All of the accepted state that later steps depend on, in a form of the solver's own. Optional, with
+        load_state: a run with this solver then keeps checkpoints and can be restarted."""
+        raise NotImplementedError
+
+    def load_state(self, state: bytes) -> None:
+        """Go on from what save_state gave, in an earlier run perhaps: every later step gives the bits that it
+        would have given there. Forgets the last solution."""
+        raise NotImplementedError
+
     def probe_names(self) -> list[str]:
         """Names of the numbers that the run shall record of this solver."""
         return []

@@ -31,6 +31,18 @@ static int write_nothing(double time, void* count) {
   return 0;
 }
 
+static int save_state(const void** data, size_t* size, void* u) {
+  *data = u;
+  *size = 2 * sizeof(double);
+  return 0;
+}
+
+static int load_state(const void* data, size_t size, void* u) {
+  if (size != 2 * sizeof(double)) return 1;
+  memcpy(u, data, size);
+  return gabion_write_probes(participant, 1, u) == GABION_OK ? 0 : 2;
+}
+
 int main(int argc, char** argv) {
   const double coordinates[num_values] = {0.26, 0, 0.26, 0.05, 0.25, 0.05};
   const int64_t facets[4] = {0, 1, 1, 2};
@@ -49,6 +61,7 @@ int main(int argc, char** argv) {
   check(gabion_set_interface(participant, "wall", num_vertices, coordinates, 2, 2, facets));
   check(gabion_set_probes(participant, 1, &probe, u));
   check(gabion_set_output(participant, write_nothing, &outputs));
+  check(gabion_set_state(participant, save_state, load_state, u));
   check(gabion_initialize(participant));
   while (is(gabion_is_coupling_ongoing)) {
     double dt = 0, values[num_values], force[2] = {0, 0};

@@ -160,7 +160,8 @@ TEST(TimeSteps, a_proposal_bounds_the_next_step) {
   EXPECT_EQ(steps.dt(), 0.125);  // the smallest step of the raster
 }
 
-/// Growth to dt_max: steps of 2 dt start at multiples of 2 dt, times stay multiples of dt to the bit.
+/// Growth to dt_max: steps of 2 dt start at multiples of 2 dt, times stay multiples of dt to the
+/// bit.
 TEST(TimeSteps, steps_grow_up_to_dt_max_on_the_raster) {
   TimeSteps steps({.end = 10, .dt = 0.1, .dt_min = 0.01, .dt_max = 0.5});
   std::vector<double> dts;

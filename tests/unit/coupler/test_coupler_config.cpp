@@ -154,6 +154,24 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
                "force, displacement");
 }
 
+TEST(CouplerConfig, deformed_positions_need_a_projection) {
+  const std::string at = "/coupling/mapping";
+  Json config = good();
+  config["coupling"]["mapping"] = {{"tolerance", 1}, {"positions", "deformed"}, {"moved", 0}};
+  const auto mapping = read_coupler_settings(ConfigReader(config, "c.json")).coupling.mapping;
+  EXPECT_TRUE(mapping.deformed);
+  EXPECT_EQ(mapping.moved, 0);
+  expect_error(at, {{"tolerance", 1}, {"positions", "current"}}, at + "/positions",
+               "reference, deformed");
+  for (const char* method : {"radial_basis", "nearest_neighbor"}) {
+    expect_error(at, {{"tolerance", 1}, {"method", method}, {"positions", "deformed"}},
+                 at + "/positions", "nearest_projection");
+  }
+  expect_error(at, {{"tolerance", 1}, {"moved", 0.1}}, at + "/moved", "unknown");
+  expect_error(at, {{"tolerance", 1}, {"positions", "deformed"}, {"moved", -1}}, at + "/moved",
+               ">= 0");
+}
+
 TEST(CouplerConfig, radial_basis_keys_belong_to_the_radial_basis) {
   const std::string at = "/coupling/mapping";
   expect_error(at, {{"tolerance", 1}, {"kernel", "thin_plate"}}, at + "/kernel", "unknown");

@@ -6,54 +6,27 @@
 #include "coupler/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
 #include "tests/unit/coupler/sequence.hpp"
+#include "tests/unit/coupler/surface_meshes.hpp"
 
 namespace gabion {
 namespace {
 
+using test::SurfacePair;
 using Values = std::vector<double>;
 
 /// Polyline from (0, 0) to (1, 2), unevenly divided; the structure lies to its left.
 InterfaceMesh polyline(const Values& stations, bool facets = true) {
-  InterfaceMesh mesh;
-  mesh.name = "wall";
-  mesh.dim = 2;
-  mesh.vertices_per_facet = facets ? 2 : 0;
-  for (const double s : stations) mesh.coordinates.insert(mesh.coordinates.end(), {s, 2 * s});
-  for (std::size_t i = 0; facets && i + 1 < stations.size(); ++i) {
-    mesh.facets.insert(mesh.facets.end(), {std::int64_t(i), std::int64_t(i + 1)});
-  }
-  return mesh;
+  return test::line_mesh(
+      stations, [](double s) { return std::pair(s, 2 * s); }, facets);
 }
 
 /// Tilted plane z = x / 2 + y / 4 over the unit square, n x m quads or twice as many triangles.
 InterfaceMesh plane(int n, int m, int vertices_per_facet) {
-  InterfaceMesh mesh;
-  mesh.name = "wall";
-  mesh.dim = 3;
-  mesh.vertices_per_facet = vertices_per_facet;
-  for (int j = 0; j <= m; ++j) {
-    for (int i = 0; i <= n; ++i) {
-      const double x = double(i) / n;
-      const double y = double(j) / m;
-      mesh.coordinates.insert(mesh.coordinates.end(), {x, y, x / 2 + y / 4});
-    }
-  }
-  for (int j = 0; j < m; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const std::int64_t a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
-      if (vertices_per_facet == 4) mesh.facets.insert(mesh.facets.end(), {a, b, c, d});
-      if (vertices_per_facet == 3) mesh.facets.insert(mesh.facets.end(), {a, b, c, a, c, d});
-    }
-  }
-  return mesh;
+  return test::sheet_mesh(n, m, vertices_per_facet,
+                          [](double x, double y) { return x / 2 + y / 4; });
 }
 
-struct Pair {
-  InterfaceMesh structure;
-  InterfaceMesh soil;
-};
-
-std::vector<Pair> pairs() {
+std::vector<SurfacePair> pairs() {
   return {{polyline({0, 0.2, 0.55, 1}), polyline({0, 0.1, 0.37, 0.6, 0.93, 1})},
           {plane(3, 2, 3), plane(4, 5, 3)},
           {plane(3, 2, 4), plane(4, 5, 4)},
@@ -90,7 +63,7 @@ double dot(const Values& a, const Values& b) {
 TEST(Mapping, projection_reproduces_constants_and_linear_fields) {
   Eigen::Matrix3d B;
   B << 1, 2, -1, 0.3, -0.7, 0.2, 2, 1, 0.1;
-  for (const Pair& pair : pairs()) {
+  for (const SurfacePair& pair : pairs()) {
     const Mapping mapping(pair.structure, pair.soil, projection);
     for (const Eigen::Matrix3d& gradient : {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), B}) {
       const Eigen::Vector3d a(0.5, -2, 3);
@@ -111,7 +84,7 @@ TEST(Mapping, projection_reproduces_constants_and_linear_fields) {
 }
 
 TEST(Mapping, nearest_neighbor_reproduces_constants_only) {
-  const Pair pair = pairs()[0];
+  const SurfacePair pair = pairs()[0];
   const Mapping mapping(pair.structure, pair.soil, {"nearest_neighbor", 1});
   Values found(pair.soil.coordinates.size());
   mapping.to_soil(linear_field(pair.structure, {1, 2, 0}, Eigen::Matrix3d::Zero()), found);
@@ -122,7 +95,7 @@ TEST(Mapping, nearest_neighbor_reproduces_constants_only) {
 }
 
 TEST(Mapping, forces_keep_sum_moment_and_work) {
-  for (const Pair& pair : pairs()) {
+  for (const SurfacePair& pair : pairs()) {
     const InterfaceMap map({{"wall", "soil", "structure"}},
                            {{"soil", {pair.soil}}, {"structure", {pair.structure}}}, projection);
     const Values x_values = random_values(pair.structure.coordinates.size(), 1);
@@ -233,6 +206,22 @@ TEST(Mapping, surfaces_too_far_apart_are_refused_with_the_place) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find("allowed: 0.001 m (coupling/mapping/tolerance)"), std::string::npos) << text;
+}
+
+TEST(Mapping, nearest_neighbor_measures_to_the_vertex_that_it_takes) {
+  const InterfaceMesh structure = polyline({0, 1}), soil = polyline({0, 0.3, 1});
+  EXPECT_NEAR(Mapping(structure, soil, {"nearest_neighbor", 0.7}).report().farthest,
+              0.3 * std::sqrt(5), 1e-15);
+  const std::string text = error_of([&] { Mapping(structure, soil, {"nearest_neighbor", 0.1}); });
+  EXPECT_NE(text.find("away from the structure's nearest vertex, allowed: 0.1 m"),
+            std::string::npos)
+      << text;
+  EXPECT_LE(Mapping(structure, soil, {"nearest_projection", 0.1}).report().farthest, 1e-15);
+}
+
+TEST(Mapping, equal_vertices_need_no_facets) {
+  const InterfaceMesh points = polyline({0, 0.4, 1}, false);
+  EXPECT_TRUE(Mapping(points, points, projection).is_identity());
 }
 
 TEST(Mapping, opposite_normals_are_refused) {

@@ -17,6 +17,11 @@ enum class Habit {
   never_cold,        ///< the same, and goes on so after reject_step
   fails_below,       ///< no solution with a small dt
   spoilt_by_output,
+  forgets_load,      ///< loading does nothing
+  keeps_last_save,   ///< goes back to what it saved last, whatever it is given
+  saves_too_little,  ///< lacks a part of the state
+  spoils_probes,     ///< its probes do not come back
+  keeps_no_state,
   dies
 };
 
@@ -47,6 +52,7 @@ class Dashpot : public Solver {
   }
   AcceptReport accept_step(const StepRequest&, bool solved) override {
     if (solved) accepted_ = start_ = trial_;
+    probe_ = accepted_[0];
     noise_ = 0;
     AcceptReport report;
     report.at_rest = rests_;
@@ -59,17 +65,33 @@ class Dashpot : public Solver {
   void write_output(double) override {
     if (habit_ == Habit::spoilt_by_output && start_[0] != 0) start_[0] += 1;
   }
-  std::vector<double> probes() const override { return {}; }
+  std::vector<double> probes() const override { return {probe_}; }
+  bool keeps_state() const override { return habit_ != Habit::keeps_no_state; }
+  State save_state() override {
+    State state;
+    state.reals["u"] = last_save_ = accepted_;
+    if (habit_ == Habit::saves_too_little) state.reals["u"][3] = 0;
+    return state;
+  }
+  void load_state(const State& state) override {
+    if (habit_ == Habit::forgets_load) return;
+    accepted_ = habit_ == Habit::keeps_last_save ? last_save_ : state.reals.at("u");
+    start_ = trial_ = accepted_;
+    if (habit_ != Habit::spoils_probes) probe_ = accepted_[0];
+  }
   Json summary() const override { return Json::object(); }
 
  private:
   Habit habit_;
   bool rests_;
   std::vector<double> accepted_ = std::vector<double>(4, 0.0);
-  std::vector<double> start_ = accepted_, trial_ = accepted_;
+  std::vector<double> start_ = accepted_, trial_ = accepted_, last_save_;
+  double probe_ = 0;
   double dt_ = 0.1;
   int count_ = 0, noise_ = 0;
 };
+
+const std::string restart = "the same steps after save, other steps and load";
 
 std::vector<CheckRow> check(Habit habit, bool rests = false) {
   Dashpot solver(habit, rests);
@@ -88,6 +110,7 @@ TEST(ParticipantCheck, a_good_one_passes_every_trial) {
     const auto rows = check(Habit::good, rests);
     EXPECT_TRUE(all_passed(rows)) << table_text(rows);
     EXPECT_GT(rows.size(), 20u);
+    EXPECT_EQ(row(rows, restart).verdict, CheckRow::Verdict::passed);
     EXPECT_EQ(row(rows, "a skipped step").verdict,
               rests ? CheckRow::Verdict::passed : CheckRow::Verdict::not_asked);
   }
@@ -101,6 +124,10 @@ TEST(ParticipantCheck, bad_habits_are_found) {
       {Habit::never_cold, "the same bits after reject_step"},
       {Habit::fails_below, "half of dt, rejected: the same bits again"},
       {Habit::spoilt_by_output, "after it: the same bits after output"},
+      {Habit::forgets_load, restart},
+      {Habit::keeps_last_save, restart},
+      {Habit::saves_too_little, restart},
+      {Habit::spoils_probes, restart},
       {Habit::dies, "it stays"}};
   for (const auto& [habit, what] : cases) {
     const auto rows = check(habit);
@@ -109,6 +136,14 @@ TEST(ParticipantCheck, bad_habits_are_found) {
   }
   EXPECT_EQ(row(check(Habit::keeps_rejected), "the same request again").verdict,
             CheckRow::Verdict::passed);
+}
+
+TEST(ParticipantCheck, one_that_keeps_no_state_is_told) {
+  const auto rows = check(Habit::keeps_no_state);
+  EXPECT_TRUE(all_passed(rows)) << table_text(rows);
+  EXPECT_EQ(row(rows, restart).verdict, CheckRow::Verdict::not_asked);
+  const std::string found = row(check(Habit::spoils_probes), restart).found;
+  EXPECT_NE(found.find("at \"probes\", vertex 0"), std::string::npos) << found;
 }
 
 TEST(ParticipantCheck, a_warm_start_within_the_step_is_told_and_allowed) {

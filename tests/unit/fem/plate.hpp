@@ -16,8 +16,8 @@ inline Json plate(const std::string& law = "neo_hookean") {
           {"initial_equilibrium", true},
           {"supports", {{{"group", "bottom"}, {"report_reaction", true}}}},
           {"interfaces", {{{"name", "wall"}, {"groups", {"left", "top"}}}}},
-          {"probes", {{{"name", "A"}, {"point", {0, height}}},
-                      {{"name", "B"}, {"point", {0.033, 0.21}}}}}};
+          {"probes",
+           {{{"name", "A"}, {"point", {0, height}}}, {{"name", "B"}, {"point", {0.033, 0.21}}}}}};
 }
 
 /// The same horizontal force on every vertex.

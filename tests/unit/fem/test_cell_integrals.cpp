@@ -67,7 +67,8 @@ Matrix<dim> gradient() {
   return G.template topLeftCorner<dim, dim>();
 }
 
-/// Under an affine displacement the stress is uniform: no force on inner nodes, and P n A on a side.
+/// Under an affine displacement the stress is uniform: no force on inner nodes, and P n A on a
+/// side.
 template <int dim>
 void patch_test(const std::string& type, const std::string& law) {
   SCOPED_TRACE(type + " " + law);
@@ -196,8 +197,8 @@ TEST(CellIntegrals, inverted_state_is_reported) {
   Matrix<2> G = Matrix<2>::Zero();
   G(0, 0) = -1.5;
   std::vector<double> f(settings.mesh.nodes.size() * 2, 0.0);
-  const auto result = integrals_of(settings).add_internal(affine(settings.mesh, G),
-                                                          std::span<double>(f), nullptr);
+  const auto result =
+      integrals_of(settings).add_internal(affine(settings.mesh, G), std::span<double>(f), nullptr);
   EXPECT_EQ(result.inadmissible_cell, 0);
 }
 

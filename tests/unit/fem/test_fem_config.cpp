@@ -86,8 +86,8 @@ TEST(FemConfig, values_out_of_range) {
 
 TEST(FemConfig, plastic_law_is_refused) {
   Json json = valid();
-  json["material"] = {{"law", "mohr_coulomb"},  {"young_modulus", 1e6},   {"poisson_ratio", 0.3},
-                      {"density", 1000},        {"friction_angle", 30.0}, {"dilation_angle", 0.0},
+  json["material"] = {{"law", "mohr_coulomb"}, {"young_modulus", 1e6},   {"poisson_ratio", 0.3},
+                      {"density", 1000},       {"friction_angle", 30.0}, {"dilation_angle", 0.0},
                       {"cohesion", 100.0}};
   expect_error(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
 }

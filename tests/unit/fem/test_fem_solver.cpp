@@ -61,8 +61,8 @@ TEST(FemSolver, a_push_ends_the_rest) {
 
 TEST(FemSolver, a_load_that_is_still_to_change_is_no_rest) {
   Json json = plate();
-  json["tractions"] = {{{"group", "right"}, {"traction", {1.0, 0.0}},
-                        {"table", {{0, 0}, {1, 0}, {2, 1}}}}};
+  json["tractions"] = {
+      {{"group", "right"}, {"traction", {1.0, 0.0}}, {"table", {{0, 0}, {1, 0}, {2, 1}}}}};
   const auto solver = fem_solver<2>(json);
   const StepRequest request{1, 0, 0, 0.5};
   InterfaceValues sent;
@@ -150,8 +150,9 @@ TEST(FemSolver, probe_inside_a_cell) {
                {"mesh", box_2d({width, height}, {2, 10})},
                {"material", elastic("linear_elastic", 1e5, 0, density)},
                {"analysis", "static"},
-               {"supports", {{{"group", "bottom"}, {"report_reaction", true}},
-                             {{"group", "left"}, {"components", {"x"}}}}},
+               {"supports",
+                {{{"group", "bottom"}, {"report_reaction", true}},
+                 {{"group", "left"}, {"components", {"x"}}}}},
                {"prescribed", {{{"group", "top"}, {"component", "y"}, {"rate", 0.01}}}},
                {"probes", {{{"name", "B"}, {"point", {0.033, 0.21}}}}}};
   const auto solver = fem_solver<2>(json);

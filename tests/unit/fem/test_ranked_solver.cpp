@@ -49,9 +49,8 @@ TEST(RankedSolver, all_ranks_do_what_the_first_is_asked) {
     solver.write_output(0.1);
     EXPECT_EQ(solver.summary().at("rank"), 0);
   });
-  const std::vector<std::string> expected = {
-      "solve " + Json{3, 1, 0.1, 1.0 / 3, values}.dump(), "accept [3,true]", "reject",
-      "write 0.1"};
+  const std::vector<std::string> expected = {"solve " + Json{3, 1, 0.1, 1.0 / 3, values}.dump(),
+                                             "accept [3,true]", "reject", "write 0.1"};
   EXPECT_EQ(recorder.calls, expected);
 }
 
@@ -86,8 +85,7 @@ TEST(RankedSolver, other_failures_end_all_ranks) {
 
 TEST(RankedSolver, failure_of_the_driver_releases_the_others) {
   Recorder recorder;
-  EXPECT_THROW(drive_ranks(comm(), recorder,
-                           [](Solver&) { throw ProtocolError("coupler lost"); }),
+  EXPECT_THROW(drive_ranks(comm(), recorder, [](Solver&) { throw ProtocolError("coupler lost"); }),
                Error);
   EXPECT_TRUE(recorder.calls.empty());
 }

@@ -150,19 +150,20 @@ TEST(Ledger, rest_of_finite_strain_is_of_second_order) {
   }
 }
 
-/// tau' : d eps_p is the plastic work to first order only.
-TEST(Ledger, rest_of_yielding_soil_is_of_first_order) {
+/// The trapezoidal rule for the work of stresses holds for the plastic work too; kinks, where
+/// points begin to yield inside a step, cost some of the order.
+TEST(Ledger, rest_of_yielding_soil_falls_faster_than_the_step) {
   std::vector<double> sizes, errors;
   for (const int steps : {80, 160, 320}) {
     sizes.push_back(1.6 / steps);
     errors.push_back(rest("mohr_coulomb", steps));
   }
-  EXPECT_GT(lowest_rate(sizes, errors), 0.8);
+  EXPECT_GT(lowest_rate(sizes, errors), 1.8);
   const auto solver = make_mpm(bar("mohr_coulomb", trapezoid));
   const double start = mechanical_energy(*solver);
   run_steps(*solver, 0.01, 160);
   EXPECT_GT(probe(*solver, "plastic_dissipation"), 0.05 * start);
-  EXPECT_LT(errors[1], 0.005 * start);
+  EXPECT_LT(errors[1], 1e-4 * start);
 }
 
 TEST(Ledger, damping_shows_where_it_acts) {

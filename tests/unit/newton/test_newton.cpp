@@ -288,6 +288,9 @@ TEST(NewtonSettings, ReadAndRefused) {
   EXPECT_TRUE(settings.reuse_matrix);
   EXPECT_NE(config_error({{"residual_tolerance", 0}}).find("/residual_tolerance"),
             std::string::npos);
+  EXPECT_NE(config_error({{"residual_tolerance", 2e-16}}).find("rounding of the forces"),
+            std::string::npos);
+  EXPECT_EQ(config_error({{"residual_tolerance", 2.3e-16}}), "");
   EXPECT_NE(config_error({{"increment_tolerance", -1}}).find("/increment_tolerance"),
             std::string::npos);
   EXPECT_NE(config_error({{"max_iterations", 0}}).find("/max_iterations"), std::string::npos);

@@ -63,6 +63,8 @@ TEST(LinearMethod, ReadsSettings) {
 TEST(LinearMethod, RefusesWrongSettings) {
   EXPECT_NE(error_of({{"method", "qr"}}).find("/method"), std::string::npos);
   EXPECT_NE(error_of({{"tolerance", 0.0}}).find("/tolerance"), std::string::npos);
+  EXPECT_NE(error_of({{"tolerance", 2e-16}}).find("rounding"), std::string::npos);
+  EXPECT_EQ(error_of({{"tolerance", 2.3e-16}}), "");
   EXPECT_NE(error_of({{"max_iterations", 0}}).find("/max_iterations"), std::string::npos);
   EXPECT_NE(error_of({{"tolerence", 1e-6}}).find("tolerance"), std::string::npos);
   EXPECT_NE(error_of({{"method", "lu"}, {"preconditioner", "ilu"}}).find("/preconditioner"),

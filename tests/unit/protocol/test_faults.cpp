@@ -11,9 +11,9 @@
 #include <limits>
 #include <thread>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/timer.hpp"
 #include "dummy_solver.hpp"
-#include "common/base/interrupt.hpp"
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
 

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <future>
 
 #include "dummy_solver.hpp"
+#include "protocol/exchange.hpp"
 #include "protocol/gabion_participant.h"
 #include "protocol/participant.hpp"
 
@@ -21,7 +23,20 @@ struct Loop {
   double u = 0, saved = 0;
   double own_dt = 1;           // [s]
   double fails_above = 1e300;  // [N]
+  bool keeps = false;          // its state
   std::vector<std::string> calls;
+
+  std::vector<std::byte> save() const {
+    std::vector<std::byte> bytes(sizeof u);
+    std::memcpy(bytes.data(), &u, sizeof u);
+    return bytes;
+  }
+  void load(Participant& participant, std::span<const std::byte> bytes) {
+    require(bytes.size() == sizeof u, "not a state of this loop");
+    std::memcpy(&u, bytes.data(), sizeof u);
+    participant.write_probes(std::vector<double>{u});
+    calls.push_back(fmt_call("load", u));
+  }
 
   void run(const ParticipantSettings& settings) {
     Participant participant(settings);
@@ -29,6 +44,10 @@ struct Loop {
     participant.set_probes({"tip"}, std::vector<double>{u});
     participant.set_summary({{"method", "Euler"}});
     participant.set_output([this](double time) { calls.push_back(fmt_call("write", time)); });
+    if (keeps) {
+      participant.set_state([this] { return save(); },
+                            [&](std::span<const std::byte> bytes) { load(participant, bytes); });
+    }
     participant.initialize();
     while (participant.is_coupling_ongoing()) {
       if (participant.requires_writing_checkpoint()) {
@@ -115,6 +134,70 @@ TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
             (std::vector<std::string>{"write 0.00", "save 0.00", "restore 0.00", "restore 0.00",
                                       "restore 0.00", "write 0.00", "write 0.05", "complete",
                                       "save 0.10", "restore 0.10", "complete"}));
+}
+
+TEST_F(OwnLoop, SavesAndLoadsBetweenSteps) {
+  loop_.keeps = true;
+  start();
+  EXPECT_TRUE(solver().keeps_state());
+  solve(1, 8);
+  accept(1);
+  const State saved = solver().save_state();
+  EXPECT_EQ(saved.facts, (Json{{"bytes", 8}}));
+  solve(2, 4);
+  accept(2);
+  solve(3, 8);
+  solver().reject_step();
+  solver().load_state(saved);
+  EXPECT_EQ(solver().probes(), std::vector<double>{0.2});
+  for (int n = 0; n < 2; ++n) {
+    EXPECT_EQ(solve(2, 4), 0.2 + 0.1 * 4 / 4);
+    solver().reject_step();
+  }
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+  EXPECT_EQ(loop_.calls, (std::vector<std::string>{"save 0.00", "complete", "save 0.20", "complete",
+                                                   "save 0.30", "restore 0.30", "load 0.20",
+                                                   "save 0.20", "restore 0.20", "restore 0.20"}));
+}
+
+TEST_F(OwnLoop, LoadsBeforeTheFirstStep) {
+  loop_.keeps = true;
+  start();
+  loop_.u = 0;
+  const double u = 0.7;
+  solver().load_state(pack_bytes(std::as_bytes(std::span(&u, 1))));
+  EXPECT_EQ(solver().probes(), std::vector<double>{0.7});
+  EXPECT_EQ(solve(9, 4), 0.7 + 0.1 * 4 / 4);
+  accept(9);
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+}
+
+TEST_F(OwnLoop, WhatIsNoStateOfItsOwnEndsTheRun) {
+  loop_.keeps = true;
+  start();
+  const std::string lost = message_of<ProtocolError>(
+      [&] { solver().load_state(pack_bytes(std::vector<std::byte>(3))); });
+  EXPECT_NE(lost.find("not a state of this loop"), std::string::npos) << lost;
+  EXPECT_EQ(end_.get(), "not a state of this loop");
+}
+
+TEST_F(OwnLoop, IsNotAskedInTheMiddleOfAStep) {
+  loop_.keeps = true;
+  start();
+  solve(1, 8);
+  const std::string lost = message_of<ProtocolError>([&] { solver().save_state(); });
+  EXPECT_NE(lost.find("asked for \"save\" in the middle of a step"), std::string::npos) << lost;
+}
+
+TEST_F(OwnLoop, KeepsNoStateByItself) {
+  start();
+  EXPECT_FALSE(solver().keeps_state());
+  const std::string lost = message_of<ProtocolError>([&] { solver().save_state(); });
+  EXPECT_NE(lost.find("asked for \"save\", which this participant does not know"),
+            std::string::npos)
+      << lost;
 }
 
 TEST_F(OwnLoop, AFailedStepIsRepeated) {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "protocol/codec.hpp"
+#include "protocol/exchange.hpp"
 
 namespace gabion {
 namespace {
@@ -91,6 +92,35 @@ TEST(Vectors, DecodeToThisContent) {
           found.arrays[i].values);
     }
   }
+}
+
+TEST(Vectors, BytesOfAState) {
+  int count = 0;
+  for (const Json& vector : read_vectors("accepted.json")) {
+    if (!vector.contains("bytes")) continue;
+    SCOPED_TRACE(vector["name"]);
+    ++count;
+    const std::string text = bytes_of(vector["bytes"]);
+    const auto* first = reinterpret_cast<const std::byte*>(text.data());
+    const std::vector<std::byte> bytes(first, first + text.size());
+    const State expected = read_state(message_of(vector["message"]));
+    const State found = pack_bytes(bytes);
+    EXPECT_EQ(found.facts, expected.facts);
+    EXPECT_EQ(found.integers, expected.integers);
+    EXPECT_EQ(unpack_bytes(expected), bytes);
+  }
+  EXPECT_EQ(count, 3);
+}
+
+TEST(Vectors, BytesThatAreNotAsManyAsSaid) {
+  for (const auto& [bytes, values] : std::vector<std::pair<Json, std::size_t>>{
+           {9u, 1}, {8u, 2}, {1u, 0}, {0u, 1}, {1ull << 62, 1}, {-1, 1}, {"8", 1}}) {
+    State state;
+    state.facts["bytes"] = bytes;
+    state.integers["bytes"].resize(values);
+    EXPECT_THROW(unpack_bytes(state), ProtocolError) << bytes.dump() << ' ' << values;
+  }
+  EXPECT_THROW(unpack_bytes(State{}), ProtocolError);
 }
 
 TEST(Vectors, MalformedFramesAreRefused) {

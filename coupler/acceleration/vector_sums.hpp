@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace gabion {
+
+/// Where equally many rows of several vectors begin.
+using Rows = std::vector<const double*>;
+
+/// dots[k] += columns[k] . v
+void add_dots(const Rows& columns, const double* v, std::ptrdiff_t rows, double* dots);
+
+/// The same for two vectors at once: v_dots[k] += columns[k] . v, r_dots[k] += columns[k] . r
+void add_dots(const Rows& columns, const double* v, const double* r, std::ptrdiff_t rows,
+              double* v_dots, double* r_dots);
+
+/// sum += factors[0] columns[0] + factors[1] columns[1] + ...
+void add_columns(const Rows& columns, const double* factors, std::ptrdiff_t rows, double* sum);
+
+/// Several sums at once: sums[l] += factors[l][0] columns[0] + factors[l][1] columns[1] + ...
+void add_columns(const Rows& columns, const Rows& factors, std::ptrdiff_t rows,
+                 const std::vector<double*>& sums);
+
+}  // namespace gabion

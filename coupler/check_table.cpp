@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a check found, as text.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coupler/participant_check.hpp"
+
+namespace gabion {
+namespace {
+
+const char* name_of(CheckRow::Verdict verdict) {
+  switch (verdict) {
+    case CheckRow::Verdict::passed:
+      return "passed";
+    case CheckRow::Verdict::inexact:
+      return "inexact";
+    case CheckRow::Verdict::failed:
+      return "FAILED";
+    case CheckRow::Verdict::not_asked:
+      return "not asked";
+  }
+  return "";
+}
+
+}  // namespace
+
+bool all_passed(const std::vector<CheckRow>& rows) {
+  return std::none_of(rows.begin(), rows.end(),
+                      [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
+}
+
+std::string table_text(const std::vector<CheckRow>& rows) {
+  std::size_t width = 0;
+  for (const CheckRow& row : rows) width = std::max(width, row.what.size());
+  std::string text;
+  for (const CheckRow& row : rows) {
+    const char* verdict = name_of(row.verdict);
+    text += fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, verdict,
+                        row.found.empty() ? "" : "  ", row.found);
+  }
+  return text;
+}
+
+}  // namespace gabion

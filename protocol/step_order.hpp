@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "common/base/solver.hpp"
+
+namespace gabion {
+
+/// The coupler's requests have to follow one another: a step starts where the last accepted one
+/// ended, and what is accepted is what was solved. All functions throw ProtocolError.
+class StepOrder {
+ public:
+  /// Before a solution, and before a step that is accepted without one.
+  void check(const StepRequest& request) const;
+  /// @param request  that was solved
+  void solved(const StepRequest& request) { solution_ = request; }
+  /// @param with_solution  false: the participant was skipped
+  void accept(const StepRequest& request, bool with_solution);
+  /// The last solution is no more.
+  void reject() { solution_.reset(); }
+  /// The accepted state is now one that was loaded, of any step.
+  void forget() { *this = StepOrder(); }
+  bool has_solution() const { return solution_.has_value(); }
+
+ private:
+  std::optional<StepRequest> accepted_;  // empty before the first accepted step
+  std::optional<StepRequest> solution_;
+};
+
+}  // namespace gabion

@@ -1,0 +1,188 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""--check in a launch: the set-up of a coupled run up to its first step, and what is wrong with it."""
+
+import subprocess
+
+import launch
+from launch import Ended, IntegrationCase, meeting
+from test_foreign import FOREIGN, PYTHON, ROOT
+
+
+class CheckCase(IntegrationCase):
+    def check(self, files: dict[str, dict], code: int = 0, *options: str, **how) -> Ended:
+        """Whatever is found, nothing is written."""
+        self.write_scene(files)
+        ended = self.run_launch("--check", *options, code=code, **how)
+        self.assertFalse(self.out.exists(), ended.text)
+        return ended
+
+    def refused(self, files: dict[str, dict], *words: str) -> None:
+        self.assert_says(self.check(files, code=2).text, "error: ", *words)
+
+    def warned(self, files: dict[str, dict], *words: str) -> None:
+        self.assert_says(self.check(files).text, "warning: ", *words)
+
+
+class GoodScene(CheckCase):
+    def test_report(self) -> None:
+        ended = self.check(meeting())
+        self.assertNotIn("warning", ended.text)
+        # Spacing 0.01 on a line of 0.11 m; the left, top and right side of 2 x 10 cells.
+        self.assert_says(ended.text, "interface wall: 12 vertices of soil on 23 of structure (nearest_projection)",
+                         "farthest ")
+        self.assert_says(ended.text, "2D, 46 unknowns on the coupled surfaces")
+        self.assert_says(ended.text, "soil: 48 points, 189 grid nodes, 160 grid cells")
+        self.assert_says(ended.text, "structure: 33 nodes, 20 cells, 60 unknowns")
+        self.assert_says(ended.text, "time: 25 steps of 0.0005 s to 0.0125 s, 6 frames")
+        # 92 bytes a point; 60 a node and 40 a cell.
+        self.assert_says(ended.text, f"frames take at most {1e-6 * 6 * (48 * 92 + 33 * 60 + 20 * 40):.3g} MB")
+        self.assert_says(ended.text, f"{self.scene}: valid")
+
+    def test_ranks(self) -> None:
+        ended = self.check(meeting(), ranks={"mpm_solver": 2, "fem_solver": 2})
+        self.assert_says(ended.text, "soil: 48 points")
+
+    def test_restart_from_another_scene(self) -> None:
+        self.write_scene(meeting())
+        self.run_launch("--set", "coupler.json:/time/end=0.002", code=0)
+        first = self.folder / "first"
+        self.out.rename(first)
+        self.check(meeting(), 0, "--restart", str(first))
+        ended = self.check(meeting(), 2, "--restart", str(first), "--set", "fem.json:/material/density=1000")
+        self.assert_says(ended.text, "error: ", "fem.json", "/material/density", "1000", "1100")
+
+
+class Files(CheckCase):
+    """What has to hold from file to file."""
+
+    def test_interfaces_that_do_not_pair_up(self) -> None:
+        files = meeting()
+        files["coupler"]["interfaces"][0]["name"] = "wal"
+        self.refused(files, "scene/coupler.json: at /interfaces/0/name", '"wal"', 'did you mean "wall"?')
+        files = meeting()
+        files["fem"]["interfaces"].append({"name": "foot", "groups": ["bottom"]})
+        self.refused(files, "scene/fem.json: at /interfaces/1/name", '"foot"', "does not couple", "wall")
+
+    def test_dimensions(self) -> None:
+        files = meeting()
+        files["fem"]["dimension"] = 3
+        files["fem"]["mesh"]["box"] = {"low": [0.25, 0, 0], "high": [0.26, 0.01, 0.05], "cells": [2, 1, 10],
+                                       "type": "hex8"}
+        files["fem"]["gravity"] = [0, 0, -9.81]
+        files["fem"]["probes"] = []
+        self.refused(files, "scene/fem.json: at /dimension: found 3", "allowed: 2")
+
+    def test_gravity(self) -> None:
+        files = meeting()
+        files["fem"]["gravity"] = [0, -9.8]
+        self.warned(files, "scene/fem.json: at /gravity: found [0, -9.8]", "[0, -9.81]")
+
+    def test_a_file_that_nobody_reads(self) -> None:
+        files = meeting()
+        files["coupler"]["participants"]["beam"] = files["coupler"]["participants"].pop("structure")
+        files["coupler"]["interfaces"][0]["structure"] = "beam"
+        self.write_scene(files)
+        ended = self.run_launch("--check", code=0, programs=("coupler", "mpm_solver"))
+        self.assert_says(ended.text, "scene/fem.json: nobody reads it", 'no "structure"', "beam")
+        self.assert_says(ended.text, "/participants/beam", "from outside")
+        self.assert_says(ended.text, "interface wall: the surface of beam is not here")
+        self.assert_says(ended.text, "soil: 48 points")
+
+
+class Soil(CheckCase):
+    def test_a_probe_far_from_the_soil(self) -> None:
+        files = meeting()
+        files["mpm"]["probes"] = [{"name": "in", "point": [0.2, 0.06]}, {"name": "out", "point": [0.2, 0.1]}]
+        self.warned(files, "mpm.json: at /probes/1/point", '"out"', "m away, more than a cell of the grid (0.02 m)")
+        files["mpm"]["probes"].pop()
+        self.assertNotIn("warning", self.check(files).text)
+
+
+class Surfaces(CheckCase):
+    def test_millimetres(self) -> None:
+        files = meeting()
+        files["fem"]["mesh"]["box"].update(low=[250, 0], high=[260, 50])
+        files["fem"]["probes"] = []
+        files["fem"]["initial_equilibrium"] = False  # 50 m of it would not stand
+        self.refused(files, 'interface "wall"', "m away from the structure's surface",
+                     "extends over 50, the soil's over 0.05, a factor of about 1000")
+
+    def test_too_far_apart(self) -> None:
+        files = meeting()
+        files["fem"]["mesh"]["box"].update(low=[0.251, 0], high=[0.261, 0.05])
+        files["fem"]["probes"] = []
+        ended = self.check(files, code=2)
+        self.assert_says(ended.text, 'interface "wall"', "m away", "coupling/mapping/tolerance")
+        self.assertNotIn("millimetres", ended.text)
+
+    def test_tolerance_below_the_rounding_of_positions(self) -> None:
+        files = meeting()
+        files["coupler"]["coupling"]["mapping"]["tolerance"] = 1e-16
+        files["fem"]["mesh"]["box"]["cells"] = [1, 5]
+        files["fem"]["interfaces"][0]["groups"] = ["left"]
+        files["mpm"]["interfaces"][0]["surface"] = {"mesh": files["fem"]["mesh"], "groups": ["left"]}
+        self.warned(files, "scene/coupler.json: at /coupling/mapping/tolerance: found 1e-16", "rounding")
+
+    def test_tolerances_of_solvers(self) -> None:
+        files = meeting()
+        files["fem"]["newton"] = {"residual_tolerance": 1e-16}
+        self.refused(files, "scene/fem.json: at /newton/residual_tolerance: found 1e-16", "rounding")
+        files["fem"]["newton"] = {"residual_tolerance": 1e-14}
+        self.warned(files, "scene/fem.json: at /newton/residual_tolerance: found 1e-14", "rounding")
+        files["fem"]["newton"] = {"increment_tolerance": 1e-15}
+        self.warned(files, "scene/fem.json: at /newton/increment_tolerance: found 1e-15", "without effect")
+
+
+class ByScript(IntegrationCase):
+    """scripts/run --check, with a foreign code too."""
+
+    def run_script(self, scene: launch.Path) -> subprocess.CompletedProcess:
+        if launch.binaries != ROOT / "build" / "release" / "bin":
+            self.skipTest("scripts/run uses build/release only")
+        return subprocess.run([ROOT / "scripts" / "run", scene, "--output", self.out, "--check"],
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              timeout=launch.TIMEOUT, check=False)
+
+    def script(self, habit: str = "") -> subprocess.CompletedProcess:
+        files = meeting()
+        if habit:
+            del files["fem"]
+            files["coupler"]["participants"]["structure"]["command"] = [PYTHON, *FOREIGN, habit]
+            files["coupler"]["protocol"] = {"connect_deadline": 20}
+        self.write_scene(files)
+        return self.run_script(self.scene)
+
+    def test_scenes_of_the_project(self) -> None:
+        """All are valid, without a warning, and the foreign code of one writes nothing either."""
+        for scene in sorted(path.parent for path in (ROOT / "configs").glob("*/mpm.json")):
+            with self.subTest(scene.name):
+                done = self.run_script(scene)
+                self.assertEqual(done.returncode, 0, done.stdout)
+                self.assert_says(done.stdout, "valid")
+                self.assertNotIn("warning", done.stdout)
+                self.assertFalse(self.out.exists())
+
+    def test_own_solvers(self) -> None:
+        done = self.script()
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assert_says(done.stdout, "interface wall: 12 vertices of soil on 23 of structure")
+        self.assert_says(done.stdout, f"{self.scene}: valid")
+        self.assertFalse(self.out.exists())
+
+    def test_a_foreign_code(self) -> None:
+        done = self.script("good")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assert_says(done.stdout, "interface wall: 12 vertices of soil on 4 of structure")
+        self.assert_says(done.stdout, "structure: says nothing of its size")
+        self.assert_says(done.stdout, f"{self.scene}: valid")
+
+    def test_a_foreign_code_that_does_not_start(self) -> None:
+        done = self.script("fails")
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        self.assert_says(done.stdout, "structure ended with exit code 3")
+        self.assert_says(done.stdout, "The check failed")
+
+
+if __name__ == "__main__":
+    launch.main()

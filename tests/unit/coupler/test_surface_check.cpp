@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "coupler/surface_check.hpp"
+
+namespace gabion {
+namespace {
+
+/// A wall of this height [m] whose foot is at (x, 0), in `pieces` segments; soil on its left.
+InterfaceMesh wall(double x, double height, int pieces) {
+  InterfaceMesh mesh;
+  mesh.name = "wall";
+  mesh.dim = 2;
+  mesh.vertices_per_facet = 2;
+  for (int i = 0; i <= pieces; ++i) {
+    mesh.coordinates.insert(mesh.coordinates.end(), {x, height * (pieces - i) / pieces});
+    if (i > 0) mesh.facets.insert(mesh.facets.end(), {i - 1, i});
+  }
+  return mesh;
+}
+
+std::string error_of(const InterfaceMesh& structure, const InterfaceMesh& soil) {
+  try {
+    MappingSettings settings;
+    settings.tolerance = 1e-6;
+    const InterfaceMap map({{"wall", "soil", "structure"}},
+                           {{"soil", {soil}}, {"structure", {structure}}}, settings);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SurfaceCheck, millimetres_on_one_side_are_named_when_the_surfaces_are_apart) {
+  const std::string large = error_of(wall(250, 50, 4), wall(0.25, 0.05, 5));
+  EXPECT_NE(large.find("m away from the structure's surface"), std::string::npos) << large;
+  EXPECT_NE(large.find("the structure's side extends over 50, the soil's over 0.05, a factor "
+                       "of about 1000: one of them seems to be in millimetres"),
+            std::string::npos)
+      << large;
+  const std::string small = error_of(wall(0.25, 0.05, 4), wall(250, 50, 5));
+  EXPECT_NE(small.find("over 0.05, the soil's over 50, a factor"), std::string::npos) << small;
+}
+
+TEST(SurfaceCheck, units_are_not_named_without_a_reason) {
+  EXPECT_EQ(error_of(wall(0.25, 0.05, 4), wall(0.25, 0.05, 5)), "no error");
+  const std::string apart = error_of(wall(0.26, 0.05, 4), wall(0.25, 0.05, 5));
+  EXPECT_NE(apart.find("m away"), std::string::npos);
+  EXPECT_EQ(apart.find("millimetres"), std::string::npos);
+  EXPECT_EQ(unit_hint(wall(0, 0.05, 4), wall(0, 5, 4)), "");   // 100
+  EXPECT_EQ(unit_hint(wall(0, 0.05, 4), wall(0, 45, 4)), "");  // 900
+  EXPECT_NE(unit_hint(wall(0, 0.05, 4), wall(0, 49, 4)), "");  // 980: a facet shorter
+}
+
+std::vector<std::string> warnings(const CouplingSettings& coupling, double x) {
+  return rounding_warnings(coupling, {wall(x, 0.05, 4)}, "coupler.json");
+}
+
+TEST(SurfaceCheck, tolerances_below_the_rounding_of_positions_are_named) {
+  CouplingSettings coupling;
+  coupling.mapping.tolerance = 1e-9;
+  coupling.convergence.displacement = {1e-9, 1e-5, 1e-9, {}};
+  EXPECT_TRUE(warnings(coupling, 0.25).empty());
+  EXPECT_TRUE(warnings(coupling, 1e6).empty());  // 4 eps 1e6 m = 8.9e-10 m
+  const auto found = warnings(coupling, 2e6);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_NE(found[0].find("coupler.json: at /coupling/mapping/tolerance: found 1e-09 m, below the "
+                          "rounding of coordinates up to 2e+06 m, which is 1.8e-09 m"),
+            std::string::npos)
+      << found[0];
+  EXPECT_NE(found[1].find("at /coupling/convergence/displacement/absolute: "), std::string::npos);
+  EXPECT_NE(found[2].find("at /coupling/convergence/displacement/floor: "), std::string::npos);
+}
+
+TEST(SurfaceCheck, criteria_that_are_not_given_are_not_judged) {
+  CouplingSettings coupling;
+  coupling.mapping.tolerance = 1e-6;
+  coupling.convergence.force = {1e-30, 1e-5, 1e-30, {}};  // nobody knows the rounding of forces
+  coupling.convergence.displacement.relative = 1e-5;      // floor 0: not asked for
+  EXPECT_TRUE(warnings(coupling, 2e6).empty());
+}
+
+}  // namespace
+}  // namespace gabion
