@@ -36,9 +36,8 @@ void MpmSolver<dim>::find_probe_points() {
     const double least = -max_over_ranks(comm_, -distance);
     if (least > cell_size_) {
       log::warn(
-          "mpm.json: at /probes/{}/point: probe \"{}\" follows the nearest material point, which "
-          "is "
-          "{:.3g} m away, more than a cell of the grid ({:.3g} m)",
+          "mpm.json: at /probes/{}/point: the material point nearest to probe \"{}\" is {:.3g} m "
+          "away, more than a cell of the grid ({:.3g} m)",
           probe_points_.size(), probe.name, least, cell_size_);
     }
     const double id = distance == least ? static_cast<double>(points_.id[nearest])

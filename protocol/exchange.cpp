@@ -124,6 +124,18 @@ void put(Message& message, const State& state) {
   }
 }
 
+Message saved(const State& state) {
+  Message message = new_message("saved");
+  put(message, state);
+  return message;
+}
+
+Message loaded(const std::vector<double>& probes) {
+  Message message = new_message("loaded");
+  message.add("probes", {static_cast<std::int64_t>(probes.size())}, probes);
+  return message;
+}
+
 State read_state(const Message& message) {
   State state;
   state.facts = message.field("state");

@@ -33,6 +33,9 @@ InterfaceValues read_values(const Message& message, const std::string& quantity,
 
 /// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension.
 void put(Message& message, const State& state);
+/// Replies to "save" and "load".
+Message saved(const State& state);
+Message loaded(const std::vector<double>& probes);
 /// Arrays of other names are left out.
 State read_state(const Message& message);
 

@@ -31,7 +31,7 @@ Message nested(const Message& message, const std::string& key) {
   require<ProtocolError>(value.is_object(),
                          fmt::format("message \"{}\", field \"{}\": expected an object, found {}",
                                      message.type, key, shortened(value)));
-  return {.type = message.type + "." + key, .sequence = 0, .fields = value, .arrays = {}};
+  return new_message(message.type + "." + key, value);
 }
 
 Quantity read_quantity(const Message& message, const std::string& key) {
@@ -55,8 +55,7 @@ std::vector<Message> nested_list(const Message& message, const std::string& key)
     require<ProtocolError>(element.is_object(),
                            fmt::format("message \"{}\", field \"{}\": expected objects, found {}",
                                        message.type, key, shortened(element)));
-    out.push_back(
-        {.type = message.type + "." + key, .sequence = 0, .fields = element, .arrays = {}});
+    out.push_back(new_message(message.type + "." + key, element));
   }
   return out;
 }
@@ -103,7 +102,7 @@ bool is_name(const std::string& text) {
 }  // namespace
 
 Message to_message(const Hello& hello) {
-  Message out{.type = "hello", .sequence = 0, .fields = Json::object(), .arrays = {}};
+  Message out = new_message("hello");
   out.fields = {{"protocol", hello.protocol},         {"participant", hello.participant},
                 {"program", hello.program},           {"program_version", hello.program_version},
                 {"session", hello.session},           {"scene_hash", hello.scene_hash},
@@ -127,7 +126,7 @@ Message to_message(const Hello& hello) {
 }
 
 Message to_message(const Welcome& welcome) {
-  Message out{.type = "welcome", .sequence = 0, .fields = Json::object(), .arrays = {}};
+  Message out = new_message("welcome");
   out.fields = {{"protocol", welcome.protocol},
                 {"program_version", welcome.program_version},
                 {"process", to_json(welcome.process)},
@@ -139,7 +138,7 @@ Message to_message(const Welcome& welcome) {
 }
 
 Message refusal(const std::vector<Mismatch>& mismatches) {
-  Message out{.type = "refused", .sequence = 0, .fields = Json::object(), .arrays = {}};
+  Message out = new_message("refused");
   out.fields["reason"] = mismatch_text(mismatches);
   out.fields["mismatches"] = Json::array();
   for (const Mismatch& m : mismatches) {

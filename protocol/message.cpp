@@ -22,6 +22,10 @@ std::string shortened(const Json& value) {
   return text;
 }
 
+Message new_message(std::string type, Json fields) {
+  return {.type = std::move(type), .sequence = 0, .fields = std::move(fields), .arrays = {}};
+}
+
 void Message::add(std::string name, std::vector<std::int64_t> shape, std::vector<double> values) {
   arrays.push_back({std::move(name), std::move(shape), std::move(values)});
 }

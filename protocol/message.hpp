@@ -53,6 +53,9 @@ struct Message {
   [[noreturn]] void wrong(const std::string& key, const std::string& expected) const;
 };
 
+/// A message of this type, without arrays.
+Message new_message(std::string type, Json fields = Json::object());
+
 /// A JSON value for an error message, cut to 80 characters.
 std::string shortened(const Json& value);
 

@@ -13,14 +13,10 @@ namespace {
 
 constexpr double same_time = 1e-12;  // of a step: smaller remainders are round-off of sub-steps
 
-Message message_of(const std::string& type) {
-  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
-}
-
 Message accepted_of(const std::vector<double>& probes) {
   AcceptReport report;
   report.probes = probes;
-  Message message = message_of("accepted");
+  Message message = new_message("accepted");
   put(message, report);
   return message;
 }
@@ -164,7 +160,7 @@ void Participant::advance(double dt, const StepReport& report) {
     require<UsageError>(written_.contains(surface.name),
                         fmt::format("advance: nothing was written for \"{}\"", surface.name));
   }
-  Message answer = message_of("solved");
+  Message answer = new_message("solved");
   put(answer, report);
   put_values(answer, settings_.sends.name, meshes_, written_);
   answer_step(std::move(answer));
@@ -175,7 +171,7 @@ void Participant::advance(double dt, const StepReport& report) {
 void Participant::fail_step(const std::string& reason) {
   checked_step("fail_step");
   window_complete_ = false;
-  Message answer = message_of("failed");
+  Message answer = new_message("failed");
   answer.fields["reason"] = reason;
   answer_step(std::move(answer));
   guarded([this] { await_verdict(); });
@@ -212,7 +208,7 @@ void Participant::await_step() {
       write_if_asked(request);
       reply(accepted_of(accepted_probes_));
     } else if (request.type == "reject_step") {
-      reply(message_of("rejected"));
+      reply(new_message("rejected"));
     } else {
       other_request(request);
     }
@@ -225,7 +221,7 @@ void Participant::await_verdict() {
     const Message request = next();
     if (request.type == "accept_step") return accepted(request);
     if (request.type == "reject_step") {
-      pending_ = message_of("rejected");
+      pending_ = new_message("rejected");
       must_read_ = true;
       has_solution_ = false;
       return;
@@ -273,17 +269,17 @@ void Participant::other_request(const Message& request) {
     request_ = step;
   } else if (request.type == "write_output") {
     if (output_) output_(request.number("time"));
-    reply(message_of("written"));
+    reply(new_message("written"));
   } else if (request.type == "save" && save_) {
     save_state();
   } else if (request.type == "load" && load_) {
     load_state(request);
   } else if (request.type == "summarize") {
-    Message answer = message_of("summary");
+    Message answer = new_message("summary");
     answer.fields["summary"] = summary_;
     reply(std::move(answer));
   } else if (request.type == "finish") {
-    reply(message_of("finished"));
+    reply(new_message("finished"));
     finished_ = true;
     connection_->close();
   } else {

@@ -16,18 +16,14 @@ void Participant::set_state(std::function<std::vector<std::byte>()> save,
 
 /// Between two steps, when the code's current state is the accepted one.
 void Participant::save_state() {
-  Message answer{.type = "saved", .sequence = 0, .fields = Json::object(), .arrays = {}};
-  put(answer, pack_bytes(save_()));
-  reply(std::move(answer));
+  reply(saved(pack_bytes(save_())));
 }
 
 void Participant::load_state(const Message& request) {
   load_(unpack_bytes(read_state(request)));
   accepted_probes_ = probes_;
   must_write_ = true;  // what the code saved for repeated steps is of another state
-  Message answer{.type = "loaded", .sequence = 0, .fields = Json::object(), .arrays = {}};
-  answer.add("probes", {static_cast<std::int64_t>(probes_.size())}, probes_);
-  reply(std::move(answer));
+  reply(loaded(probes_));
 }
 
 }  // namespace gabion

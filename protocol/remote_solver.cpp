@@ -9,13 +9,6 @@
 #include "protocol/exchange.hpp"
 
 namespace gabion {
-namespace {
-
-Message request_of(const std::string& type) {
-  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
-}
-
-}  // namespace
 
 RemoteSolver::RemoteSolver(Switchboard& switchboard, Hello hello)
     : switchboard_(switchboard), hello_(std::move(hello)), probes_(hello_.probes) {}
@@ -27,7 +20,7 @@ StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceV
 }
 
 void RemoteSolver::start_solve(const StepRequest& request, const InterfaceValues& received) {
-  Message message = request_of("solve_step");
+  Message message = new_message("solve_step");
   put(message, request);
   if (!received.empty()) {
     put_values(message, hello_.receives.name, hello_.interfaces, received);
@@ -53,7 +46,7 @@ StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
 
 void RemoteSolver::start_accept(const StepRequest& request, bool solved,
                                 std::optional<double> output_time) {
-  Message message = request_of("accept_step");
+  Message message = new_message("accept_step");
   put(message, request);
   message.fields["solved"] = solved;
   message.fields["write_output"] = output_time.has_value();
@@ -87,26 +80,26 @@ AcceptReport RemoteSolver::accept_and_write(const StepRequest& request, bool sol
 }
 
 void RemoteSolver::reject_step() {
-  call(request_of("reject_step"), "rejected");
+  call(new_message("reject_step"), "rejected");
 }
 
 void RemoteSolver::write_output(double time) {
-  Message message = request_of("write_output");
+  Message message = new_message("write_output");
   message.fields["time"] = time;
   call(std::move(message), "written");
 }
 
 Json RemoteSolver::summary() const {
-  return call(request_of("summarize"), "summary").field("summary");
+  return call(new_message("summarize"), "summary").field("summary");
 }
 
 State RemoteSolver::save_state() {
-  const Message reply = call(request_of("save"), "saved");
+  const Message reply = call(new_message("save"), "saved");
   return switchboard_.guarded([&] { return read_state(reply); });
 }
 
 void RemoteSolver::load_state(const State& state) {
-  Message message = request_of("load");
+  Message message = new_message("load");
   put(message, state);
   const Message reply = call(std::move(message), "loaded");
   probes_ = switchboard_.guarded([&] {

@@ -10,10 +10,6 @@
 namespace gabion {
 namespace {
 
-Message reply_of(const std::string& type) {
-  return {.type = type, .sequence = 0, .fields = Json::object(), .arrays = {}};
-}
-
 /// The solver as the coupler's requests drive it.
 class Service {
  public:
@@ -36,7 +32,7 @@ class Service {
     if (request.type == "summarize") return summarize();
     if (request.type == "save") return save(request);
     if (request.type == "load") return load(request);
-    if (request.type == "finish") return reply_of("finished");
+    if (request.type == "finish") return new_message("finished");
     throw ProtocolError(fmt::format("the coupler asked for \"{}\", which protocol {} does not know",
                                     request.type, protocol_version));
   }
@@ -53,12 +49,12 @@ class Service {
     try {
       const StepReport report = solver_.solve_step(step, received, sent);
       order_.solved(step);
-      Message reply = reply_of("solved");
+      Message reply = new_message("solved");
       put(reply, report);
       put_values(reply, settings_.sends.name, interfaces_, sent);
       return reply;
     } catch (const ConvergenceError& problem) {
-      Message reply = reply_of("failed");
+      Message reply = new_message("failed");
       reply.fields["reason"] = problem.what();
       return reply;
     }
@@ -70,7 +66,7 @@ class Service {
     order_.accept(step, solved);
     const AcceptReport report = solver_.accept_step(step, solved);
     if (request.boolean("write_output")) solver_.write_output(request.number("output_time"));
-    Message reply = reply_of("accepted");
+    Message reply = new_message("accepted");
     put(reply, report);
     return reply;
   }
@@ -78,35 +74,30 @@ class Service {
   Message reject() {
     solver_.reject_step();
     order_.reject();
-    return reply_of("rejected");
+    return new_message("rejected");
   }
 
   Message write(const Message& request) {
     solver_.write_output(request.number("time"));
-    return reply_of("written");
+    return new_message("written");
   }
 
   Message summarize() {
-    Message reply = reply_of("summary");
+    Message reply = new_message("summary");
     reply.fields["summary"] = solver_.summary();
     return reply;
   }
 
   Message save(const Message& request) {
     require_between_steps(request);
-    Message reply = reply_of("saved");
-    put(reply, solver_.save_state());
-    return reply;
+    return saved(solver_.save_state());
   }
 
   Message load(const Message& request) {
     require_between_steps(request);
     solver_.load_state(read_state(request));
     order_.forget();
-    Message reply = reply_of("loaded");
-    const std::vector<double> probes = solver_.probes();
-    reply.add("probes", {static_cast<std::int64_t>(probes.size())}, probes);
-    return reply;
+    return loaded(solver_.probes());
   }
 
   void require_between_steps(const Message& request) const {
@@ -121,8 +112,10 @@ class Service {
   StepOrder order_;
 };
 
-void answer_requests(Solver& solver, Connection& connection) {
+void answer_requests(Solver& solver, Connection& connection,
+                     const std::function<void()>& welcomed) {
   if (!connection.welcomed()) connection.handshake(solver);
+  if (welcomed) welcomed();
   Service service(solver, connection.settings());
   for (;;) {
     const Message request = connection.next_request();
@@ -134,9 +127,9 @@ void answer_requests(Solver& solver, Connection& connection) {
 
 }  // namespace
 
-void serve(Solver& solver, Connection& connection) {
+void serve(Solver& solver, Connection& connection, const std::function<void()>& welcomed) {
   try {
-    answer_requests(solver, connection);
+    answer_requests(solver, connection, welcomed);
   } catch (const std::exception& problem) {
     connection.abort(problem.what());
     throw;

@@ -145,8 +145,7 @@ void Server::finish() {
     switchboard_.set_phase("finish");
     std::vector<std::uint64_t> sequences;
     for (const std::string& name : names_) {
-      sequences.push_back(switchboard_.send(
-          name, {.type = "finish", .sequence = 0, .fields = Json::object(), .arrays = {}}));
+      sequences.push_back(switchboard_.send(name, new_message("finish")));
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const Message reply = switchboard_.wait_reply(names_[i], sequences[i]);

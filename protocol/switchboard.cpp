@@ -150,8 +150,7 @@ void Switchboard::release(const std::string& participant) {
 void Switchboard::abort(const std::string& reason) {
   if (!failure_.empty()) return;
   failure_ = reason;
-  const Message message{
-      .type = "abort", .sequence = 0, .fields = {{"reason", reason}}, .arrays = {}};
+  const Message message = new_message("abort", {{"reason", reason}});
   const std::lock_guard lock(socket_mutex_);
   for (auto& [name, to] : peers_) {
     if (!to.released) post(to.route, message);

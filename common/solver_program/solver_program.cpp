@@ -59,12 +59,11 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   interrupt::install();  // all ranks: the first one ends the run
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
     Connection connection(settings);
-    connection.handshake(ranked);
-    if (!options.check) {  // now the coupler has made the folder of the results
+    serve(ranked, connection, [&] {
+      if (options.check) return;
       std::filesystem::create_directories(folder);
       write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
-    }
-    serve(ranked, connection);
+    });
   });
 }
 

@@ -2,28 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "coupler/coupler_config.hpp"
+#include "tests/unit/coupler/good_coupler.hpp"
 
 namespace gabion {
 namespace {
 
-Json good() {
-  return Json::parse(R"({
-    "time": {"end": 0.5, "dt": 2e-4, "dt_min": 1e-6},
-    "output": {"interval": 0.01},
-    "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
-    "interfaces": [{"name": "wall", "soil": "soil", "structure": "structure"}],
-    "coupling": {
-      "convergence": {
-        "displacement": {"absolute": 1e-6, "relative": 1e-5, "floor": 1e-9},
-        "force": {"absolute": 1e-2, "relative": 1e-5, "floor": 1e-7}
-      },
-      "mapping": {"tolerance": 1e-6}
-    }
-  })");
-}
-
 std::string error_with(const std::string& pointer, const Json& value) {
-  Json config = good();
+  Json config = test::good_coupler();
   config[Json::json_pointer(pointer)] = value;
   try {
     read_coupler_settings(ConfigReader(config, "coupler.json"));
@@ -41,7 +26,7 @@ void expect_error(const std::string& pointer, const Json& value, const std::stri
 }
 
 TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
-  const ConfigReader reader(good(), "coupler.json");
+  const ConfigReader reader(test::good_coupler(), "coupler.json");
   const CouplerSettings s = read_coupler_settings(reader);
   EXPECT_EQ(s.time.dt, 2e-4);
   EXPECT_EQ(s.output_interval, 0.01);
@@ -62,7 +47,7 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
 
 TEST(CouplerConfig, a_number_is_the_limit_of_qr2_and_an_object_names_the_filter) {
   const auto filter_of = [](const Json& value) {
-    Json config = good();
+    Json config = test::good_coupler();
     config["coupling"]["acceleration"]["filter"] = value;
     return read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.acceleration.filter;
   };
@@ -75,7 +60,7 @@ TEST(CouplerConfig, a_number_is_the_limit_of_qr2_and_an_object_names_the_filter)
 }
 
 TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
-  Json config = good();
+  Json config = test::good_coupler();
   config["coupling"]["convergence"] = {{"displacement", {{"drop", 1e-4}}}, {"combine", "or"}};
   const ConvergenceSettings s =
       read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.convergence;
@@ -85,7 +70,7 @@ TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
 }
 
 TEST(CouplerConfig, a_participant_may_have_a_command) {
-  Json config = good();
+  Json config = test::good_coupler();
   config["participants"]["structure"]["command"] = {"python3", "wall.py"};
   const CouplerSettings s = read_coupler_settings(ConfigReader(config, "coupler.json"));
   EXPECT_EQ(s.participants[1].command, (std::vector<std::string>{"python3", "wall.py"}));
@@ -156,7 +141,7 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
 
 TEST(CouplerConfig, deformed_positions_need_a_projection) {
   const std::string at = "/coupling/mapping";
-  Json config = good();
+  Json config = test::good_coupler();
   config["coupling"]["mapping"] = {{"tolerance", 1}, {"positions", "deformed"}, {"moved", 0}};
   const auto mapping = read_coupler_settings(ConfigReader(config, "c.json")).coupling.mapping;
   EXPECT_TRUE(mapping.deformed);

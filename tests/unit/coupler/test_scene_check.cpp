@@ -6,21 +6,10 @@
 #include "coupler/run_check.hpp"
 #include "coupler/scene_check.hpp"
 #include "tests/support/temporary_scene.hpp"
+#include "tests/unit/coupler/good_coupler.hpp"
 
 namespace gabion {
 namespace {
-
-Json good_coupler() {
-  return Json::parse(R"({
-    "time": {"end": 0.5, "dt": 2e-4, "dt_min": 1e-6},
-    "output": {"interval": 0.01},
-    "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
-    "interfaces": [{"name": "wall", "soil": "soil", "structure": "structure"}],
-    "coupling": {
-      "convergence": {"displacement": {"absolute": 1e-6}}, "mapping": {"tolerance": 1e-6}
-    }
-  })");
-}
 
 /// What a scene's files say that matters from file to file; the rest is left out.
 class SceneCheck : public ::testing::Test {
@@ -54,7 +43,7 @@ class SceneCheck : public ::testing::Test {
     for (const auto& word : words) EXPECT_NE(error.find(word), std::string::npos) << error;
   }
 
-  Json coupler = good_coupler();
+  Json coupler = test::good_coupler();
   Json mpm = {{"dimension", 2}, {"gravity", {0, -9.81}}, {"interfaces", {{{"name", "wall"}}}}};
   Json fem = mpm;
 };
@@ -136,7 +125,7 @@ TEST_F(SceneCheck, a_file_that_nobody_reads_is_a_warning_that_says_why) {
             std::string::npos)
       << found.warnings[1];
 
-  coupler = good_coupler();
+  coupler = test::good_coupler();
   coupler["participants"]["structure"]["command"] = {"beam"};
   fem["interfaces"][0]["name"] = "fence";  // of nobody's business
   found = check();
@@ -145,7 +134,7 @@ TEST_F(SceneCheck, a_file_that_nobody_reads_is_a_warning_that_says_why) {
                                    "/participants/structure/command"),
             std::string::npos);
 
-  coupler = good_coupler();
+  coupler = test::good_coupler();
   found = check({"mpm_solver"});
   ASSERT_EQ(found.warnings.size(), 2u) << found.error;
   EXPECT_NE(found.warnings[0].find("fem_solver is not part of this launch"), std::string::npos);

@@ -360,7 +360,7 @@ class Threads : public ::testing::Test {
     end_ = std::async(std::launch::async, [this, endpoint = server_->endpoint()] {
       return message_of<std::exception>([&] {
         Connection connection(participant("soil", endpoint));
-        serve(solver_, connection);
+        serve(solver_, connection, welcomed_);
       });
     });
     solvers_ = server_->wait_for({expected("soil")});
@@ -369,6 +369,7 @@ class Threads : public ::testing::Test {
   std::string participants_error() { return end_.get(); }
 
   DummySolver solver_{3, 2, 1.0};
+  std::function<void()> welcomed_;
   std::unique_ptr<Server> server_ = std::make_unique<Server>(short_deadlines());
   std::map<std::string, std::unique_ptr<Solver>> solvers_;
   std::future<std::string> end_;
@@ -400,6 +401,16 @@ TEST_F(Threads, AnyOtherErrorOfASolverEndsTheRunWithItsText) {
   EXPECT_CONTAINS(error, "participant \"soil\" (mpm_solver, pid");
   EXPECT_CONTAINS(error, "ended the run: disk full");
   EXPECT_EQ(participants_error(), "disk full");
+}
+
+TEST_F(Threads, WhatFailsAfterTheWelcomeEndsTheRunWithItsText) {
+  welcomed_ = [] { throw std::runtime_error("no folder"); };
+  Solver& soil = connect();
+  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
+                    soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+                  }),
+                  "ended the run: no folder");
+  EXPECT_EQ(participants_error(), "no folder");
 }
 
 TEST_F(Threads, ValuesThatAreNotFiniteAreReported) {
