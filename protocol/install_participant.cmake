@@ -11,7 +11,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/common/base/config_reader.hpp ${PROJECT_SOUR
   ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/base COMPONENT gabion_participant)
 install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
-  process.hpp serve.hpp socket.hpp gabion_participant.h
+  process.hpp serve.hpp socket.hpp step_order.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake
   DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)

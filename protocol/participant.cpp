@@ -163,8 +163,9 @@ void Participant::advance(double dt, const StepReport& report) {
   Message answer = new_message("solved");
   put(answer, report);
   put_values(answer, settings_.sends.name, meshes_, written_);
+  const StepRequest solved = request;  // answer_step() closes the open one
   answer_step(std::move(answer));
-  has_solution_ = true;
+  order_.solved(solved);
   guarded([this] { await_verdict(); });
 }
 
@@ -201,10 +202,7 @@ void Participant::await_step() {
   while (!request_ && !finished_) {
     const Message request = next();
     if (request.type == "accept_step") {
-      const StepRequest step = read_step_request(request);
-      require<ProtocolError>(
-          !request.boolean("solved"),
-          fmt::format("the coupler accepts step {}, which has no solution", step.step));
+      order_.accept(read_step_request(request), request.boolean("solved"));
       write_if_asked(request);
       reply(accepted_of(accepted_probes_));
     } else if (request.type == "reject_step") {
@@ -223,7 +221,7 @@ void Participant::await_verdict() {
     if (request.type == "reject_step") {
       pending_ = new_message("rejected");
       must_read_ = true;
-      has_solution_ = false;
+      order_.reject();
       return;
     }
     require<ProtocolError>(request.type != "write_output" || !output_,
@@ -241,31 +239,29 @@ void Participant::await_verdict() {
 }
 
 void Participant::accepted(const Message& request) {
-  const StepRequest step = read_step_request(request);
-  if (!request.boolean("solved")) {
-    must_read_ = true;  // asked, but accepted as if it had not been: the accepted state stays
-  } else {
-    require<ProtocolError>(
-        has_solution_,
-        fmt::format("the coupler accepts step {}, which has no solution", step.step));
+  const bool solved = request.boolean("solved");
+  order_.accept(read_step_request(request), solved);
+  if (solved) {
     accepted_probes_ = probes_;
     must_write_ = window_complete_ = true;
     write_if_asked(request);
+  } else {
+    must_read_ = true;  // asked, but accepted as if it had not been: the accepted state stays
   }
-  has_solution_ = false;
   pending_ = accepted_of(accepted_probes_);
 }
 
 void Participant::other_request(const Message& request) {
   if (request.type == "solve_step") {
     const StepRequest step = read_step_request(request);
+    order_.check(step);
+    order_.reject();
     received_.clear();
     if (!request.arrays.empty()) {
       received_ = read_values(request, settings_.receives.name, meshes_);
     }
     written_.clear();
     remaining_ = step.dt;
-    has_solution_ = false;
     request_ = step;
   } else if (request.type == "write_output") {
     if (output_) output_(request.number("time"));

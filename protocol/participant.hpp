@@ -13,6 +13,7 @@
 #include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
 #include "protocol/connection.hpp"
+#include "protocol/step_order.hpp"
 
 namespace gabion {
 
@@ -146,6 +147,7 @@ class Participant {
   Json summary_ = Json::object();
   std::unique_ptr<Connection> connection_;  // after initialize()
 
+  StepOrder order_;
   std::optional<StepRequest> request_;  // the open solve_step
   std::optional<Message> pending_;      // answer that waits until the code has done its part
   InterfaceValues received_;
@@ -153,7 +155,6 @@ class Participant {
   double remaining_ = 0;                         // [s] of the open step
   Stopwatch busy_;                               // since the request under way came
   bool must_write_ = false, must_read_ = false;  // checkpoints that were not asked for yet
-  bool has_solution_ = false;
   bool window_complete_ = false;
   bool finished_ = false;
 };

@@ -21,6 +21,7 @@ void Participant::save_state() {
 
 void Participant::load_state(const Message& request) {
   load_(unpack_bytes(read_state(request)));
+  order_.forget();
   accepted_probes_ = probes_;
   must_write_ = true;  // what the code saved for repeated steps is of another state
   reply(loaded(probes_));

@@ -35,6 +35,11 @@ class FakeCoupler:
         self.route = b""
         self.alive: list[Message] = []  # signs of life so far
         self._sequence = 0
+        self._time, self._dt = 0.0, 0.1  # [s] of the accepted state, and of the step
+
+    def begin_again(self) -> None:
+        """At time 0, for another participant."""
+        self._sequence, self._time, self._dt = 0, 0.0, 0.1
 
     def close(self) -> None:
         self._socket.close()
@@ -87,10 +92,13 @@ class FakeCoupler:
     def solve(self, step: int, force: float | None, iteration: int = 0, dt: float = 0.1) -> Message:
         """The same force on every component; None: free interfaces."""
         arrays = {} if force is None else {"force:wall": np.full((3, 2), force)}
-        return self.ask("solve_step", arrays, step=step, iteration=iteration, time=0.1 * (step - 1), dt=dt)
+        self._dt = dt
+        return self.ask("solve_step", arrays, step=step, iteration=iteration, time=self._time, dt=dt)
 
     def accept(self, step: int, solved: bool = True, **fields: Any) -> Message:
-        return self.ask("accept_step", step=step, iteration=0, time=0.1 * (step - 1), dt=0.1, solved=solved,
+        """With the dt of the last solution; time goes on by it."""
+        begin, self._time = self._time, self._time + self._dt
+        return self.ask("accept_step", step=step, iteration=0, time=begin, dt=self._dt, solved=solved,
                         **({"write_output": False} | fields))
 
 

@@ -148,6 +148,21 @@ class OwnLoop(ParticipantCase):
                 self.assertEqual(reply.type, "abort")
                 self.assertIn(words, self.end())
 
+    def test_steps_that_do_not_follow_one_another_end_the_run(self) -> None:
+        step = {"step": 2, "iteration": 0, "time": 0.1, "dt": 0.1}
+        for wrong, words in (({"step": 3}, "step 3 after step 1 was accepted, expected step 2"),
+                             ({"time": 0.0}, "step 2 from 0.0 s, but the accepted state is that of 0.1 s")):
+            with self.subTest(words):
+                self.problem = None
+                self.coupler.begin_again()
+                loop = self.begin()
+                self.addCleanup(loop.participant.finalize)
+                self.coupler.solve(1, 8.0)
+                self.coupler.accept(1)
+                reply = self.coupler.ask("solve_step", {}, **(step | wrong))
+                self.assertEqual(reply.type, "abort")
+                self.assertIn(words, self.end())
+
     def test_a_skipped_step_changes_nothing(self) -> None:
         loop, coupler = self.begin(), self.coupler
         coupler.solve(1, 8.0)

@@ -206,6 +206,31 @@ class Serve(ParticipantCase):
                 self.assertIn(words, reply.fields["reason"])
                 self.assertIn(words, self.end())
 
+    def test_steps_that_do_not_follow_one_another_end_the_run(self) -> None:
+        step = {"step": 2, "iteration": 0, "time": 0.1, "dt": 0.1}
+        for kind, fields, words in (
+                ("solve_step", {"step": 3}, "step 3 after step 1 was accepted, expected step 2"),
+                ("solve_step", {"time": 0.0}, "step 2 from 0.0 s, but the accepted state is that of 0.1 s"),
+                ("accept_step", {"solved": False, "write_output": False, "step": 1}, "expected step 2"),
+                ("accept_step", {"solved": True, "write_output": False}, "step 2, which has no solution")):
+            with self.subTest(words):
+                self.problem = None
+                self.coupler.begin_again()
+                self.begin()
+                self.coupler.solve(1, 2.0)
+                self.coupler.accept(1)
+                reply = self.coupler.ask(kind, {}, **(step | fields))
+                self.assertEqual(reply.type, "abort")
+                self.assertIn(words, self.end())
+
+    def test_what_is_accepted_is_what_was_solved(self) -> None:
+        self.begin()
+        self.coupler.solve(1, 2.0)
+        reply = self.coupler.ask("accept_step", {}, step=1, iteration=0, time=0.0, dt=0.05, solved=True,
+                                 write_output=False)
+        self.assertEqual(reply.type, "abort")
+        self.assertIn("with dt 0.05 s, but the solution is that of step 1 with dt 0.1 s", self.end())
+
     def test_a_repeated_sequence_number_ends_the_run(self) -> None:
         self.begin()
         self.coupler.ask("reject_step")

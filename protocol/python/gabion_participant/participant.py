@@ -13,6 +13,7 @@ from .handshake import (ParticipantSettings, accepted, check_interfaces, loaded,
                         read_state, read_step_request, read_values, saved, solved)
 from .message import Message
 from .solver import AcceptReport, InterfaceMesh, InterfaceValues, StepReport, StepRequest
+from .step_order import StepOrder
 
 SAME_TIME = 1e-12  # of a step: smaller remainders are round-off of a sum of sub-steps
 
@@ -50,7 +51,8 @@ class Participant:
         self._remaining = 0.0  # [s] of the open step
         self._begin = 0.0  # of the request under way
         self._must_write = self._must_read = False  # checkpoints that were not asked for yet
-        self._has_solution = self._window_complete = self._finished = False
+        self._order = StepOrder()
+        self._window_complete = self._finished = False
 
     def set_interface(self, name: str, coordinates: np.ndarray, facets: np.ndarray | None = None) -> None:
         """A coupled surface; see InterfaceMesh for shapes and units. Before initialize()."""
@@ -169,7 +171,7 @@ class Participant:
         reply = solved(report or StepReport())
         put_values(reply, self._settings.sends, self._meshes, self._written)
         self._answer_step(reply)
-        self._has_solution = True
+        self._order.solved(request)
         self._guarded(self._await_verdict)
 
     def fail_step(self, reason: str) -> None:
@@ -206,9 +208,7 @@ class Participant:
         while not self._request and not self._finished:
             request = self._next()
             if request.type == "accept_step":
-                step = read_step_request(request)
-                if request.boolean("solved"):
-                    raise ProtocolError(f"the coupler accepts step {step.step}, which has no solution")
+                self._order.accept(read_step_request(request), request.boolean("solved"))
                 self._write_if_asked(request)
                 self._reply(accepted(AcceptReport(), self._accepted_probes))
             elif request.type == "reject_step":
@@ -223,7 +223,8 @@ class Participant:
             if request.type == "accept_step":
                 return self._accepted(request)
             if request.type == "reject_step":
-                self._pending, self._must_read, self._has_solution = Message("rejected"), True, False
+                self._order.reject()
+                self._pending, self._must_read = Message("rejected"), True
                 return None
             if request.type == "write_output" and self._output:
                 raise ProtocolError("the coupler wants the accepted state on disk in the middle of a step: "
@@ -236,25 +237,24 @@ class Participant:
                 return None
 
     def _accepted(self, request: Message) -> None:
-        step = read_step_request(request)
-        if not request.boolean("solved"):
-            # It was asked, and is accepted as if it had not been: the accepted state stays.
-            self._must_read = True
-        elif not self._has_solution:
-            raise ProtocolError(f"the coupler accepts step {step.step}, which has no solution")
-        else:
+        solved_step = request.boolean("solved")
+        self._order.accept(read_step_request(request), solved_step)
+        if solved_step:
             self._accepted_probes = list(self._probes.values())
             self._must_write = self._window_complete = True
             self._write_if_asked(request)
-        self._has_solution = False
+        else:
+            self._must_read = True  # asked, but accepted as if it had not been: the accepted state stays
         self._pending = accepted(AcceptReport(), self._accepted_probes)
 
     def _other_request(self, request: Message) -> None:
         match request.type:
             case "solve_step":
-                self._request = read_step_request(request)
+                step = read_step_request(request)
                 self._received = read_values(request, self._settings.receives, self._meshes)
-                self._written, self._remaining, self._has_solution = {}, self._request.dt, False
+                self._order.check(step)
+                self._order.reject()
+                self._request, self._written, self._remaining = step, {}, step.dt
             case "write_output":
                 if self._output:
                     self._output(request.number("time"))
@@ -263,6 +263,7 @@ class Participant:
                 self._reply(saved(self._save()))
             case "load" if self._load:
                 self._load(read_state(request))
+                self._order.forget()
                 self._accepted_probes = list(self._probes.values())
                 self._must_write = True  # what the code saved for repeated steps is of another state
                 self._reply(loaded(self._accepted_probes))

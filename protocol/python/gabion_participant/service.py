@@ -9,6 +9,7 @@ from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded,
                         read_state, read_step_request, read_values, saved, solved)
 from .message import Message
 from .solver import Solver
+from .step_order import StepOrder
 
 
 def keeps_state(solver: Solver) -> bool:
@@ -27,7 +28,7 @@ class Service:
         self._settings = settings
         self._interfaces = solver.interfaces()
         self._keeps_state = keeps_state(solver)
-        self._has_solution = False
+        self._order = StepOrder()
 
     def answer(self, request: Message) -> Message:
         begin = time.monotonic()
@@ -43,17 +44,18 @@ class Service:
                 return self._accept(request)
             case "reject_step":
                 self._solver.reject_step()
-                self._has_solution = False
+                self._order.reject()
                 return Message("rejected")
             case "write_output":
                 self._solver.write_output(request.number("time"))
                 return Message("written")
             case "summarize":
                 return Message("summary", fields={"summary": plain(self._solver.summary())})
-            case "save" if self._keeps_state and not self._has_solution:
+            case "save" if self._keeps_state and not self._order.has_solution:
                 return saved(self._solver.save_state())
-            case "load" if self._keeps_state and not self._has_solution:
+            case "load" if self._keeps_state and not self._order.has_solution:
                 self._solver.load_state(read_state(request))
+                self._order.forget()
                 return loaded(self._solver.probes())
             case "finish":
                 return Message("finished")
@@ -64,24 +66,24 @@ class Service:
             f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
 
     def _solve(self, request: Message) -> Message:
+        step = read_step_request(request)
         received = read_values(request, self._settings.receives, self._interfaces)
-        self._has_solution = False
+        self._order.check(step)
+        self._order.reject()
         try:
-            values, report = self._solver.solve_step(read_step_request(request), received)
+            values, report = self._solver.solve_step(step, received)
         except ConvergenceError as problem:
             return Message("failed", fields={"reason": str(problem)})
         reply = solved(report)
         put_values(reply, self._settings.sends, self._interfaces, values)
-        self._has_solution = True
+        self._order.solved(step)
         return reply
 
     def _accept(self, request: Message) -> Message:
         step = read_step_request(request)
         was_solved = request.boolean("solved")
-        if was_solved and not self._has_solution:
-            raise ProtocolError(f"the coupler accepts step {step.step}, which has no solution")
+        self._order.accept(step, was_solved)
         report = self._solver.accept_step(step, was_solved)
-        self._has_solution = False
         if request.boolean("write_output"):
             self._solver.write_output(request.number("output_time"))
         return accepted(report, self._solver.probes())

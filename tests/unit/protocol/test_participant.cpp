@@ -93,20 +93,23 @@ class OwnLoop : public testing::Test {
   Solver& solver() { return *solvers_.at("structure"); }
   double solve(std::int64_t step, double force, double dt = 0.1) {
     InterfaceValues sent;
+    dt_ = dt;
     const StepReport report =
-        solver().solve_step({step, 0, 0.0, dt}, {{"wall", std::vector<double>(6, force)}}, sent);
+        solver().solve_step({step, 0, time_, dt}, {{"wall", std::vector<double>(6, force)}}, sent);
     EXPECT_EQ(report.newton_iterations, 7);
     EXPECT_EQ(sent["wall"], std::vector<double>(6, sent["wall"][0]));
     return sent["wall"][0];
   }
+  /// With the dt of the last solution.
   AcceptReport accept(std::int64_t step, bool solved = true) {
-    return solver().accept_step({step, 0, 0.0, 0.1}, solved);
+    return solver().accept_step({step, 0, std::exchange(time_, time_ + dt_), dt_}, solved);
   }
 
   Loop loop_;
   std::unique_ptr<Server> server_;
   std::map<std::string, std::unique_ptr<Solver>> solvers_;
   std::future<std::string> end_;
+  double time_ = 0, dt_ = 0.1;  // [s] of the accepted state, and of the step
 };
 
 TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
@@ -121,12 +124,13 @@ TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
   EXPECT_EQ(
       static_cast<RemoteSolver&>(solver()).accept_and_write({1, 0, 0, 0.05}, true, 0.05).probes,
       std::vector<double>{0.1});
+  time_ = 0.05;
   solver().reject_step();
   EXPECT_NEAR(solve(2, 4), 0.2, 1e-16);
-  EXPECT_EQ(accept(3, false).probes, std::vector<double>{0.1});  // asked, but not taken
-  EXPECT_NEAR(solve(4, 4), 0.2, 1e-16);
-  EXPECT_NEAR(accept(4).probes[0], 0.2, 1e-16);
-  EXPECT_EQ(accept(5, false).probes, accept(6, false).probes);
+  EXPECT_EQ(accept(2, false).probes, std::vector<double>{0.1});  // asked, but not taken
+  EXPECT_NEAR(solve(3, 4), 0.2, 1e-16);
+  EXPECT_NEAR(accept(3).probes[0], 0.2, 1e-16);
+  EXPECT_EQ(accept(4, false).probes, accept(5, false).probes);
   EXPECT_EQ(solver().summary()["method"], "Euler");
   server_->finish();
   EXPECT_EQ(end_.get(), "");
@@ -198,6 +202,25 @@ TEST_F(OwnLoop, KeepsNoStateByItself) {
   EXPECT_NE(lost.find("asked for \"save\", which this participant does not know"),
             std::string::npos)
       << lost;
+}
+
+TEST_F(OwnLoop, StepsThatDoNotFollowOneAnotherEndTheRun) {
+  start();
+  solve(1, 8);
+  accept(1);
+  time_ = 0;
+  const std::string lost = message_of<ProtocolError>([&] { solve(2, 8); });
+  EXPECT_NE(lost.find("asks for step 2 from 0 s, but the accepted state is that of 0.1 s"),
+            std::string::npos)
+      << lost;
+}
+
+TEST_F(OwnLoop, WhatWasRejectedIsNotAccepted) {
+  start();
+  solve(1, 8);
+  solver().reject_step();
+  const std::string lost = message_of<ProtocolError>([&] { accept(1); });
+  EXPECT_NE(lost.find("accepts step 1, which has no solution"), std::string::npos) << lost;
 }
 
 TEST_F(OwnLoop, AFailedStepIsRepeated) {

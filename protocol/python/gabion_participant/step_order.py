@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The coupler's requests have to follow one another."""
+
+import sys
+
+from .errors import ProtocolError
+from .solver import StepRequest
+
+
+class StepOrder:
+    """A step starts where the last accepted one ended, and what is accepted is what was solved. All functions
+    that check raise ProtocolError."""
+
+    def __init__(self) -> None:
+        self._accepted: StepRequest | None = None  # None before the first accepted step
+        self._solution: StepRequest | None = None
+
+    @property
+    def has_solution(self) -> bool:
+        return self._solution is not None
+
+    def check(self, request: StepRequest) -> None:
+        """Before a solution, and before a step that is accepted without one."""
+        if not self._accepted:
+            return
+        last = self._accepted
+        if request.step != last.step + 1:
+            raise ProtocolError(f"the coupler asks for step {request.step} after step {last.step} was accepted, "
+                                f"expected step {last.step + 1}")
+        end = last.time + last.dt
+        allowed = 1e-6 * request.dt + 8 * sys.float_info.epsilon * abs(request.time)  # times are rounded sums
+        if abs(request.time - end) > allowed:
+            raise ProtocolError(f"the coupler asks for step {request.step} from {request.time} s, but the "
+                                f"accepted state is that of {end} s")
+
+    def solved(self, request: StepRequest) -> None:
+        """`request` has a solution."""
+        self._solution = request
+
+    def accept(self, request: StepRequest, with_solution: bool) -> None:
+        """`with_solution` false: the participant was skipped."""
+        self.check(request)
+        if with_solution:
+            found = self._solution
+            if found is None:
+                raise ProtocolError(f"the coupler accepts step {request.step}, which has no solution")
+            if (request.step, request.time, request.dt) != (found.step, found.time, found.dt):
+                raise ProtocolError(f"the coupler accepts step {request.step} with dt {request.dt} s, but the "
+                                    f"solution is that of step {found.step} with dt {found.dt} s")
+        self._accepted, self._solution = request, None
+
+    def reject(self) -> None:
+        """The last solution is no more."""
+        self._solution = None
+
+    def forget(self) -> None:
+        """The accepted state is now one that was loaded, of any step."""
+        self._accepted = self._solution = None
