@@ -8,8 +8,10 @@ import copy
 import csv
 import json
 import os
+import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -101,6 +103,19 @@ def endless(in_contact: bool) -> dict[str, dict]:
     files["coupler"]["output"]["interval"] = 0.02
     files["coupler"]["coupling"]["on_limit"] = "accept"
     return files
+
+
+def free_endpoint() -> str:
+    """Where a coupler can listen. Of the ports that the system does not give to connections by itself: no other
+    program takes it in the meantime."""
+    for port in random.SystemRandom().sample(range(20000, 32000), 100):
+        with socket.socket() as free:
+            try:
+                free.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return f"tcp://127.0.0.1:{port}"
+    raise OSError("none of 100 ports is free")
 
 
 @dataclass

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import fault_table as table
 from fault_table import Cell
-from launch import COUPLER, ONE_THREAD, read_table
+from launch import COUPLER, ONE_THREAD, free_endpoint, read_table
 
 WORKERS = 8  # cells at once: they mostly wait
 PAUSE = 0.5  # [s] that the other participant takes where the culprit must strike in between
@@ -41,9 +41,7 @@ class Run:
         self.folder = Path(tempfile.mkdtemp(prefix="gabion_fault_"))
         self.processes: dict[str, subprocess.Popen] = {}
         self.begin = time.monotonic()
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        self.endpoint = free_endpoint()
         scene = self.folder / "scene"
         scene.mkdir()
         settings = COUPLER | {

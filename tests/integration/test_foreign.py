@@ -4,24 +4,17 @@
 
 import json
 import os
-import socket
 import subprocess
 import unittest
 from pathlib import Path
 
 import launch
-from launch import IntegrationCase, Launch, meeting, read_table
+from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 FOREIGN = [str(Path(__file__).resolve().parent / "foreign_structure.py")]
 BEAM = [str(ROOT / "configs" / "granular_obstacle_external" / "structure.py")]
 PYTHON = "/usr/bin/python3"
-
-
-def free_endpoint() -> str:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return f"tcp://127.0.0.1:{free.getsockname()[1]}"
 
 
 class ForeignCase(IntegrationCase):

@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Participants that do not fit the coupler are refused, with both values named."""
 
-import socket
 import subprocess
 import time
 
 import launch
-from launch import IntegrationCase, meeting
+from launch import IntegrationCase, free_endpoint, meeting
 
 
 class Handshake(IntegrationCase):
@@ -19,9 +18,7 @@ class Handshake(IntegrationCase):
 
     def with_fake(self, version: str) -> tuple[str, str]:
         """What a coupler without solvers says, and what a foreign participant of this version gets."""
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        endpoint = free_endpoint()
         coupler = self.start("--coupler", endpoint, programs=("coupler",))
         fake = subprocess.run([launch.binaries / "fake_participant", "structure", endpoint, "--version", version],
                               text=True, check=False,

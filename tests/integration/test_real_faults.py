@@ -20,14 +20,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from launch import ONE_THREAD, endless, read_table
+from launch import ONE_THREAD, endless, free_endpoint, read_table
 from restart_rows import rows_of_steps
-from test_foreign import free_endpoint
 from wire_tap import WireTap
 
-WORKERS = 6  # cells at once
-CONNECT, SILENCE, HEARTBEAT = 3.0, 1.5, 0.2  # [s] deadlines of the scene
-PAUSE = 0.6  # [s] of a program that is late, shorter than the silence deadline
+WORKERS = 4  # cells at once
+CONNECT, SILENCE, HEARTBEAT = 6.0, 2.5, 0.2  # [s] deadlines of the scene
+PAUSE = 1.0  # [s] of a program that is late, shorter than the silence deadline
 SLACK = 4.0  # [s] beyond a deadline, on a loaded machine
 LIMIT = 40  # [s] for any process
 STEPS, STRUCK = 8, 4  # steps of the run; the one in which it happens
@@ -113,26 +112,23 @@ class Run:
                 return
         self.start("structure" if first == "soil" else "soil")
 
-    # What the tap calls: the moment has come.
+    # What the tap calls: the moment has come. Whoever is struck must not have answered yet.
 
-    def before(self, way: str, _who: str, header: dict) -> None:
-        if not self.cell or self.struck or (self.cell.who, self.cell.phase) != ("coupler", "handshake"):
-            return
-        if way == ">" and header["type"] == "hello":
-            self.strike()
-
-    def after(self, way: str, who: str, header: dict) -> None:
-        if not self.cell or self.struck:
+    def before(self, _way: str, who: str, header: dict) -> None:
+        if not self.cell or self.struck or who != ("soil" if self.cell.who == "coupler" else self.cell.who):
             return
         phase, kind = self.cell.phase, header["type"]
-        target = "soil" if self.cell.who == "coupler" else self.cell.who
-        if who != target:
-            return
-        hello = phase == "handshake" and way == ">" and kind == "hello"
+        hello = phase == "handshake" and self.cell.who == "coupler" and kind == "hello"
         first = kind == "solve_step" and (header["step"], header["iteration"]) == (STRUCK, 0)
         solve = phase not in ("handshake", "output") and first  # for a full disk too
         output = phase == "output" and kind == "write_output" and header["time"] > 0
         if hello or solve or output:
+            self.strike()
+
+    def after(self, _way: str, who: str, header: dict) -> None:
+        """A participant is struck when its hello is on the way to the coupler."""
+        if self.cell and not self.struck and (who, self.cell.phase, header["type"]) == (
+                self.cell.who, "handshake", "hello"):
             self.strike()
 
     def strike(self) -> None:

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import launch
-from launch import IntegrationCase, Launch, meeting
+from launch import IntegrationCase, Launch, free_endpoint, meeting
 
 FOREIGN = Path(__file__).resolve().parent / "foreign_structure.py"
 NO_KEYS = {"GABION_KEY_FILE": "", "GABION_COUPLER_KEY_FILE": ""}
@@ -37,10 +37,8 @@ class SecurityCase(IntegrationCase):
         self.files = meeting()
         del self.files["mpm"], self.files["fem"]
         self.files["coupler"]["time"] = {"end": 0.05, "dt": 0.01, "dt_min": 1e-6}
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
-        self.endpoint = f"tcp://127.0.0.1:{self.port}"
+        self.endpoint = free_endpoint()
+        self.port = int(self.endpoint.rpartition(":")[2])
 
     def by_hand(self, *command: object, **environment: str) -> Launch:
         os.environ.update(NO_KEYS | environment)

@@ -15,8 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "integration")]
 import launch  # noqa: E402
-from launch import meeting  # noqa: E402
-from test_foreign import free_endpoint  # noqa: E402
+from launch import free_endpoint, meeting  # noqa: E402
 
 build = binaries = Path()  # set at the end
 
