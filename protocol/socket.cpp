@@ -19,7 +19,7 @@ namespace gabion {
 namespace {
 
 /// A thread that sleeps takes 50 to 100 us to wake; a solver's answer often comes sooner than that.
-constexpr auto attentive = std::chrono::milliseconds(5);
+constexpr auto attentive = std::chrono::milliseconds(2);
 
 /// First part of a message that comes within the attentive time; the processor goes to whoever else
 /// wants it. @returns whether one came.
