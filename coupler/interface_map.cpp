@@ -57,18 +57,25 @@ const std::vector<double>& checked(const InterfaceValues& sent, const std::strin
   return found->second;
 }
 
-void add_resultant(const InterfaceMesh& mesh, const double* displacement, const double* force,
+template <int dim>
+void add_resultant(const double* X, const double* u, const double* force, std::int64_t num_vertices,
                    Resultant& sum) {
-  for (std::int64_t v = 0; v < mesh.num_vertices(); ++v) {
-    Eigen::Vector3d x = Eigen::Vector3d::Zero();
-    Eigen::Vector3d f = Eigen::Vector3d::Zero();
-    for (int i = 0; i < mesh.dim; ++i) {
-      x(i) = mesh.coordinates[v * mesh.dim + i] + displacement[v * mesh.dim + i];
-      f(i) = force[v * mesh.dim + i];
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  Eigen::Vector3d f = Eigen::Vector3d::Zero();
+  for (std::int64_t k = 0; k < num_vertices * dim; k += dim) {
+    for (int i = 0; i < dim; ++i) {
+      x(i) = X[k + i] + u[k + i];
+      f(i) = force[k + i];
     }
     sum.force += f;
     sum.moment += x.cross(f);
   }
+}
+
+void add_resultant(const InterfaceMesh& mesh, const double* u, const double* force,
+                   Resultant& sum) {
+  const auto add = mesh.dim == 2 ? add_resultant<2> : add_resultant<3>;
+  add(mesh.coordinates.data(), u, force, mesh.num_vertices(), sum);
 }
 
 /// @throws ConfigError  as Mapping does, and says when the surfaces seem to have unequal units

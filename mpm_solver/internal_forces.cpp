@@ -200,8 +200,10 @@ std::vector<double> InternalForces<dim>::start_forces() const {
 
 template <int dim>
 void InternalForces<dim>::finish(std::span<const double> du) {
-  same_strain_ = 0;
-  if (!averaged_) du_known_.clear();  // stresses may have followed from their tangent
+  if (!averaged_ && parts_.weights.constant_gradient) {
+    same_strain_ = 0;  // where stresses followed from their tangent, they are evaluated now
+    du_known_.clear();
+  }
   std::int32_t worst = -1;
   require(evaluate(du, nullptr, worst), "mpm_solver: an inadmissible state was accepted");
 }

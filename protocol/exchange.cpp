@@ -74,7 +74,7 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes) 
 }
 
 void put_values(Message& message, const std::string& quantity,
-                const std::vector<InterfaceMesh>& interfaces, const InterfaceValues& values) {
+                const std::vector<InterfaceMesh>& interfaces, InterfaceValues values) {
   require<ProtocolError>(values.size() == interfaces.size(),
                          fmt::format("{}: expected values on {} interfaces, found {}", quantity,
                                      interfaces.size(), values.size()));
@@ -86,18 +86,18 @@ void put_values(Message& message, const std::string& quantity,
                            fmt::format("\"{}\": expected {} x {} values, found {}", name,
                                        mesh.num_vertices(), mesh.dim, found->second.size()));
     require_finite(found->second, static_cast<std::size_t>(mesh.dim), name);
-    message.add(name, {mesh.num_vertices(), mesh.dim}, found->second);
+    message.add(name, {mesh.num_vertices(), mesh.dim}, std::move(found->second));
   }
 }
 
-InterfaceValues read_values(const Message& message, const std::string& quantity,
+InterfaceValues read_values(Message message, const std::string& quantity,
                             const std::vector<InterfaceMesh>& interfaces) {
   InterfaceValues values;
   for (const InterfaceMesh& mesh : interfaces) {
     const std::string name = quantity + ":" + mesh.name;
-    const auto& list = message.reals(name, {mesh.num_vertices(), mesh.dim});
+    auto list = message.take_reals(name, {mesh.num_vertices(), mesh.dim});
     require_finite(list, static_cast<std::size_t>(mesh.dim), name);
-    values.emplace(mesh.name, list);
+    values.emplace(mesh.name, std::move(list));
   }
   require<ProtocolError>(message.arrays.size() == interfaces.size(),
                          fmt::format("message \"{}\": expected {} arrays, found {}", message.type,

@@ -27,8 +27,8 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes);
 /// @throws ProtocolError  an interface is missing or unknown, a wrong number of values, or a value
 ///                        that is not finite: names quantity, interface, vertex and component
 void put_values(Message& message, const std::string& quantity,
-                const std::vector<InterfaceMesh>& interfaces, const InterfaceValues& values);
-InterfaceValues read_values(const Message& message, const std::string& quantity,
+                const std::vector<InterfaceMesh>& interfaces, InterfaceValues values);
+InterfaceValues read_values(Message message, const std::string& quantity,
                             const std::vector<InterfaceMesh>& interfaces);
 
 /// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension.

@@ -111,6 +111,14 @@ const std::vector<double>& Message::reals(const std::string& name,
   return *values;
 }
 
+std::vector<double> Message::take_reals(const std::string& name,
+                                        const std::vector<std::int64_t>& shape) {
+  reals(name, shape);
+  const auto found = std::find_if(arrays.begin(), arrays.end(),
+                                  [&name](const Array& array) { return array.name == name; });
+  return std::move(std::get<std::vector<double>>(found->values));
+}
+
 const std::vector<std::int64_t>& Message::integers(const std::string& name,
                                                    const std::vector<std::int64_t>& shape) const {
   const auto* values = std::get_if<std::vector<std::int64_t>>(&array(name, shape).values);

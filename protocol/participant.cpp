@@ -162,7 +162,7 @@ void Participant::advance(double dt, const StepReport& report) {
   }
   Message answer = new_message("solved");
   put(answer, report);
-  put_values(answer, settings_.sends.name, meshes_, written_);
+  put_values(answer, settings_.sends.name, meshes_, std::move(written_));
   const StepRequest solved = request;  // answer_step() closes the open one
   answer_step(std::move(answer));
   order_.solved(solved);
@@ -200,7 +200,7 @@ void Participant::await_step() {
     pending_.reset();
   }
   while (!request_ && !finished_) {
-    const Message request = next();
+    Message request = next();
     if (request.type == "accept_step") {
       order_.accept(read_step_request(request), request.boolean("solved"));
       write_if_asked(request);
@@ -208,7 +208,7 @@ void Participant::await_step() {
     } else if (request.type == "reject_step") {
       reply(new_message("rejected"));
     } else {
-      other_request(request);
+      other_request(std::move(request));
     }
   }
 }
@@ -216,7 +216,7 @@ void Participant::await_step() {
 /// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
 void Participant::await_verdict() {
   while (!finished_) {
-    const Message request = next();
+    Message request = next();
     if (request.type == "accept_step") return accepted(request);
     if (request.type == "reject_step") {
       pending_ = new_message("rejected");
@@ -230,7 +230,7 @@ void Participant::await_verdict() {
     require<ProtocolError>(
         request.type != "save" && request.type != "load",
         fmt::format("the coupler asked for \"{}\" in the middle of a step", request.type));
-    other_request(request);
+    other_request(std::move(request));
     if (request_) {
       must_read_ = true;
       return;
@@ -251,14 +251,14 @@ void Participant::accepted(const Message& request) {
   pending_ = accepted_of(accepted_probes_);
 }
 
-void Participant::other_request(const Message& request) {
+void Participant::other_request(Message request) {
   if (request.type == "solve_step") {
     const StepRequest step = read_step_request(request);
     order_.check(step);
     order_.reject();
     received_.clear();
     if (!request.arrays.empty()) {
-      received_ = read_values(request, settings_.receives.name, meshes_);
+      received_ = read_values(std::move(request), settings_.receives.name, meshes_);
     }
     written_.clear();
     remaining_ = step.dt;

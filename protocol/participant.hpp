@@ -120,7 +120,7 @@ class Participant {
   void await_step();
   void await_verdict();
   void accepted(const Message& request);
-  void other_request(const Message& request);
+  void other_request(Message request);
   void write_if_asked(const Message& request);
   void save_state();
   void load_state(const Message& request);

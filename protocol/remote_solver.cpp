@@ -29,14 +29,15 @@ void RemoteSolver::start_solve(const StepRequest& request, const InterfaceValues
 }
 
 StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
-  const Message reply = finish({"solved", "failed"});
+  Message reply = finish({"solved", "failed"});
   if (reply.type == "failed") {
     throw ConvergenceError(fmt::format("participant \"{}\": {}", name(), reply.text("reason")));
   }
   return switchboard_.guarded([&] {
     try {
-      sent = read_values(reply, hello_.sends.name, hello_.interfaces);
-      return read_step_report(reply);
+      const StepReport report = read_step_report(reply);
+      sent = read_values(std::move(reply), hello_.sends.name, hello_.interfaces);
+      return report;
     } catch (const ProtocolError& problem) {
       throw ProtocolError(
           fmt::format("participant \"{}\" answered wrongly: {}", name(), problem.what()));

@@ -16,16 +16,16 @@ class Service {
   Service(Solver& solver, const ParticipantSettings& settings)
       : solver_(solver), settings_(settings), interfaces_(solver.interfaces()) {}
 
-  Message answer(const Message& request) {
+  Message answer(Message request) {
     const Stopwatch busy;
-    Message reply = dispatch(request);
+    Message reply = dispatch(std::move(request));
     reply.fields["busy_seconds"] = busy.seconds();
     return reply;
   }
 
  private:
-  Message dispatch(const Message& request) {
-    if (request.type == "solve_step") return solve(request);
+  Message dispatch(Message request) {
+    if (request.type == "solve_step") return solve(std::move(request));
     if (request.type == "accept_step") return accept(request);
     if (request.type == "reject_step") return reject();
     if (request.type == "write_output") return write(request);
@@ -37,11 +37,11 @@ class Service {
                                     request.type, protocol_version));
   }
 
-  Message solve(const Message& request) {
+  Message solve(Message request) {
     const StepRequest step = read_step_request(request);
     InterfaceValues received;
     if (!request.arrays.empty()) {
-      received = read_values(request, settings_.receives.name, interfaces_);
+      received = read_values(std::move(request), settings_.receives.name, interfaces_);
     }
     InterfaceValues sent;
     order_.check(step);
@@ -51,7 +51,7 @@ class Service {
       order_.solved(step);
       Message reply = new_message("solved");
       put(reply, report);
-      put_values(reply, settings_.sends.name, interfaces_, sent);
+      put_values(reply, settings_.sends.name, interfaces_, std::move(sent));
       return reply;
     } catch (const ConvergenceError& problem) {
       Message reply = new_message("failed");
@@ -118,9 +118,10 @@ void answer_requests(Solver& solver, Connection& connection,
   if (welcomed) welcomed();
   Service service(solver, connection.settings());
   for (;;) {
-    const Message request = connection.next_request();
-    connection.reply(service.answer(request));
-    if (request.type == "finish") break;
+    Message request = connection.next_request();
+    const bool last = request.type == "finish";
+    connection.reply(service.answer(std::move(request)));
+    if (last) break;
   }
   connection.close();
 }

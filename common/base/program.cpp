@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/freed_memory.hpp"
 #include "common/base/log.hpp"
 
 namespace gabion {
@@ -37,6 +38,7 @@ std::string default_output(const ProgramOptions& options, const std::string& pro
 
 int run_program(int argc, char** argv, const std::string& program,
                 const std::function<void(const ProgramOptions&, const MpiSession&)>& body) {
+  keep_freed_memory();
   const Role& role = roles.at(program);
   ProgramOptions options;
   options.name = role.participant;

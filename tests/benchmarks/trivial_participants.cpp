@@ -11,6 +11,7 @@
 #include <sstream>
 #include <vector>
 
+#include "common/base/freed_memory.hpp"
 #include "common/base/log.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/run_coupler.hpp"
@@ -138,6 +139,7 @@ double resident_mb() {
 }  // namespace
 
 OverheadResult measure_overhead(const Overhead& what) {
+  keep_freed_memory();  // as the programs do
   int soil_pipe[2], structure_pipe[2];
   const pid_t soil = start_participant(what.num_nodes, true, soil_pipe);
   const pid_t structure = start_participant(what.num_nodes, false, structure_pipe);
