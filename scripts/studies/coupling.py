@@ -8,6 +8,7 @@ import subprocess
 from plotting.results import ResultsError
 from studies.runner import ROOT, Runner, print_table, write_table
 
+SETUP = ROOT / "scripts" / "setup"
 BINARY = ROOT / "build" / "release" / "bin" / "coupling_benchmark"
 METHODS = ("constant", "mvqn", "iqn_ils")
 NODES = (100, 1000, 10000)
@@ -18,6 +19,8 @@ PEER = {100: (195, 520), 1000: (296, 2900), 10000: (2269, 29000)}
 
 def coupling(runner: Runner) -> None:
     """Iterations of the methods on two known problems, and what an iteration costs (minutes)."""
+    if subprocess.run([SETUP, BINARY.name], check=False).returncode != 0:
+        raise ResultsError(f"{BINARY.name} could not be built, see above")
     steps = os.environ.get("GABION_BENCH_GRID_STEPS", "0")  # 0: one second of the tube
     _table(runner, "affine", ["affine"])
     _table(runner, "tube", ["tube"])
@@ -30,8 +33,6 @@ def coupling(runner: Runner) -> None:
 
 
 def _run(words: list[str]) -> list[list[str]]:
-    if not BINARY.exists():
-        raise ResultsError(f"{BINARY} is not there: build it with `ninja -C build/release coupling_benchmark`")
     done = subprocess.run([str(BINARY), *words], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise ResultsError(f"coupling_benchmark {' '.join(words)}: exit code {done.returncode}: {done.stderr.strip()}")

@@ -155,8 +155,9 @@ class Coupling(ScriptCase):
                 f'exit {code}\n')
         binary = self.write("coupling_benchmark", text)
         binary.chmod(0o755)
-        self.addCleanup(setattr, coupling, "BINARY", coupling.BINARY)
-        coupling.BINARY = binary
+        for name, value in (("BINARY", binary), ("SETUP", "/bin/true")):
+            self.addCleanup(setattr, coupling, name, getattr(coupling, name))
+            setattr(coupling, name, value)
 
     def run_study(self) -> str:
         out = io.StringIO()
@@ -172,12 +173,12 @@ class Coupling(ScriptCase):
         self.assertEqual(len(rows), 1 + 9)
         self.assertEqual(rows[-1], ["iqn_ils", "10000", "100", "60", "30", "10", "12", "29000"])
 
-    def test_a_program_that_fails_or_is_missing_is_an_error(self) -> None:
+    def test_a_program_that_fails_or_cannot_be_built_is_an_error(self) -> None:
         self.program("qr2,8,20", code=1)
         with self.assertRaisesRegex(ResultsError, "coupling_benchmark affine: exit code 1"):
             self.run_study()
-        coupling.BINARY = self.folder / "nowhere"
-        with self.assertRaisesRegex(ResultsError, "is not there"):
+        coupling.SETUP = "/bin/false"
+        with self.assertRaisesRegex(ResultsError, "coupling_benchmark could not be built"):
             self.run_study()
 
 
