@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/tube_run.hpp"
@@ -47,9 +48,10 @@ TEST(C1_ElasticTube, takes_the_iterations_of_an_independent_implementation) {
   EXPECT_LE(run_tube(run_of("mvqn", {}, 8, 0)).mean_iterations, 10.0);
 }
 
-/// That implementation accepts the steps that reach its limit of 300 iterations, and counts them.
-TEST(C1_ElasticTube, aitken_needs_no_more_than_an_independent_implementation) {
-  for (const auto& [omega, reference] : {std::pair{0.1, 74.6}, {0.01, 69.4}}) {
+/// That implementation accepts the steps that reach its limit of 300 iterations, and counts them:
+/// its means are 74.6 and 69.4, without those steps they are what stands here.
+TEST(C1_ElasticTube, aitken_takes_the_iterations_of_an_independent_implementation) {
+  for (const auto& [omega, reference] : {std::pair{0.1, 62.7}, {0.01, 59.8}}) {
     TubeRun run = run_of("aitken", {}, 0, 0);
     run.acceleration.relaxation = omega;
     run.max_iterations = 300;
@@ -57,7 +59,13 @@ TEST(C1_ElasticTube, aitken_needs_no_more_than_an_independent_implementation) {
     const TubeResult result = run_tube(run);
     ASSERT_EQ(result.failure, "");
     EXPECT_LE(result.at_limit, 5) << omega;
-    EXPECT_LE(result.mean_iterations, reference + 0.3) << omega;
+    verify({.id = "C1",
+            .what = fmt::format("mean iterations, Aitken, relaxation {}", omega),
+            .exact = reference,
+            .computed = result.mean_iterations,
+            .measure = Measure::absolute_error,
+            .bound = 1.5,
+            .unit = "iterations a step"});
   }
 }
 
@@ -70,7 +78,12 @@ TEST(C1_ElasticTube, is_the_same_through_sockets) {
   const TubeResult sent = run_tube(run);
   ASSERT_EQ(sent.failure, "");
   EXPECT_EQ(sent.mean_iterations, direct.mean_iterations);
-  EXPECT_EQ(sent.pressure, direct.pressure);
+  verify({.id = "C1",
+          .what = "pressure at mid-node, through sockets against within one process",
+          .exact = direct.pressure,
+          .computed = sent.pressure,
+          .bound = 0,
+          .unit = "Pa"});
 }
 
 TEST(C1_ElasticTube, a_quadratic_predictor_saves_a_quarter) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -150,7 +151,12 @@ TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
   for (const double kappa : {1.0, 10.0, 100.0}) {
     const double eps = kappa * M / 0.25, F = D / (L / (M * A) + 1 / (eps * A));
     const Pressed pressed = press(eps);
-    EXPECT_NEAR(pressed.force, F, 1e-5 * F) << kappa;
+    verify({.id = "V20",
+            .what = fmt::format("force of a plate that presses a column, penalty {} M / h", kappa),
+            .exact = F,
+            .computed = pressed.force,
+            .bound = 1e-5,
+            .unit = "N/m"});
     EXPECT_NEAR(pressed.penetration, F / (eps * A), 1e-5 * F / (eps * A)) << kappa;
     EXPECT_EQ(pressed.after, 0) << kappa;
   }
