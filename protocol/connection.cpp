@@ -47,11 +47,15 @@ Connection::~Connection() {
   }
 }
 
-void Connection::post(const Message& message) {
+bool Connection::send(const Message& message) {
   const EncodedMessage encoded = encode(message);
   std::vector<std::string_view> frames = {encoded.header};
   frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
-  require<ProtocolError>(socket_->send(frames),
+  return socket_->send(frames);
+}
+
+void Connection::post(const Message& message) {
+  require<ProtocolError>(send(message),
                          fmt::format("cannot send \"{}\" to the coupler at {}: its queue is full",
                                      message.type, settings_.endpoint));
 }
@@ -90,7 +94,9 @@ void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
   Hello hello = hello_of(settings_, interfaces, probe_names, probes, keeps_state);
   hello.session = session_;
   hello.process = this_process();
-  post(to_message(hello));
+  // One that cannot be sent met a coupler that has closed the connection: the wait for an answer
+  // tells why.
+  send(to_message(hello));
   const Message answer = await_answer_to_hello();
   if (answer.type == "refused") {
     fail(fmt::format("the coupler at {} refused participant \"{}\": {}", settings_.endpoint,

@@ -83,6 +83,7 @@ class Connection {
   /// After a death or a signal: the coupler may have said why.
   void collect_last_words(double seconds);
   [[noreturn]] void fail(const std::string& reason);
+  bool send(const Message& message);
   void post(const Message& message);
 
   ParticipantSettings settings_;

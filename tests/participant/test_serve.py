@@ -10,8 +10,11 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import zmq
 from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
-from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, Solver, StepReport, UsageError, serve)
+from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, ProtocolError, Solver, StepReport,
+                                UsageError, serve)
+from gabion_participant.connection import Connection
 from gabion_participant.message import Message
 from gabion_participant.process import ProcessIdentity, read_stat, this_host
 
@@ -271,6 +274,17 @@ class Handshake(ParticipantCase):
     def test_nobody_answers(self) -> None:
         self.start(lambda: serve(Spring(), self.settings(connect_deadline=0.3)))
         self.assertRegex(self.end(), r"no answer from a coupler at tcp://127.0.0.1:\d+ within 0.3 s")
+
+    def test_a_coupler_that_closes_before_the_hello_says_why(self) -> None:
+        with zmq.Context() as context, context.socket(zmq.ROUTER) as coupler:
+            coupler.linger = 0
+            coupler.curve_server = True
+            coupler.curve_publickey, coupler.curve_secretkey = zmq.curve_keypair()
+            port = coupler.bind_to_random_port("tcp://127.0.0.1")
+            with Connection(self.settings(endpoint=f"tcp://127.0.0.1:{port}", connect_deadline=2.0)) as connection:
+                time.sleep(0.3)  # by now the connection is closed
+                with self.assertRaisesRegex(ProtocolError, "participants with keys only"):
+                    connection.handshake([InterfaceMesh("wall", SQUARE, SEGMENTS)])
 
     def test_settings_are_checked(self) -> None:
         for change, words in (({"name": "a b"}, "letters, digits"), ({"dimension": 4}, "2 or 3"),

@@ -83,7 +83,8 @@ class Connection:
         self._require_usable()
         if self.welcome:
             raise ProtocolError("the handshake is done already")
-        self._post(hello(self.settings, self._session, interfaces, probe_names, probes, keeps_state))
+        # One that cannot be sent met a coupler that has closed the connection: the wait for an answer tells why.
+        self._send(hello(self.settings, self._session, interfaces, probe_names, probes, keeps_state))
         answer = self._await_answer()
         if answer.type == "refused":
             self._fail(f'the coupler at {self.settings.endpoint} refused participant "{self.settings.name}": '
@@ -158,11 +159,16 @@ class Connection:
         raise ProtocolError(reason)
 
     def _post(self, message: Message) -> None:
+        if not self._send(message):
+            self._fail(
+                f'cannot send "{message.type}" to the coupler at {self.settings.endpoint}: its queue is full')
+
+    def _send(self, message: Message) -> bool:
         try:
             self._socket.send_multipart(encode(message))
         except zmq.Again:
-            self._fail(
-                f'cannot send "{message.type}" to the coupler at {self.settings.endpoint}: its queue is full')
+            return False
+        return True
 
     def _receive(self, milliseconds: int) -> list[bytes] | None:
         return self._socket.recv_multipart() if self._socket.poll(milliseconds) else None
