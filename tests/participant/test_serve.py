@@ -5,9 +5,11 @@
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import zmq
@@ -15,8 +17,10 @@ from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
 from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, ProtocolError, Solver, StepReport,
                                 UsageError, serve)
 from gabion_participant.connection import Connection
+from gabion_participant.keys import PUBLIC, SECRET
 from gabion_participant.message import Message
 from gabion_participant.process import ProcessIdentity, read_stat, this_host
+from gabion_participant.service import introduce
 
 
 class Spring(Solver):
@@ -275,16 +279,19 @@ class Handshake(ParticipantCase):
         self.start(lambda: serve(Spring(), self.settings(connect_deadline=0.3)))
         self.assertRegex(self.end(), r"no answer from a coupler at tcp://127.0.0.1:\d+ within 0.3 s")
 
-    def test_a_coupler_that_closes_before_the_hello_says_why(self) -> None:
-        with zmq.Context() as context, context.socket(zmq.ROUTER) as coupler:
-            coupler.linger = 0
-            coupler.curve_server = True
-            coupler.curve_publickey, coupler.curve_secretkey = zmq.curve_keypair()
-            port = coupler.bind_to_random_port("tcp://127.0.0.1")
-            with Connection(self.settings(endpoint=f"tcp://127.0.0.1:{port}", connect_deadline=2.0)) as connection:
-                time.sleep(0.3)  # by now the connection is closed
-                with self.assertRaisesRegex(ProtocolError, "participants with keys only"):
-                    connection.handshake([InterfaceMesh("wall", SQUARE, SEGMENTS)])
+    def test_a_hello_that_cannot_be_sent_does_not_hide_why(self) -> None:
+        (public, secret), (coupler_public, _) = zmq.curve_keypair(), zmq.curve_keypair()
+        files = {"own": f"{SECRET}{secret.decode()}", "coupler": f"{PUBLIC}{coupler_public.decode()}"}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in files.items():
+                path = Path(folder, name)
+                path.touch(mode=0o600)
+                path.write_text(text, encoding="ascii")
+            settings = self.settings(key_file=f"{folder}/own", coupler_key_file=f"{folder}/coupler")
+            refused = self.assertRaisesRegex(ProtocolError, "it uses no keys")
+            with mock.patch.object(zmq.Socket, "send_multipart", side_effect=zmq.Again), refused, \
+                    Connection(settings) as connection:
+                introduce(Spring(), connection)
 
     def test_settings_are_checked(self) -> None:
         for change, words in (({"name": "a b"}, "letters, digits"), ({"dimension": 4}, "2 or 3"),
