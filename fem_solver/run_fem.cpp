@@ -8,6 +8,7 @@ namespace gabion {
 
 void run_fem(const ProgramOptions& options, const MpiSession& session) {
   run_solver_program({.name = "fem_solver",
+                      .participant = "structure",
                       .file = "fem.json",
                       .folder = "fem",
                       .receives = force(),

@@ -26,6 +26,7 @@ std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MP
 
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {
   run_solver_program({.name = "mpm_solver",
+                      .participant = "soil",
                       .file = "mpm.json",
                       .folder = "mpm",
                       .receives = displacement(),

@@ -43,13 +43,14 @@ std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& se
 void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
                     const MpiSession& session, const Scene& scene, ConfigReader& reader,
                     const std::string& endpoint) {
-  const std::string folder = options.check ? "" : options.output + "/" + program.folder;
+  const std::string own = options.name == program.participant ? program.folder : options.name;
+  const std::string folder = options.check ? "" : options.output + "/" + own;
   const auto solver = program.make(scene, reader, session.comm(), folder, nullptr);
   ParticipantSettings settings;
   settings.endpoint = endpoint;
   settings.name = options.name;
   settings.program = program.name;
-  settings.scene_hash = scene.hash();
+  if (scene.has("coupler.json")) settings.scene_hash = scene.hash();
   settings.dimension = static_cast<int>(reader.resolved().at("dimension"));
   settings.receives = program.receives;
   settings.sends = program.sends;
@@ -60,7 +61,7 @@ void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
   drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
     Connection connection(settings);
     serve(ranked, connection, [&] {
-      if (options.check) return;
+      if (options.check || connection.run_settings().value("check", false)) return;
       std::filesystem::create_directories(folder);
       write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
     });
@@ -110,7 +111,7 @@ void run_solver_program(const SolverProgram& program, const ProgramOptions& opti
   const PetscSession petsc(session.comm());
   const Scene scene(options.scene, options.overrides);
   ConfigReader reader = scene.reader(program.file);
-  const bool is_alone = !scene.has("coupler.json");
+  const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
   const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
   if (options.check && (is_alone || !has_coupler)) {
     AloneSettings alone;

@@ -28,9 +28,10 @@ AloneSettings read_alone_settings(ConfigReader& in);
 
 /// A program around one Solver.
 struct SolverProgram {
-  std::string name;    ///< "mpm_solver"
-  std::string file;    ///< of the scene: "mpm.json"
-  std::string folder;  ///< of its frames below the results: "mpm"
+  std::string name;         ///< "mpm_solver"
+  std::string participant;  ///< in coupler.json, unless --name says another: "soil"
+  std::string file;         ///< of the scene: "mpm.json"
+  std::string folder;       ///< of its frames below the results, unless --name is given: "mpm"
   Quantity receives;
   Quantity sends;
   /// Read the file and set up the solver.
@@ -41,8 +42,9 @@ struct SolverProgram {
       make;
 };
 
-/// Follow the coupler; or run alone when the scene has no coupler.json. With `--check`: read the
-/// file and, where a coupler is there, follow it to the first step; nothing is written.
+/// Follow the coupler of the scene, or another scene's that --coupler names; or run alone when the
+/// scene has no coupler.json. With `--check`, or when the coupler only checks: read the file and,
+/// where a coupler is there, follow it to the first step; nothing is written.
 /// @throws ConfigError, ProtocolError, ConvergenceError
 /// @note Collective over session.comm().
 void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
