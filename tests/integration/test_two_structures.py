@@ -4,10 +4,13 @@
 
 import json
 import math
+import subprocess
+from pathlib import Path
 
 import launch
 from launch import FEM, IntegrationCase, free_endpoint, meeting, read_table
 
+ROOT = Path(__file__).resolve().parent.parent.parent
 HEIGHT, WIDTH, CELL = 0.08, 0.02, 0.01  # [m] of a wall, of its cells and those of the soil
 LEFT, RIGHT = 0.1, 0.3  # [m] sides of the soil
 
@@ -44,20 +47,42 @@ def scene() -> dict[str, dict]:
 
 
 class TwoStructures(IntegrationCase):
-    def test_both_bend_alike(self) -> None:
-        files, endpoint = scene(), free_endpoint()
-        files["coupler"]["protocol"] = {"endpoint": endpoint}
-        self.write_scene(files)
-        fence = self.scene / "fence"
-        fence.mkdir()
-        (fence / "fem.json").write_text(json.dumps(structure("mesh", LEFT - WIDTH, LEFT)))
+    def setUp(self) -> None:
+        super().setUp()
+        self.files = scene()
+        self.fence = self.scene / "fence"
+        self.fence.mkdir(parents=True)
+        (self.fence / "fem.json").write_text(json.dumps(structure("mesh", LEFT - WIDTH, LEFT)))
+
+    def test_started_by_hand(self) -> None:
+        endpoint = free_endpoint()
+        self.files["coupler"]["protocol"] = {"endpoint": endpoint}
+        self.write_scene(self.files)
         run = self.start()
-        second = launch.Launch([str(launch.binaries / "fem_solver"), str(fence), "--name", "fence", "--output",
+        second = launch.Launch([str(launch.binaries / "fem_solver"), str(self.fence), "--name", "fence", "--output",
                                 str(self.out), "--coupler", endpoint], self.folder)
         self.addCleanup(second.end)
         for each in (run, second):
             ended = each.wait()
             self.assertEqual(ended.code, 0, ended.text)
+        self.check_that_both_bend_alike()
+
+    def test_started_by_script(self) -> None:
+        if launch.binaries != ROOT / "build" / "release" / "bin":
+            self.skipTest("scripts/run uses build/release only")
+        self.files["coupler"]["participants"]["fence"]["command"] = [
+            "fem_solver", "fence", "--name", "fence", "--output", "{output}"]
+        self.write_scene(self.files)
+        run = [ROOT / "scripts" / "run", self.scene, "--output", self.out, "--no-plots"]
+        for options, says in ((["--check"], "valid"), ([], "completed")):
+            done = subprocess.run([*run, *options], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, text=True, timeout=launch.TIMEOUT, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertIn(says, done.stdout)
+            self.assertEqual(self.out.exists(), not options)
+        self.check_that_both_bend_alike()
+
+    def check_that_both_bend_alike(self) -> None:
         for frames in ("fem", "fence"):
             self.assertTrue((self.out / frames / "structure.xdmf").exists(), frames)
         peaks = [max(abs(float(row[f"{name}.A.ux"])) for row in read_table(self.out / "probes.csv"))
