@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "mpm_solver/coupling_boundary.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
@@ -193,6 +195,26 @@ void check_modes() {
 TEST(CouplingBoundary, modes) {
   check_modes<2>();
   check_modes<3>();
+}
+
+template <int dim>
+void check_approach() {
+  const double dt = 0.2, margin = 0.05;
+  Contact<dim> contact(plate<dim>());
+  contact.force(up<dim>(0.02));
+  EXPECT_NEAR(contact.boundary.approach_step(dt, margin), dt * margin / 0.02, 1e-12);
+  contact.force(up<dim>(-0.01), up<dim>(0.01));  // the soil comes down on the plate that rises
+  EXPECT_NEAR(contact.boundary.approach_step(dt, margin), dt * margin / 0.02, 1e-12);
+  contact.force(up<dim>(-0.03));
+  EXPECT_EQ(contact.boundary.approach_step(dt, margin), std::numeric_limits<double>::infinity());
+  contact.accept();  // open by 0.03
+  contact.force(up<dim>(0.01));
+  EXPECT_NEAR(contact.boundary.approach_step(dt, margin), dt * (0.02 + margin) / 0.01, 1e-12);
+}
+
+TEST(CouplingBoundary, the_next_step_may_close_the_gap_and_go_in_by_the_margin) {
+  check_approach<2>();
+  check_approach<3>();
 }
 
 TEST(CouplingBoundary, friction_holds_up_to_its_limit_and_keeps_direction) {
