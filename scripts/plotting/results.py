@@ -142,8 +142,9 @@ class Results:
         return self.series("mpm/soil.xdmf")
 
     @property
-    def structure(self) -> Series | None:
-        return self.series("fem/structure.xdmf")
+    def structures(self) -> list[Series]:
+        """Of each fem_solver, in the order of their folders."""
+        return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]
 
     @property
     def summary(self) -> dict | None:

@@ -49,8 +49,8 @@ class ScenePlot:
 
     def __init__(self, results: Results, field: str | None = None):
         self.soil = results.soil
-        self.structure = results.structure
-        series = self.soil or self.structure
+        self.structures = results.structures
+        series = next((s for s in (self.soil, *self.structures) if s), None)
         if series is None:
             raise ResultsError(f"{results.folder}: neither mpm/soil.xdmf nor fem/structure.xdmf")
         self.times = series.times
@@ -79,8 +79,8 @@ class ScenePlot:
 
     def _window(self) -> None:
         clouds = [f.points[:, :2] for f in self._sample(self.soil)] if self.soil else []
-        if self.structure:
-            clouds += [f.points[:, :2] for f in self._sample(self.structure)]
+        for structure in self.structures:
+            clouds += [f.points[:, :2] for f in self._sample(structure)]
         every = np.vstack(clouds)
         margin = 0.04 * np.ptp(every, axis=0).max()
         self.low, self.high = every.min(axis=0) - margin, every.max(axis=0) + margin
@@ -101,10 +101,11 @@ class ScenePlot:
         soil = PolyCollection(discs, array=values, cmap="viridis", norm=self.norm, linewidths=0)
         return axes.add_collection(soil)
 
-    def _draw_structure(self, axes: Axes, time: float) -> None:
+    @staticmethod
+    def _draw_structure(axes: Axes, structure: Series, time: float) -> None:
         """The mesh as it is at `time`, and its outline at the start, dotted."""
-        frame = self.structure.frame(self.structure.nearest(time))
-        first = self.structure.frame(0)
+        frame = structure.frame(structure.nearest(time))
+        first = structure.frame(0)
         axes.add_collection(PolyCollection(frame.points[frame.cells][:, :, :2], facecolor="#BDBDBD",
                                            edgecolor=STRUCTURE, linewidth=0.4))
         axes.add_collection(LineCollection(first.points[_outline(first.cells)][:, :, :2],
@@ -113,8 +114,8 @@ class ScenePlot:
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""
         soil = self._draw_soil(axes, time) if self.soil else None
-        if self.structure:
-            self._draw_structure(axes, time)
+        for structure in self.structures:
+            self._draw_structure(axes, structure, time)
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
         axes.set_ylim(self.low[1], self.high[1])

@@ -40,6 +40,11 @@ class Reading(ScriptCase):
         np.testing.assert_array_equal(frame.cells, cells)
         np.testing.assert_array_equal(frame.fields["displacement"], fields["displacement"])
 
+    def test_every_structure_is_found(self) -> None:
+        made_up.write_results(self.folder)
+        made_up.write_series(self.folder / "fence", "structure", made_up.structure_frames())
+        self.assertEqual([series.path.parent.name for series in Results(self.folder).structures], ["fem", "fence"])
+
     def test_missing_frame_is_named(self) -> None:
         made_up.write_series(self.folder, "soil", made_up.soil_frames())
         (self.folder / "soil_000002.h5").unlink()
