@@ -31,21 +31,31 @@ struct Filter {
 /// A number is the limit of qr2, an object has "kind" and "limit".
 Filter read_filter(ConfigReader& in, const std::string& key, const Filter& fallback);
 
-/// Least squares c = argmin |A c + t| over the columns of A that pass a filter.
+/// Least squares c = argmin |A c + t| over the columns of A that pass a filter, from a
+/// factorisation that takes in a newer column with work that grows with the square of the size
+/// only.
 class FilteredLeastSquares {
  public:
   /// @param A  columns from the newest to the oldest
   FilteredLeastSquares(const Eigen::MatrixXd& A, const Filter& filter);
 
-  /// Columns of A that passed, in their order.
+  /// Put a column before all others and filter again. Their rows that are new are zero.
+  /// @param a  as many rows as the columns have, or more
+  void prepend(const Eigen::VectorXd& a, const Filter& filter);
+  /// Forget the oldest columns, all but `count`. Those that are left count from 0 in kept().
+  void keep_newest(Eigen::Index count);
+
+  /// Columns that passed, in their order: of A; after prepend, of a and those kept before it.
   const std::vector<Eigen::Index>& kept() const { return kept_; }
 
-  /// @param[in,out] t  becomes t + A c
+  /// @param[in,out] t  becomes t + A c; as many rows as the columns have, or more
   /// @returns c of the kept columns
   Eigen::VectorXd solve(Eigen::VectorXd& t) const;
 
  private:
-  void factor(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& columns, double limit);
+  void factor(const Eigen::MatrixXd& A, double limit);
+  void drop_covered(const Filter& filter);
+  void remove(Eigen::Index column);
 
   std::vector<Eigen::Index> kept_;
   Eigen::MatrixXd q_;  // rows of A x kept, orthonormal

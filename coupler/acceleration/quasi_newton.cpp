@@ -97,7 +97,15 @@ void QuasiNewton::cover(Eigen::VectorXd& t, Eigen::VectorXd& c) {
   for (std::size_t k = 0; k < secants_.size(); ++k) {
     if (!secants_[k].dropped) used.push_back(k);
   }
-  const FilteredLeastSquares problem(matrix_of(secants_, used, t.size()), filter_);
+  if (factored_) {
+    const std::size_t num_new = secants_.size() - num_factored_;  // one at most
+    factored_->keep_newest(static_cast<Eigen::Index>(used.size() - num_new));
+    if (num_new > 0) factored_->prepend(secants_.front().s, filter_);
+  } else {
+    factored_.emplace(matrix_of(secants_, used, t.size()), filter_);
+  }
+  num_factored_ = secants_.size();
+  const FilteredLeastSquares& problem = *factored_;
   const Eigen::VectorXd found = problem.solve(t);
   c.resize(static_cast<Eigen::Index>(secants_.size()));
   for (const std::size_t k : used) secants_[k].dropped = true;
@@ -114,6 +122,7 @@ bool QuasiNewton::fall_back() {
   if (filter_.kind == robust.kind && filter_.limit == robust.limit) return false;
   filter_ = robust;
   for (Secant& secant : secants_) secant.dropped = false;
+  factored_.reset();
   // Differences to the pair before stay what they are; the next secant begins at the best pair.
   r_last_ = watch_.best_r();
   x_tilde_last_ = watch_.best_x_tilde();
@@ -141,6 +150,7 @@ void QuasiNewton::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_ti
   limit_columns();
   if (!secants_.empty() && secants_.front().step == step_) ++step_;
   forget_old_steps();
+  factored_.reset();
   size_accepted_ = basis_.size();
   watch_.begin_step();
   r_last_.resize(0);
@@ -162,6 +172,7 @@ void QuasiNewton::forget_old_steps() {
 void QuasiNewton::discard_step() {
   std::erase_if(secants_, [&](const Secant& secant) { return secant.step == step_; });
   for (Secant& secant : secants_) secant.dropped = false;
+  factored_.reset();
   basis_.truncate(size_accepted_);
   watch_.begin_step();
   r_last_.resize(0);
@@ -171,6 +182,7 @@ void QuasiNewton::discard_step() {
 int QuasiNewton::reset() {
   const auto forgotten = static_cast<int>(secants_.size());
   secants_.clear();
+  factored_.reset();
   basis_.truncate(0);
   size_accepted_ = 0;
   r_last_.resize(0);
@@ -179,6 +191,7 @@ int QuasiNewton::reset() {
 }
 
 void QuasiNewton::rescale(const Eigen::VectorXd& ratio) {
+  factored_.reset();
   const Eigen::MatrixXd T = basis_.rescale(ratio);
   for (Secant& secant : secants_) {
     const Eigen::Index m = secant.s.size();

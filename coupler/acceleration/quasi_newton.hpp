@@ -2,9 +2,11 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "coupler/acceleration/acceleration.hpp"
+#include "coupler/acceleration/filter.hpp"
 #include "coupler/acceleration/secant_basis.hpp"
 
 namespace gabion {
@@ -80,7 +82,11 @@ class QuasiNewton : public Acceleration {
 
   ProgressWatch watch_;
   SecantBasis basis_;
-  std::deque<Secant> secants_;      // newest first
+  std::deque<Secant> secants_;  // newest first
+  // Of the secants in use, as long as only new ones come; every step begins without, so that a
+  // restarted run finds the same.
+  std::optional<FilteredLeastSquares> factored_;
+  std::size_t num_factored_ = 0;  // secants, dropped ones too, when it was last brought up to date
   Eigen::Index size_accepted_ = 0;  // of the basis when the step began
   std::int64_t step_ = 0;
   Eigen::VectorXd r_last_;  // empty before the first iteration of a step

@@ -258,6 +258,56 @@ TEST(Filter, each_kind_drops_what_its_rule_says) {
   EXPECT_EQ(kept(FilterKind::qr1_absolute, 1e-4), (Kept{0, 1, 2}));
 }
 
+/// Columns come one by one, nearly dependent, independent, and more than there are rows: each time
+/// the same ones are kept as from a factorisation of all, with the same solution.
+TEST(Filter, a_column_put_first_changes_what_a_new_factorisation_changes) {
+  test::Sequence random(5);
+  constexpr Eigen::Index rows = 12;
+  for (const Filter& filter :
+       {Filter{FilterKind::none, 0}, Filter{FilterKind::qr1, 0.05}, Filter{FilterKind::qr2, 0.3},
+        Filter{FilterKind::qr1_absolute, 0.2}, Filter{FilterKind::qr3, 1e-3}}) {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, 1);
+    A.col(0) = random.vector(rows);
+    FilteredLeastSquares updated(A, filter);
+    int dropped = 0;
+    for (int k = 0; k < 60; ++k) {
+      if (k % 7 == 6 && A.cols() > 3) {
+        A = A.leftCols(A.cols() - 2).eval();
+        updated.keep_newest(A.cols());
+      }
+      Eigen::VectorXd a = random.vector(rows);
+      if (k % 3 == 0) a = A * random.vector(A.cols()) + 0.1 * a;
+      if (k % 11 == 5) a = 3 * A.col(A.cols() - 1);
+      Eigen::MatrixXd all(rows, A.cols() + 1);
+      all << a, A;
+      updated.prepend(a, filter);
+      const FilteredLeastSquares anew(all, filter);
+      ASSERT_EQ(updated.kept(), anew.kept()) << k;
+      dropped += static_cast<int>(all.cols()) - static_cast<int>(anew.kept().size());
+      const Eigen::VectorXd t = random.vector(rows);
+      Eigen::VectorXd left = t, left_anew = t;
+      const Eigen::VectorXd c = updated.solve(left);
+      const Eigen::VectorXd c_anew = anew.solve(left_anew);
+      A.resize(rows, c.size());
+      for (Eigen::Index i = 0; i < c.size(); ++i) A.col(i) = all.col(anew.kept()[i]);
+      EXPECT_LE((left - left_anew).norm(), 1e-12 * t.norm()) << k;
+      EXPECT_LE((A * (c - c_anew)).norm(), 1e-12 * t.norm()) << k;
+      EXPECT_LE((A.transpose() * left).norm(), 1e-11 * A.norm() * t.norm()) << k;
+    }
+    EXPECT_GE(dropped, 10);
+  }
+}
+
+/// The basis has grown since the columns came: their new rows are zero.
+TEST(Filter, a_column_put_first_may_have_more_rows) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(2, 2);
+  FilteredLeastSquares problem(A, {FilterKind::qr2, 0.1});
+  problem.prepend(Eigen::Vector3d(1, 0, 2), {FilterKind::qr2, 0.1});
+  Eigen::VectorXd t = Eigen::Vector3d(0, 0, -2);
+  EXPECT_LE((problem.solve(t) - Eigen::Vector3d(1, -1, 0)).norm(), 1e-15);
+  EXPECT_LE(t.norm(), 1e-15);
+}
+
 TEST(Acceleration, a_step_that_leads_nowhere_goes_on_with_the_default_filter) {
   AccelerationSettings s = settings("mvqn", 0, 5);
   s.filter = {FilterKind::qr1, 0.9};  // keeps next to nothing
