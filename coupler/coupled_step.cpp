@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "coupler/coupling_loop.hpp"
 
 namespace gabion {
@@ -219,9 +220,9 @@ bool CouplingLoop::contact_possible(const Attempt& now) const {
   const bool active = std::any_of(soils_.begin(), soils_.end(),
                                   [](const Side& soil) { return soil.report().interface_active; });
   require(active || now.force.isZero(0),
-          fmt::format("step {}: the soil sends a force (largest component {} N) and says that its "
-                      "interfaces are not active",
-                      now.row.request.step, now.force.cwiseAbs().maxCoeff()));
+          "step {}: the soil sends a force (largest component {} N) and says that its "
+          "interfaces are not active",
+          now.row.request.step, now.force.cwiseAbs().maxCoeff());
   return active;
 }
 

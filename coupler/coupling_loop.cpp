@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/base/scene.hpp"
 
 namespace gabion {
@@ -18,7 +19,7 @@ Solver& find_solver(const std::vector<NamedSolver>& participants, const std::str
   const auto found = std::find_if(participants.begin(), participants.end(),
                                   [&](const NamedSolver& p) { return p.name == name; });
   require<ConfigError>(found != participants.end(),
-                       fmt::format("participant \"{}\" of coupler.json is not there", name));
+                       "participant \"{}\" of coupler.json is not there", name);
   return found->solver;
 }
 
@@ -112,9 +113,9 @@ void CouplingLoop::visit_surfaces(StateVisitor& visitor) const {
     for (const auto& surface : participant.value().items()) {
       require<ConfigError>(
           before.value(surface.key(), "") == surface.value(),
-          fmt::format("participant \"{}\": found another mesh of interface \"{}\", allowed: that "
-                      "of the run that is continued",
-                      participant.key(), surface.key()));
+          "participant \"{}\": found another mesh of interface \"{}\", allowed: that "
+          "of the run that is continued",
+          participant.key(), surface.key());
     }
   }
 }

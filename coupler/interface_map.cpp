@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "coupler/state_vectors.hpp"
 #include "coupler/surface_check.hpp"
 
@@ -39,9 +40,9 @@ void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const M
     for (const InterfaceMesh& mesh : surfaces) {
       require<ConfigError>(
           coupled.contains({participant, mesh.name}),
-          fmt::format("participant \"{}\" offers the interface \"{}\", which \"interfaces\" in "
-                      "coupler.json does not couple",
-                      participant, mesh.name));
+          "participant \"{}\" offers the interface \"{}\", which \"interfaces\" in "
+          "coupler.json does not couple",
+          participant, mesh.name);
     }
   }
 }
@@ -49,11 +50,11 @@ void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const M
 const std::vector<double>& checked(const InterfaceValues& sent, const std::string& participant,
                                    const InterfaceMesh& mesh) {
   const auto found = sent.find(mesh.name);
-  require(found != sent.end(), fmt::format("participant \"{}\" sent nothing for interface \"{}\"",
-                                           participant, mesh.name));
+  require(found != sent.end(), "participant \"{}\" sent nothing for interface \"{}\"", participant,
+          mesh.name);
   require(found->second.size() == mesh.coordinates.size(),
-          fmt::format("participant \"{}\" sent {} values for interface \"{}\", expected {}",
-                      participant, found->second.size(), mesh.name, mesh.coordinates.size()));
+          "participant \"{}\" sent {} values for interface \"{}\", expected {}", participant,
+          found->second.size(), mesh.name, mesh.coordinates.size());
   return found->second;
 }
 
@@ -113,9 +114,9 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
     const InterfaceMesh& structure = mesh_of(meshes, names.structure, names.name);
     if (interfaces_.empty()) dim_ = structure.dim;
     require<ConfigError>(structure.dim == dim_,
-                         fmt::format("interface \"{}\" has dimension {}, interface \"{}\" has {}; "
-                                     "allowed: equal",
-                                     names.name, structure.dim, interfaces.front().name, dim_));
+                         "interface \"{}\" has dimension {}, interface \"{}\" has {}; "
+                         "allowed: equal",
+                         names.name, structure.dim, interfaces.front().name, dim_);
     const auto size = static_cast<Eigen::Index>(structure.coordinates.size());
     interfaces_.push_back(
         {names, soil, structure, make_mapping(structure, soil, settings), size_, size, {}, {}});

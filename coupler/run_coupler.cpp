@@ -10,6 +10,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/base/run_record.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/participant_check.hpp"
@@ -101,9 +102,9 @@ void check_one(const CouplerSettings& settings, const std::string& scene_hash,
   std::vector<Expected> expected = expected_participants(settings, scene_hash);
   std::erase_if(expected, [&](const Expected& other) { return other.name != name; });
   require<ConfigError>(!expected.empty(),
-                       fmt::format("--check-participant: found \"{}\", allowed: a participant of "
-                                   "coupler.json",
-                                   name));
+                       "--check-participant: found \"{}\", allowed: a participant of "
+                       "coupler.json",
+                       name);
   const bool gets_force = expected.front().receives == force();
   const double amplitude = options.amplitude > 0 ? options.amplitude : gets_force ? 1e-3 : 1e-6;
   interrupt::install();
@@ -123,7 +124,7 @@ void check_one(const CouplerSettings& settings, const std::string& scene_hash,
   }
   std::fputs(table_text(rows).c_str(), stdout);
   std::fflush(stdout);
-  require(all_passed(rows), fmt::format("participant \"{}\" would spoil a coupled run", name));
+  require(all_passed(rows), "participant \"{}\" would spoil a coupled run", name);
 }
 
 /// Whether all participants save their states; if not, says who does not.
@@ -174,9 +175,8 @@ void couple(Server& server, const CouplerSettings& settings, const Scene& scene,
 }  // namespace
 
 void run_coupler(const ProgramOptions& options, const MpiSession& session) {
-  require<ConfigError>(
-      session.size() == 1,
-      fmt::format("coupler: launched with {} processes, allowed: 1", session.size()));
+  require<ConfigError>(session.size() == 1, "coupler: launched with {} processes, allowed: 1",
+                       session.size());
   if (!options.make_keys.empty()) {
     make_keys(options.make_keys);
     log::info("wrote {0} (secret: keep it) and {0}.pub (public: give it away)", options.make_keys);

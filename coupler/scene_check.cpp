@@ -8,6 +8,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace {
@@ -65,19 +67,18 @@ void check_interfaces(const Scene& scene, const CouplerSettings& settings, const
     const InterfaceSettings& entry = settings.interfaces[i];
     if (entry.soil != own.participant && entry.structure != own.participant) continue;
     require<ConfigError>(contains(*there, entry.name),
-                         fmt::format("{}: at /interfaces/{}/name: found \"{}\", allowed: an "
-                                     "interface of {} (participant \"{}\"): {}",
-                                     scene.path("coupler.json"), i, entry.name, own.file,
-                                     own.participant, list_text(*there, entry.name)));
+                         "{}: at /interfaces/{}/name: found \"{}\", allowed: an "
+                         "interface of {} (participant \"{}\"): {}",
+                         scene.path("coupler.json"), i, entry.name, own.file, own.participant,
+                         list_text(*there, entry.name));
   }
   const Names coupled = coupled_names(settings, own.participant);
   for (std::size_t i = 0; i < there->size(); ++i) {
     const std::string& name = (*there)[i];
-    require<ConfigError>(
-        contains(coupled, name),
-        fmt::format("{}: at /interfaces/{}/name: found \"{}\", which \"interfaces\" in "
-                    "coupler.json does not couple for \"{}\"; allowed: {}",
-                    scene.path(own.file), i, name, own.participant, list_text(coupled, name)));
+    require<ConfigError>(contains(coupled, name),
+                         "{}: at /interfaces/{}/name: found \"{}\", which \"interfaces\" in "
+                         "coupler.json does not couple for \"{}\"; allowed: {}",
+                         scene.path(own.file), i, name, own.participant, list_text(coupled, name));
   }
 }
 
@@ -93,10 +94,10 @@ void check_dimensions(const Scene& scene, const std::vector<SolverFile>& files) 
     const int found = dimension(scene.settings().at(own.file));
     const int expected = dimension(scene.settings().at(first.file));
     require<ConfigError>(found == expected || found == 0 || expected == 0,
-                         fmt::format("{}: at /dimension: found {} for \"{}\", allowed: {}, the "
-                                     "dimension of \"{}\" ({})",
-                                     scene.path(own.file), found, own.participant, expected,
-                                     first.participant, first.file));
+                         "{}: at /dimension: found {} for \"{}\", allowed: {}, the "
+                         "dimension of \"{}\" ({})",
+                         scene.path(own.file), found, own.participant, expected, first.participant,
+                         first.file);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/require.hpp"
 #include "common/base/state.hpp"
 
 namespace gabion {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <variant>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
 namespace gabion::fem {
@@ -62,9 +63,9 @@ void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
       const double jacobian = map_gradients<dim>(mesh.cell_type, x, shape);
       require<ConfigError>(jacobian > 0,
-                           fmt::format("mesh: cell {} has the Jacobian {:.3g} at a quadrature "
-                                       "point; allowed: convex cells of positive volume",
-                                       range_.first + c, jacobian));
+                           "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
+                           "point; allowed: convex cells of positive volume",
+                           range_.first + c, jacobian);
       weights_.push_back(q.weight * jacobian);
       gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
     }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "common/base/require.hpp"
+
 namespace gabion::fem {
 
 namespace {
@@ -49,18 +51,16 @@ CouplingBoundary<dim>::CouplingBoundary(const FemSettings<dim>& settings)
 template <int dim>
 std::vector<double> CouplingBoundary<dim>::nodal_forces(const InterfaceValues& received) const {
   if (received.empty()) return {};
-  require(received.size() == meshes_.size(),
-          fmt::format("received forces of {} interfaces, expected {}", received.size(),
-                      meshes_.size()));
+  require(received.size() == meshes_.size(), "received forces of {} interfaces, expected {}",
+          received.size(), meshes_.size());
   std::vector<double> f(num_dofs_, 0.0);
   for (std::size_t s = 0; s < meshes_.size(); ++s) {
     const auto found = received.find(meshes_[s].name);
-    require(found != received.end(),
-            fmt::format("received no forces of interface \"{}\"", meshes_[s].name));
+    require(found != received.end(), "received no forces of interface \"{}\"", meshes_[s].name);
     const auto& values = found->second;
     require(values.size() == nodes_[s].size() * dim,
-            fmt::format("interface \"{}\": received {} force values, expected {} vertices x {}",
-                        meshes_[s].name, values.size(), nodes_[s].size(), dim));
+            "interface \"{}\": received {} force values, expected {} vertices x {}",
+            meshes_[s].name, values.size(), nodes_[s].size(), dim);
     for (std::size_t k = 0; k < nodes_[s].size(); ++k) {
       for (int c = 0; c < dim; ++c) {
         f[static_cast<std::size_t>(nodes_[s][k]) * dim + c] += values[k * dim + c];

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <variant>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 

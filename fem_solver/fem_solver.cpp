@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "common/base/require.hpp"
+
 namespace gabion::fem {
 
 template <int dim>
@@ -21,8 +23,8 @@ FemSolver<dim>::FemSolver(FemSettings<dim> settings, MPI_Comm comm,
 template <int dim>
 void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
   require(u.size() == settings_.mesh.nodes.size() * dim && v.size() == u.size(),
-          fmt::format("initial motion: found {} and {} values, expected {} nodes x {}", u.size(),
-                      v.size(), settings_.mesh.nodes.size(), dim));
+          "initial motion: found {} and {} values, expected {} nodes x {}", u.size(), v.size(),
+          settings_.mesh.nodes.size(), dim);
   step_.forget_iterates();
   trial_.reset();
   state_ = step_.state_of(std::move(u), std::move(v));
@@ -31,11 +33,10 @@ void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
 template <int dim>
 StepReport FemSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
-  require(request.dt > 0,
-          fmt::format("step {}: found dt {}, allowed: dt > 0", request.step, request.dt));
+  require(request.dt > 0, "step {}: found dt {}, allowed: dt > 0", request.step, request.dt);
   require(std::abs(request.time - state_.time) <= 1e-6 * request.dt,
-          fmt::format("step {}: asked to start at {} s, but the accepted state is that of {} s",
-                      request.step, request.time, state_.time));
+          "step {}: asked to start at {} s, but the accepted state is that of {} s", request.step,
+          request.time, state_.time);
   trial_.reset();
   state_.time = request.time;
   FemState trial;
@@ -48,7 +49,7 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
 template <int dim>
 AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   if (solved) {
-    require(trial_.has_value(), fmt::format("step {}: accepted without a solution", request.step));
+    require(trial_.has_value(), "step {}: accepted without a solution", request.step);
     state_ = std::move(*trial_);
   }
   state_.time = request.time + request.dt;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What of the structure later steps depend on.
+#include "common/base/require.hpp"
 #include "fem_solver/fem_solver.hpp"
 
 namespace gabion::fem {

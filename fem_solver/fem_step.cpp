@@ -5,6 +5,7 @@
 #include <cassert>
 #include <limits>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "mpm_solver/box_basis.hpp"
 #include "mpm_solver/patch_basis.hpp"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <variant>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/materials/spectral.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
@@ -151,9 +152,8 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const Body<d
     points.energy[p] = now.energy;
     points.a[p].setZero();
   }
-  require<ConfigError>(
-      max_over_ranks(comm, problem.empty() ? 0 : 1) == 0,
-      fmt::format("{}: {}", stress.where, problem.empty() ? "refused on another rank" : problem));
+  require<ConfigError>(max_over_ranks(comm, problem.empty() ? 0 : 1) == 0, "{}: {}", stress.where,
+                       problem.empty() ? "refused on another rank" : problem);
 }
 
 template InitialStress read_initial_stress<2>(ConfigReader, const Material<2>&);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::mpm {

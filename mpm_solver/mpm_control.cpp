@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/mpm_solver.hpp"

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
@@ -116,8 +117,8 @@ std::vector<InterfaceMesh> MpmSolver<dim>::interfaces() const {
 template <int dim>
 void MpmSolver<dim>::set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a) {
   require(v.size() == points_.v.size() && a.size() == points_.a.size(),
-          fmt::format("mpm_solver: found {} velocities and {} accelerations for {} points",
-                      v.size(), a.size(), points_.size()));
+          "mpm_solver: found {} velocities and {} accelerations for {} points", v.size(), a.size(),
+          points_.size());
   points_.v = std::move(v);
   points_.a = std::move(a);
   ledger_.start(points_);
@@ -152,9 +153,9 @@ void MpmSolver<dim>::check_initial_stress() {
             largest / cell_size_);
   require<ConfigError>(
       largest <= strictest->max_displacement * cell_size_,
-      fmt::format("{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
-                  "allowed: \"max_displacement\" = {:g}",
-                  strictest->where, largest / cell_size_, strictest->max_displacement));
+      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+      "allowed: \"max_displacement\" = {:g}",
+      strictest->where, largest / cell_size_, strictest->max_displacement);
 }
 
 template <int dim>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/flat.hpp"
 #include "mpm_solver/mpm_solver.hpp"
 
@@ -14,9 +15,8 @@ namespace {
 void require_below(const char* what, std::int32_t first, std::span<const std::int32_t> indices,
                    std::int32_t end) {
   for (const std::int32_t index : indices) {
-    require(
-        index >= first && index < end,
-        fmt::format("saved state: {}: found {}, allowed: {} to {}", what, index, first, end - 1));
+    require(index >= first && index < end, "saved state: {}: found {}, allowed: {} to {}", what,
+            index, first, end - 1);
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
 namespace gabion::mpm {

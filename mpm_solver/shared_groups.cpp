@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {

@@ -2,12 +2,15 @@
 #include "protocol/codec.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <set>
+
+#include "common/base/require.hpp"
 
 namespace gabion {
 namespace {
@@ -20,22 +23,20 @@ constexpr std::size_t value_bytes = 8;
 /// Number of values of a shape; throws when it is no shape or exceeds the limit.
 std::size_t checked_size(const std::vector<std::int64_t>& shape, const std::string& name,
                          const CodecLimits& limits) {
-  require<ProtocolError>(
-      !shape.empty() && shape.size() <= 4,
-      fmt::format("array \"{}\": expected 1 to 4 extents, found {}", name, shape.size()));
+  require<ProtocolError>(!shape.empty() && shape.size() <= 4,
+                         "array \"{}\": expected 1 to 4 extents, found {}", name, shape.size());
   const std::size_t most = limits.max_frame_bytes / value_bytes;
   std::size_t size = 1;
   bool empty = false;
   for (const std::int64_t extent : shape) {
-    require<ProtocolError>(extent >= 0,
-                           fmt::format("array \"{}\": negative extent {}", name, extent));
+    require<ProtocolError>(extent >= 0, "array \"{}\": negative extent {}", name, extent);
     if (extent == 0) {
       empty = true;
       continue;
     }
     require<ProtocolError>(static_cast<std::uint64_t>(extent) <= most / size,
-                           fmt::format("array \"{}\" of shape {} exceeds the limit of {} bytes",
-                                       name, shape_text(shape), limits.max_frame_bytes));
+                           "array \"{}\" of shape [{}] exceeds the limit of {} bytes", name,
+                           fmt::join(shape, ", "), limits.max_frame_bytes);
     size *= static_cast<std::size_t>(extent);
   }
   return empty ? 0 : size;
@@ -54,8 +55,7 @@ void check_depth(std::string_view header, int max_depth) {
       in_text = true;
     } else if (c == '{' || c == '[') {
       ++depth;
-      require<ProtocolError>(depth <= max_depth,
-                             fmt::format("header frame: nested deeper than {}", max_depth));
+      require<ProtocolError>(depth <= max_depth, "header frame: nested deeper than {}", max_depth);
     } else if (c == '}' || c == ']') {
       --depth;
     }
@@ -71,8 +71,8 @@ std::string printable(std::string text) {
 
 Json parse_header(const std::string& frame, const CodecLimits& limits) {
   require<ProtocolError>(frame.size() <= limits.max_header_bytes,
-                         fmt::format("header frame of {} bytes exceeds the limit of {}",
-                                     frame.size(), limits.max_header_bytes));
+                         "header frame of {} bytes exceeds the limit of {}", frame.size(),
+                         limits.max_header_bytes);
   require<ProtocolError>(!frame.starts_with("\xEF\xBB\xBF"),
                          "header frame: starts with a byte order mark");
   // The parser takes it for the end of the text, and what follows for nothing.
@@ -93,30 +93,33 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
 Array read_description(const Json& entry) {
   const auto text = [&entry](const char* key) {
     const auto found = entry.find(key);
-    require<ProtocolError>(
-        found != entry.end() && found->is_string(),
-        fmt::format("header frame: an array lacks the text \"{}\": {}", key, shortened(entry)));
+    require<ProtocolError>(found != entry.end() && found->is_string(), [&] {
+      return fmt::format("header frame: an array lacks the text \"{}\": {}", key, shortened(entry));
+    });
     return found->get<std::string>();
   };
-  require<ProtocolError>(entry.is_object(),
-                         "header frame: an array's description is no object: " + shortened(entry));
+  require<ProtocolError>(entry.is_object(), [&] {
+    return "header frame: an array's description is no object: " + shortened(entry);
+  });
   Array array;
   array.name = text("name");
   const std::string dtype = text("dtype");
-  require<ProtocolError>(
-      dtype == "<f8" || dtype == "<i8",
-      fmt::format("array \"{}\": expected dtype \"<f8\" or \"<i8\", found \"{}\"", array.name,
-                  dtype));
+  require<ProtocolError>(dtype == "<f8" || dtype == "<i8",
+                         "array \"{}\": expected dtype \"<f8\" or \"<i8\", found \"{}\"",
+                         array.name, dtype);
   if (dtype == "<i8") array.values = std::vector<std::int64_t>();
   const auto shape = entry.find("shape");
-  require<ProtocolError>(shape != entry.end() && shape->is_array() && shape->size() <= 4,
-                         fmt::format("array \"{}\": expected a \"shape\" of 1 to 4 extents: {}",
-                                     array.name, shortened(entry)));
+  require<ProtocolError>(shape != entry.end() && shape->is_array() && shape->size() <= 4, [&] {
+    return fmt::format("array \"{}\": expected a \"shape\" of 1 to 4 extents: {}", array.name,
+                       shortened(entry));
+  });
   for (const Json& extent : *shape) {
     const bool fits = extent.is_number_integer() &&
                       !(extent.is_number_unsigned() && extent.get<std::uint64_t>() > INT64_MAX);
-    require<ProtocolError>(fits, fmt::format("array \"{}\": expected integer extents, found {}",
-                                             array.name, shortened(*shape)));
+    require<ProtocolError>(fits, [&] {
+      return fmt::format("array \"{}\": expected integer extents, found {}", array.name,
+                         shortened(*shape));
+    });
     array.shape.push_back(extent.get<std::int64_t>());
   }
   return array;
@@ -124,10 +127,10 @@ Array read_description(const Json& entry) {
 
 void fill(Array& array, const std::string& frame, const CodecLimits& limits) {
   const std::size_t size = checked_size(array.shape, array.name, limits);
-  require<ProtocolError>(
-      frame.size() == size * value_bytes,
-      fmt::format("array \"{}\" of shape {}: expected a frame of {} bytes, found {}", array.name,
-                  shape_text(array.shape), size * value_bytes, frame.size()));
+  require<ProtocolError>(frame.size() == size * value_bytes,
+                         "array \"{}\" of shape [{}]: expected a frame of {} bytes, found {}",
+                         array.name, fmt::join(array.shape, ", "), size * value_bytes,
+                         frame.size());
   std::visit(
       [&](auto& values) {
         values.resize(size);
@@ -140,23 +143,23 @@ void read_arrays(const Json& descriptions, std::span<const std::string> frames,
                  const CodecLimits& limits, Message& message) {
   require<ProtocolError>(descriptions.is_array(), "header frame: \"arrays\" is no list");
   require<ProtocolError>(descriptions.size() <= limits.max_arrays,
-                         fmt::format("header frame: {} arrays exceed the limit of {}",
-                                     descriptions.size(), limits.max_arrays));
+                         "header frame: {} arrays exceed the limit of {}", descriptions.size(),
+                         limits.max_arrays);
   require<ProtocolError>(descriptions.size() == frames.size(),
-                         fmt::format("message \"{}\": header describes {} arrays, found {} frames",
-                                     message.type, descriptions.size(), frames.size()));
+                         "message \"{}\": header describes {} arrays, found {} frames",
+                         message.type, descriptions.size(), frames.size());
   std::size_t payload = 0;
   for (const std::string& frame : frames) {
     require<ProtocolError>(frame.size() <= limits.max_payload_bytes - payload,
-                           fmt::format("message \"{}\" exceeds the limit of {} bytes", message.type,
-                                       limits.max_payload_bytes));
+                           "message \"{}\" exceeds the limit of {} bytes", message.type,
+                           limits.max_payload_bytes);
     payload += frame.size();
   }
   std::set<std::string> names;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     Array array = read_description(descriptions[i]);
-    require<ProtocolError>(names.insert(array.name).second,
-                           fmt::format("array \"{}\" is there twice", array.name));
+    require<ProtocolError>(names.insert(array.name).second, "array \"{}\" is there twice",
+                           array.name);
     fill(array, frames[i], limits);
     message.arrays.push_back(std::move(array));
   }
@@ -170,19 +173,18 @@ EncodedMessage encode(const Message& message, const CodecLimits& limits) {
   header["type"] = message.type;
   header["sequence"] = message.sequence;
   require<ProtocolError>(message.arrays.size() <= limits.max_arrays,
-                         fmt::format("message \"{}\": {} arrays exceed the limit of {}",
-                                     message.type, message.arrays.size(), limits.max_arrays));
+                         "message \"{}\": {} arrays exceed the limit of {}", message.type,
+                         message.arrays.size(), limits.max_arrays);
   std::size_t payload = 0;
   if (!message.arrays.empty()) header["arrays"] = Json::array();
   for (const Array& array : message.arrays) {
     const std::size_t size = checked_size(array.shape, array.name, limits);
-    require<ProtocolError>(
-        array.size() == size,
-        fmt::format("message \"{}\", array \"{}\": shape {} but {} values", message.type,
-                    array.name, shape_text(array.shape), array.size()));
+    require<ProtocolError>(array.size() == size,
+                           "message \"{}\", array \"{}\": shape [{}] but {} values", message.type,
+                           array.name, fmt::join(array.shape, ", "), array.size());
     require<ProtocolError>(size * value_bytes <= limits.max_payload_bytes - payload,
-                           fmt::format("message \"{}\" exceeds the limit of {} bytes", message.type,
-                                       limits.max_payload_bytes));
+                           "message \"{}\" exceeds the limit of {} bytes", message.type,
+                           limits.max_payload_bytes);
     payload += size * value_bytes;
     const bool real = std::holds_alternative<std::vector<double>>(array.values);
     header["arrays"].push_back(
@@ -196,8 +198,8 @@ EncodedMessage encode(const Message& message, const CodecLimits& limits) {
   }
   encoded.header = header.dump(-1, ' ', false, Json::error_handler_t::replace);
   require<ProtocolError>(encoded.header.size() <= limits.max_header_bytes,
-                         fmt::format("message \"{}\": header of {} bytes exceeds the limit of {}",
-                                     message.type, encoded.header.size(), limits.max_header_bytes));
+                         "message \"{}\": header of {} bytes exceeds the limit of {}", message.type,
+                         encoded.header.size(), limits.max_header_bytes);
   return encoded;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "gabion_version.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
@@ -56,8 +57,8 @@ bool Connection::send(const Message& message) {
 
 void Connection::post(const Message& message) {
   require<ProtocolError>(send(message),
-                         fmt::format("cannot send \"{}\" to the coupler at {}: its queue is full",
-                                     message.type, settings_.endpoint));
+                         "cannot send \"{}\" to the coupler at {}: its queue is full", message.type,
+                         settings_.endpoint);
 }
 
 void Connection::fail(const std::string& reason) {
@@ -172,10 +173,9 @@ Message Connection::accept_request(const std::vector<std::string>& frames) {
   if (!failure_.empty()) throw ProtocolError(failure_);
   coupler_->sign_of_life();
   if (request.type == "alive") return request;
-  require<ProtocolError>(
-      request.sequence > last_sequence_,
-      fmt::format("{} sent \"{}\" with sequence number {} after {}", coupler_->label(),
-                  request.type, request.sequence, last_sequence_));
+  require<ProtocolError>(request.sequence > last_sequence_,
+                         "{} sent \"{}\" with sequence number {} after {}", coupler_->label(),
+                         request.type, request.sequence, last_sequence_);
   last_sequence_ = request.sequence;
   heartbeat_->set_phase(describe(request), true);
   return request;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "common/base/require.hpp"
 #include "protocol/codec.hpp"
 
 namespace gabion {
@@ -22,8 +23,8 @@ namespace {
 int small_integer(const Message& message, const std::string& key) {
   const std::int64_t value = message.integer(key);
   require<ProtocolError>(value >= 0 && value <= std::numeric_limits<int>::max(),
-                         fmt::format("message \"{}\", field \"{}\": expected a count, found {}",
-                                     message.type, key, value));
+                         "message \"{}\", field \"{}\": expected a count, found {}", message.type,
+                         key, value);
   return static_cast<int>(value);
 }
 
@@ -67,8 +68,8 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes) 
   report.at_rest = message.boolean("at_rest");
   report.proposed_dt = message.number("proposed_dt");
   require<ProtocolError>(report.proposed_dt >= 0,
-                         fmt::format("message \"{}\": expected proposed_dt >= 0, found {}",
-                                     message.type, report.proposed_dt));
+                         "message \"{}\": expected proposed_dt >= 0, found {}", message.type,
+                         report.proposed_dt);
   report.details = message.field("details");
   return report;
 }
@@ -76,15 +77,15 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes) 
 void put_values(Message& message, const std::string& quantity,
                 const std::vector<InterfaceMesh>& interfaces, InterfaceValues values) {
   require<ProtocolError>(values.size() == interfaces.size(),
-                         fmt::format("{}: expected values on {} interfaces, found {}", quantity,
-                                     interfaces.size(), values.size()));
+                         "{}: expected values on {} interfaces, found {}", quantity,
+                         interfaces.size(), values.size());
   for (const InterfaceMesh& mesh : interfaces) {
     const std::string name = quantity + ":" + mesh.name;
     const auto found = values.find(mesh.name);
-    require<ProtocolError>(found != values.end(), fmt::format("\"{}\" is missing", name));
+    require<ProtocolError>(found != values.end(), "\"{}\" is missing", name);
     require<ProtocolError>(found->second.size() == mesh.coordinates.size(),
-                           fmt::format("\"{}\": expected {} x {} values, found {}", name,
-                                       mesh.num_vertices(), mesh.dim, found->second.size()));
+                           "\"{}\": expected {} x {} values, found {}", name, mesh.num_vertices(),
+                           mesh.dim, found->second.size());
     require_finite(found->second, static_cast<std::size_t>(mesh.dim), name);
     message.add(name, {mesh.num_vertices(), mesh.dim}, std::move(found->second));
   }
@@ -100,8 +101,8 @@ InterfaceValues read_values(Message message, const std::string& quantity,
     values.emplace(mesh.name, std::move(list));
   }
   require<ProtocolError>(message.arrays.size() == interfaces.size(),
-                         fmt::format("message \"{}\": expected {} arrays, found {}", message.type,
-                                     interfaces.size(), message.arrays.size()));
+                         "message \"{}\": expected {} arrays, found {}", message.type,
+                         interfaces.size(), message.arrays.size());
   return values;
 }
 
@@ -139,14 +140,13 @@ Message loaded(const std::vector<double>& probes) {
 State read_state(const Message& message) {
   State state;
   state.facts = message.field("state");
-  require<ProtocolError>(
-      state.facts.is_object(),
-      fmt::format("message \"{}\", field \"state\": expected an object, found {}", message.type,
-                  shortened(state.facts)));
+  require<ProtocolError>(state.facts.is_object(),
+                         "message \"{}\", field \"state\": expected an object, found {}",
+                         message.type, shortened(state.facts));
   for (const auto& array : message.arrays) {
-    require<ProtocolError>(
-        array.name.find('/') == std::string::npos,
-        fmt::format("message \"{}\": array \"{}\" has a / in its name", message.type, array.name));
+    require<ProtocolError>(array.name.find('/') == std::string::npos,
+                           "message \"{}\": array \"{}\" has a / in its name", message.type,
+                           array.name);
     const std::string reals = real_prefix, integers = integer_prefix;
     if (array.name.starts_with(reals)) {
       state.reals[array.name.substr(reals.size())] = message.reals(array.name, {-1});
@@ -173,8 +173,8 @@ std::vector<std::byte> unpack_bytes(const State& state) {
       values != state.integers.end() && count.is_number_unsigned() &&
           values->second.size() == count.get<std::size_t>() / bytes_a_value +
                                        (count.get<std::size_t>() % bytes_a_value != 0),
-      fmt::format("state: expected an array of {} bytes, found {} values of 8 bytes", count.dump(),
-                  values == state.integers.end() ? 0 : values->second.size()));
+      "state: expected an array of {} bytes, found {} values of 8 bytes", count.dump(),
+      values == state.integers.end() ? 0 : values->second.size());
   std::vector<std::byte> bytes(count.get<std::size_t>());
   if (!bytes.empty()) std::memcpy(bytes.data(), values->second.data(), bytes.size());
   return bytes;

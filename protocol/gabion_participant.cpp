@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/require.hpp"
 #include "protocol/participant.hpp"
 
 /// Made of settings until initialize() or the first interface needs the participant itself.
@@ -177,8 +178,7 @@ gabion_status gabion_set_output(gabion_participant* p, int (*write)(double, void
     require_given(reinterpret_cast<const void*>(write), "write");
     participant.set_output([write, user](double time) {
       const int code = write(time, user);
-      gabion::require(code == 0,
-                      fmt::format("writing the state at {} s failed, code {}", time, code));
+      gabion::require(code == 0, "writing the state at {} s failed, code {}", time, code);
     });
   });
 }
@@ -193,14 +193,14 @@ gabion_status gabion_set_state(gabion_participant* p, int (*save)(const void**, 
           const void* data = nullptr;
           std::size_t size = 0;
           const int code = save(&data, &size, user);
-          gabion::require(code == 0, fmt::format("saving the state failed, code {}", code));
+          gabion::require(code == 0, "saving the state failed, code {}", code);
           if (size > 0) require_given(data, "data of the state");
           const auto* bytes = static_cast<const std::byte*>(data);
           return std::vector<std::byte>(bytes, bytes + size);
         },
         [load, user](std::span<const std::byte> bytes) {
           const int code = load(bytes.data(), bytes.size(), user);
-          gabion::require(code == 0, fmt::format("loading the state failed, code {}", code));
+          gabion::require(code == 0, "loading the state failed, code {}", code);
         });
   });
 }

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <set>
 
+#include "common/base/require.hpp"
 #include "protocol/codec.hpp"
 
 namespace gabion {
@@ -29,8 +30,8 @@ Json to_json(const ProcessIdentity& process) {
 Message nested(const Message& message, const std::string& key) {
   const Json& value = message.field(key);
   require<ProtocolError>(value.is_object(),
-                         fmt::format("message \"{}\", field \"{}\": expected an object, found {}",
-                                     message.type, key, shortened(value)));
+                         "message \"{}\", field \"{}\": expected an object, found {}", message.type,
+                         key, shortened(value));
   return new_message(message.type + "." + key, value);
 }
 
@@ -48,13 +49,12 @@ ProcessIdentity read_process(const Message& message) {
 std::vector<Message> nested_list(const Message& message, const std::string& key) {
   const Json& list = message.field(key);
   std::vector<Message> out;
-  require<ProtocolError>(list.is_array(),
-                         fmt::format("message \"{}\", field \"{}\": expected a list, found {}",
-                                     message.type, key, shortened(list)));
+  require<ProtocolError>(list.is_array(), "message \"{}\", field \"{}\": expected a list, found {}",
+                         message.type, key, shortened(list));
   for (const Json& element : list) {
     require<ProtocolError>(element.is_object(),
-                           fmt::format("message \"{}\", field \"{}\": expected objects, found {}",
-                                       message.type, key, shortened(element)));
+                           "message \"{}\", field \"{}\": expected objects, found {}", message.type,
+                           key, shortened(element));
     out.push_back(new_message(message.type + "." + key, element));
   }
   return out;
@@ -64,9 +64,8 @@ std::vector<std::string> read_texts(const Message& message, const std::string& k
   const Json& list = message.field(key);
   const bool texts = list.is_array() && std::all_of(list.begin(), list.end(),
                                                     [](const Json& j) { return j.is_string(); });
-  require<ProtocolError>(
-      texts, fmt::format("message \"{}\", field \"{}\": expected a list of texts, found {}",
-                         message.type, key, shortened(list)));
+  require<ProtocolError>(texts, "message \"{}\", field \"{}\": expected a list of texts, found {}",
+                         message.type, key, shortened(list));
   return list.get<std::vector<std::string>>();
 }
 
@@ -75,10 +74,9 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   mesh.name = description.text("name");
   mesh.dim = dim;
   const std::int64_t width = description.integer("vertices_per_facet");
-  require<ProtocolError>(
-      width == 0 || (width >= 2 && width <= 4),
-      fmt::format("interface \"{}\": expected 0, 2, 3 or 4 vertices_per_facet, found {}", mesh.name,
-                  width));
+  require<ProtocolError>(width == 0 || (width >= 2 && width <= 4),
+                         "interface \"{}\": expected 0, 2, 3 or 4 vertices_per_facet, found {}",
+                         mesh.name, width);
   mesh.vertices_per_facet = static_cast<int>(width);
   mesh.coordinates = hello.reals("coordinates:" + mesh.name, {-1, dim});
   require_finite(mesh.coordinates, static_cast<std::size_t>(dim), "coordinates:" + mesh.name);
@@ -86,8 +84,8 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   mesh.facets = hello.integers("facets:" + mesh.name, {-1, width});
   for (const std::int64_t vertex : mesh.facets) {
     require<ProtocolError>(vertex >= 0 && vertex < mesh.num_vertices(),
-                           fmt::format("interface \"{}\": a facet names vertex {}, there are {}",
-                                       mesh.name, vertex, mesh.num_vertices()));
+                           "interface \"{}\": a facet names vertex {}, there are {}", mesh.name,
+                           vertex, mesh.num_vertices());
   }
   return mesh;
 }
@@ -162,9 +160,8 @@ Hello read_hello(const Message& message) {
   hello.session = message.text("session");
   hello.scene_hash = message.text("scene_hash");
   const std::int64_t dimension = message.integer("dimension");
-  require<ProtocolError>(
-      dimension == 2 || dimension == 3,
-      fmt::format("message \"hello\": expected dimension 2 or 3, found {}", dimension));
+  require<ProtocolError>(dimension == 2 || dimension == 3,
+                         "message \"hello\": expected dimension 2 or 3, found {}", dimension);
   hello.dimension = static_cast<int>(dimension);
   hello.receives = read_quantity(message, "receives");
   hello.sends = read_quantity(message, "sends");
@@ -177,9 +174,8 @@ Hello read_hello(const Message& message) {
   std::set<std::string> names;
   for (const Message& description : nested_list(message, "interfaces")) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
-    require<ProtocolError>(
-        names.insert(hello.interfaces.back().name).second,
-        fmt::format("interface \"{}\" is there twice", hello.interfaces.back().name));
+    require<ProtocolError>(names.insert(hello.interfaces.back().name).second,
+                           "interface \"{}\" is there twice", hello.interfaces.back().name);
   }
   return hello;
 }
@@ -201,8 +197,8 @@ int major_version(const std::string& version) {
   const char* end = version.data() + version.size();
   const auto [stop, problem] = std::from_chars(version.data(), end, major);
   require<ProtocolError>(problem == std::errc() && major >= 0 && stop != end && *stop == '.',
-                         fmt::format("protocol version: expected \"major.minor\", found {}",
-                                     shortened(Json(version))));
+                         "protocol version: expected \"major.minor\", found {}",
+                         shortened(Json(version)));
   return major;
 }
 

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <vector>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 namespace {
@@ -34,7 +34,7 @@ bool is_key(const std::string& text) {
 /// All keys of a file, which must all be of this kind.
 std::vector<std::string> read_keys(const std::string& file, const std::string& tag) {
   std::ifstream in(file);
-  require<ConfigError>(in.good(), fmt::format("{}: cannot be read", file));
+  require<ConfigError>(in.good(), "{}: cannot be read", file);
   std::vector<std::string> keys;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
@@ -43,11 +43,11 @@ std::vector<std::string> read_keys(const std::string& file, const std::string& t
     line.erase(line.find_last_not_of(" \t\r") + 1);
     // What is wrong is not quoted: it may be a secret.
     require<ConfigError>(line.starts_with(tag) && is_key(line.substr(tag.size())),
-                         fmt::format("{}: line {} is not \"{}KEY\" with {} characters of Z85", file,
-                                     number, tag, key_length));
+                         "{}: line {} is not \"{}KEY\" with {} characters of Z85", file, number,
+                         tag, key_length);
     keys.push_back(line.substr(tag.size()));
   }
-  require<ConfigError>(!keys.empty(), fmt::format("{}: holds no line \"{}KEY\"", file, tag));
+  require<ConfigError>(!keys.empty(), "{}: holds no line \"{}KEY\"", file, tag);
   return keys;
 }
 
@@ -59,11 +59,10 @@ std::string public_key_of(const std::string& secret) {
 
 void write_new(const std::string& file, const std::string& text, mode_t mode) {
   const int descriptor = open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
-  require<ConfigError>(descriptor >= 0,
-                       fmt::format("{}: cannot be made: {}", file, std::strerror(errno)));
+  require<ConfigError>(descriptor >= 0, "{}: cannot be made: {}", file, std::strerror(errno));
   const bool written = write(descriptor, text.data(), text.size()) == std::ssize(text);
   const bool closed = close(descriptor) == 0;
-  require<ConfigError>(written && closed, fmt::format("{}: cannot be written", file));
+  require<ConfigError>(written && closed, "{}: cannot be written", file);
 }
 
 std::string or_environment(const std::string& value, const char* variable) {
@@ -79,24 +78,21 @@ void make_keys(const std::string& file) {
   require(zmq_has("curve") == 1 && zmq_curve_keypair(public_text.data(), secret_text.data()) == 0,
           "this ZeroMQ library was built without CURVE");
   const std::string public_file = file + ".pub";
-  require<ConfigError>(access(public_file.c_str(), F_OK) != 0,
-                       fmt::format("{}: exists, and is not overwritten", public_file));
+  require<ConfigError>(access(public_file.c_str(), F_OK) != 0, "{}: exists, and is not overwritten",
+                       public_file);
   write_new(file, secret_tag + secret_text.data() + "\n", S_IRUSR | S_IWUSR);
   write_new(public_file, public_tag + public_text.data() + "\n", 0644);
 }
 
 std::string read_secret_key(const std::string& file) {
   struct stat status = {};
-  require<ConfigError>(stat(file.c_str(), &status) == 0,
-                       fmt::format("{}: {}", file, std::strerror(errno)));
-  require<ConfigError>(
-      (status.st_mode & (S_IRWXG | S_IRWXO)) == 0,
-      fmt::format("{}: found mode {:o}, allowed: 600 (chmod 600), because it holds "
-                  "a secret key",
-                  file, status.st_mode & 0777));
+  require<ConfigError>(stat(file.c_str(), &status) == 0, "{}: {}", file, std::strerror(errno));
+  require<ConfigError>((status.st_mode & (S_IRWXG | S_IRWXO)) == 0,
+                       "{}: found mode {:o}, allowed: 600 (chmod 600), because it holds "
+                       "a secret key",
+                       file, status.st_mode & 0777);
   const std::vector<std::string> keys = read_keys(file, secret_tag);
-  require<ConfigError>(keys.size() == 1,
-                       fmt::format("{}: found {} keys, allowed: 1", file, keys.size()));
+  require<ConfigError>(keys.size() == 1, "{}: found {} keys, allowed: 1", file, keys.size());
   return keys.front();
 }
 
@@ -115,14 +111,14 @@ std::optional<ClientKeys> read_client_keys(std::string key_file, std::string cou
   if (key_file.empty() && coupler_key_file.empty()) return std::nullopt;
   require<ConfigError>(
       !key_file.empty() && !coupler_key_file.empty(),
-      fmt::format("keys: found only the {}, allowed: --key-file and --coupler-key-file, or neither",
-                  key_file.empty() ? "coupler's" : "own"));
+      "keys: found only the {}, allowed: --key-file and --coupler-key-file, or neither",
+      key_file.empty() ? "coupler's" : "own");
   ClientKeys keys;
   keys.secret = read_secret_key(key_file);
   keys.own_public = public_key_of(keys.secret);
   const std::set<std::string> coupler = read_public_keys(coupler_key_file);
-  require<ConfigError>(coupler.size() == 1, fmt::format("{}: found {} keys, allowed: 1",
-                                                        coupler_key_file, coupler.size()));
+  require<ConfigError>(coupler.size() == 1, "{}: found {} keys, allowed: 1", coupler_key_file,
+                       coupler.size());
   keys.coupler_public = *coupler.begin();
   return keys;
 }

@@ -6,14 +6,12 @@
 
 #include <algorithm>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 std::size_t Array::size() const {
   return std::visit([](const auto& list) { return list.size(); }, values);
-}
-
-std::string shape_text(const std::vector<std::int64_t>& shape) {
-  return fmt::format("[{}]", fmt::join(shape, ", "));
 }
 
 std::string shortened(const Json& value) {
@@ -92,22 +90,21 @@ const Array& Message::array(const std::string& name, const std::vector<std::int6
     for (std::size_t i = 0; equal && i < shape.size(); ++i) {
       equal = shape[i] < 0 || shape[i] == candidate.shape[i];
     }
-    require<ProtocolError>(
-        equal, fmt::format("message \"{}\", array \"{}\": expected shape {}, found {}", type, name,
-                           shape_text(shape), shape_text(candidate.shape)));
+    require<ProtocolError>(equal, "message \"{}\", array \"{}\": expected shape [{}], found [{}]",
+                           type, name, fmt::join(shape, ", "), fmt::join(candidate.shape, ", "));
     return candidate;
   }
   throw ProtocolError(
-      fmt::format("message \"{}\": expected an array \"{}\" of shape {}, found none", type, name,
-                  shape_text(shape)));
+      fmt::format("message \"{}\": expected an array \"{}\" of shape [{}], found none", type, name,
+                  fmt::join(shape, ", ")));
 }
 
 const std::vector<double>& Message::reals(const std::string& name,
                                           const std::vector<std::int64_t>& shape) const {
   const auto* values = std::get_if<std::vector<double>>(&array(name, shape).values);
-  require<ProtocolError>(
-      values != nullptr,
-      fmt::format("message \"{}\", array \"{}\": expected \"<f8\", found \"<i8\"", type, name));
+  require<ProtocolError>(values != nullptr,
+                         "message \"{}\", array \"{}\": expected \"<f8\", found \"<i8\"", type,
+                         name);
   return *values;
 }
 
@@ -122,9 +119,9 @@ std::vector<double> Message::take_reals(const std::string& name,
 const std::vector<std::int64_t>& Message::integers(const std::string& name,
                                                    const std::vector<std::int64_t>& shape) const {
   const auto* values = std::get_if<std::vector<std::int64_t>>(&array(name, shape).values);
-  require<ProtocolError>(
-      values != nullptr,
-      fmt::format("message \"{}\", array \"{}\": expected \"<i8\", found \"<f8\"", type, name));
+  require<ProtocolError>(values != nullptr,
+                         "message \"{}\", array \"{}\": expected \"<i8\", found \"<f8\"", type,
+                         name);
   return *values;
 }
 

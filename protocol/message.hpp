@@ -20,9 +20,6 @@ struct Array {
   std::size_t size() const;
 };
 
-/// "[12, 2]"
-std::string shape_text(const std::vector<std::int64_t>& shape);
-
 /// One message of the protocol: a type, the sequence number of the request it is or answers, small
 /// fields, and arrays. README.md lists the types and their fields.
 struct Message {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
 
 namespace gabion {
@@ -25,7 +26,7 @@ Message accepted_of(const std::vector<double>& probes) {
 
 Participant::Participant(ParticipantSettings settings) : settings_(std::move(settings)) {
   require<UsageError>(settings_.dimension == 2 || settings_.dimension == 3,
-                      fmt::format("dimension: found {}, allowed: 2 or 3", settings_.dimension));
+                      "dimension: found {}, allowed: 2 or 3", settings_.dimension);
 }
 
 Participant::~Participant() = default;
@@ -34,19 +35,17 @@ void Participant::set_interface(const std::string& name, std::span<const double>
                                 int vertices_per_facet, std::span<const std::int64_t> facets) {
   before_initialize("set_interface");
   const auto dim = static_cast<std::size_t>(settings_.dimension);
-  require<UsageError>(
-      !coordinates.empty() && coordinates.size() % dim == 0,
-      fmt::format("interface \"{}\": found {} coordinates, allowed: num_vertices x {}", name,
-                  coordinates.size(), dim));
+  require<UsageError>(!coordinates.empty() && coordinates.size() % dim == 0,
+                      "interface \"{}\": found {} coordinates, allowed: num_vertices x {}", name,
+                      coordinates.size(), dim);
   require<UsageError>(
       vertices_per_facet == 0 || (vertices_per_facet >= 2 && vertices_per_facet <= 4),
-      fmt::format("interface \"{}\": found {} vertices per facet, allowed: 0, 2, 3, 4", name,
-                  vertices_per_facet));
+      "interface \"{}\": found {} vertices per facet, allowed: 0, 2, 3, 4", name,
+      vertices_per_facet);
   const std::size_t width = vertices_per_facet == 0 ? 1 : std::size_t(vertices_per_facet);
-  require<UsageError>(
-      facets.size() % width == 0 && (vertices_per_facet > 0 || facets.empty()),
-      fmt::format("interface \"{}\": found {} facet entries, allowed: num_facets x {}", name,
-                  facets.size(), vertices_per_facet));
+  require<UsageError>(facets.size() % width == 0 && (vertices_per_facet > 0 || facets.empty()),
+                      "interface \"{}\": found {} facet entries, allowed: num_facets x {}", name,
+                      facets.size(), vertices_per_facet);
   meshes_.push_back({name,
                      settings_.dimension,
                      {coordinates.begin(), coordinates.end()},
@@ -62,8 +61,8 @@ void Participant::set_probes(std::vector<std::string> names, std::span<const dou
 
 void Participant::write_probes(std::span<const double> values) {
   require<UsageError>(values.size() == probe_names_.size(),
-                      fmt::format("probes: found {} values, allowed: as many as names, {}",
-                                  values.size(), probe_names_.size()));
+                      "probes: found {} values, allowed: as many as names, {}", values.size(),
+                      probe_names_.size());
   probes_.assign(values.begin(), values.end());
 }
 
@@ -133,8 +132,7 @@ std::vector<double> Participant::read_data(const std::string& interface) {
   if (!received_.empty()) return received_.at(interface);
   require<ProtocolError>(
       settings_.receives == force(),
-      fmt::format("the coupler gives no displacement of \"{}\" in this step: the interface is free",
-                  interface));
+      "the coupler gives no displacement of \"{}\" in this step: the interface is free", interface);
   return std::vector<double>(surface.coordinates.size(), 0.0);  // a free surface carries no force
 }
 
@@ -142,23 +140,22 @@ void Participant::write_data(const std::string& interface, std::span<const doubl
   open_step("write_data");
   const std::size_t expected = num_values(interface);
   require<UsageError>(values.size() == expected,
-                      fmt::format("write_data: found {} values for \"{}\", allowed: {}",
-                                  values.size(), interface, expected));
+                      "write_data: found {} values for \"{}\", allowed: {}", values.size(),
+                      interface, expected);
   written_[interface].assign(values.begin(), values.end());
 }
 
 void Participant::advance(double dt, const StepReport& report) {
   const StepRequest& request = checked_step("advance");
   const double tolerance = same_time * request.dt;
-  require<UsageError>(
-      dt > 0 && dt <= remaining_ + tolerance,
-      fmt::format("advance: found dt {} s, allowed: > 0 and at most {} s", dt, remaining_));
+  require<UsageError>(dt > 0 && dt <= remaining_ + tolerance,
+                      "advance: found dt {} s, allowed: > 0 and at most {} s", dt, remaining_);
   window_complete_ = false;
   remaining_ -= dt;
   if (remaining_ > tolerance) return;
   for (const InterfaceMesh& surface : meshes_) {
-    require<UsageError>(written_.contains(surface.name),
-                        fmt::format("advance: nothing was written for \"{}\"", surface.name));
+    require<UsageError>(written_.contains(surface.name), "advance: nothing was written for \"{}\"",
+                        surface.name);
   }
   Message answer = new_message("solved");
   put(answer, report);
@@ -227,9 +224,8 @@ void Participant::await_verdict() {
     require<ProtocolError>(request.type != "write_output" || !output_,
                            "the coupler wants the accepted state on disk in the middle of a step: "
                            "this participant writes it between steps only");
-    require<ProtocolError>(
-        request.type != "save" && request.type != "load",
-        fmt::format("the coupler asked for \"{}\" in the middle of a step", request.type));
+    require<ProtocolError>(request.type != "save" && request.type != "load",
+                           "the coupler asked for \"{}\" in the middle of a step", request.type);
     other_request(std::move(request));
     if (request_) {
       must_read_ = true;
@@ -320,8 +316,7 @@ void Participant::guarded(Action action) {
 }
 
 void Participant::before_initialize(const char* call) const {
-  require<UsageError>(!connection_,
-                      fmt::format("{}: allowed before initialize() only, once", call));
+  require<UsageError>(!connection_, "{}: allowed before initialize() only, once", call);
 }
 
 void Participant::after_initialize() const {
@@ -330,8 +325,8 @@ void Participant::after_initialize() const {
 
 const StepRequest& Participant::open_step(const char* call) {
   settle();
-  require<UsageError>(request_.has_value(),
-                      fmt::format("{}: the coupling has ended; ask is_coupling_ongoing()", call));
+  require<UsageError>(request_.has_value(), "{}: the coupling has ended; ask is_coupling_ongoing()",
+                      call);
   return *request_;
 }
 
@@ -339,10 +334,9 @@ const StepRequest& Participant::checked_step(const char* call) {
   const StepRequest& request = open_step(call);
   for (const auto& [due, question] : {std::pair(must_read_, "requires_reading_checkpoint"),
                                       std::pair(must_write_, "requires_writing_checkpoint")}) {
-    require<UsageError>(
-        !due,
-        fmt::format("{}: ask {}() in this step first; not to do so would spoil repeated steps",
-                    call, question));
+    require<UsageError>(!due,
+                        "{}: ask {}() in this step first; not to do so would spoil repeated steps",
+                        call, question);
   }
   return request;
 }
@@ -352,8 +346,7 @@ const InterfaceMesh& Participant::mesh(const std::string& name) const {
                                   [&](const InterfaceMesh& m) { return m.name == name; });
   std::vector<std::string> names;
   for (const InterfaceMesh& surface : meshes_) names.push_back(surface.name);
-  require<UsageError>(found != meshes_.end(),
-                      fmt::format("found interface \"{}\", allowed: {}", name, names));
+  require<UsageError>(found != meshes_.end(), "found interface \"{}\", allowed: {}", name, names);
   return *found;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
 
 namespace gabion {
@@ -110,23 +111,21 @@ void RemoteSolver::load_state(const State& state) {
 
 void RemoteSolver::start(Message request) const {
   require<ProtocolError>(!outstanding_,
-                         fmt::format("participant \"{}\": \"{}\" asked before the answer "
-                                     "to \"{}\" was taken",
-                                     name(), request.type, outstanding_ ? outstanding_->type : ""));
+                         "participant \"{}\": \"{}\" asked before the answer "
+                         "to \"{}\" was taken",
+                         name(), request.type, outstanding_ ? outstanding_->type : "");
   const std::string type = request.type;
   const Stopwatch watch;
   outstanding_ = Outstanding{type, switchboard_.send(name(), std::move(request)), watch};
 }
 
 Message RemoteSolver::finish(const std::vector<std::string>& allowed) const {
-  require<ProtocolError>(outstanding_.has_value(),
-                         fmt::format("participant \"{}\": nothing was asked", name()));
+  require<ProtocolError>(outstanding_.has_value(), "participant \"{}\": nothing was asked", name());
   Message reply = switchboard_.wait_reply(name(), outstanding_->sequence);
   switchboard_.guarded([&] {
-    require<ProtocolError>(
-        std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
-        fmt::format("participant \"{}\" answered \"{}\" with \"{}\", expected {}", name(),
-                    outstanding_->type, reply.type, allowed));
+    require<ProtocolError>(std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
+                           "participant \"{}\" answered \"{}\" with \"{}\", expected {}", name(),
+                           outstanding_->type, reply.type, allowed);
     note_times(reply);
   });
   outstanding_.reset();

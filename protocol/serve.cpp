@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/require.hpp"
 #include "common/base/timer.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/step_order.hpp"
@@ -101,9 +102,8 @@ class Service {
   }
 
   void require_between_steps(const Message& request) const {
-    require<ProtocolError>(
-        !order_.has_solution(),
-        fmt::format("the coupler asked for \"{}\" in the middle of a step", request.type));
+    require<ProtocolError>(!order_.has_solution(),
+                           "the coupler asked for \"{}\" in the middle of a step", request.type);
   }
 
   Solver& solver_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "gabion_version.hpp"
 
 namespace gabion {
@@ -79,9 +80,9 @@ std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
       }
       require<ProtocolError>(
           waited.seconds() <= switchboard_.deadlines().connect,
-          fmt::format("participants {} did not connect to {} within {:.1f} s (limit {} s, {})",
-                      awaited, endpoint(), waited.seconds(), switchboard_.deadlines().connect,
-                      deadline_option("connect_deadline")));
+          "participants {} did not connect to {} within {:.1f} s (limit {} s, {})", awaited,
+          endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+          deadline_option("connect_deadline"));
       if (since_log.seconds() > awaited_log_period) {
         since_log = Stopwatch();
         log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
@@ -149,9 +150,9 @@ void Server::finish() {
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const Message reply = switchboard_.wait_reply(names_[i], sequences[i]);
-      require<ProtocolError>(
-          reply.type == "finished",
-          fmt::format("participant \"{}\" answered \"finish\" with \"{}\"", names_[i], reply.type));
+      require<ProtocolError>(reply.type == "finished",
+                             "participant \"{}\" answered \"finish\" with \"{}\"", names_[i],
+                             reply.type);
     }
   });
 }

@@ -10,7 +10,7 @@
 #include <thread>
 #include <zmq.hpp>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "protocol/authenticator.hpp"
 #include "protocol/codec.hpp"
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace {
@@ -19,27 +21,26 @@ void StepOrder::check(const StepRequest& request) const {
   if (!accepted_) return;
   require<ProtocolError>(
       request.step == accepted_->step + 1,
-      fmt::format("the coupler asks for step {} after step {} was accepted, expected step {}",
-                  request.step, accepted_->step, accepted_->step + 1));
+      "the coupler asks for step {} after step {} was accepted, expected step {}", request.step,
+      accepted_->step, accepted_->step + 1);
   const double time = accepted_->time + accepted_->dt;
   require<ProtocolError>(
       std::abs(request.time - time) <= allowed_difference(request),
-      fmt::format("the coupler asks for step {} from {} s, but the accepted state is that of {} s",
-                  request.step, request.time, time));
+      "the coupler asks for step {} from {} s, but the accepted state is that of {} s",
+      request.step, request.time, time);
 }
 
 void StepOrder::accept(const StepRequest& request, bool with_solution) {
   check(request);
   if (with_solution) {
-    require<ProtocolError>(
-        solution_.has_value(),
-        fmt::format("the coupler accepts step {}, which has no solution", request.step));
+    require<ProtocolError>(solution_.has_value(),
+                           "the coupler accepts step {}, which has no solution", request.step);
     require<ProtocolError>(
         request.step == solution_->step && request.time == solution_->time &&
             request.dt == solution_->dt,
-        fmt::format("the coupler accepts step {} with dt {} s, but the solution is that of step {} "
-                    "with dt {} s",
-                    request.step, request.dt, solution_->step, solution_->dt));
+        "the coupler accepts step {} with dt {} s, but the solution is that of step {} "
+        "with dt {} s",
+        request.step, request.dt, solution_->step, solution_->dt);
   }
   accepted_ = request;
   solution_.reset();

@@ -6,6 +6,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/handshake.hpp"
@@ -49,7 +50,7 @@ void Switchboard::require_usable() const {
 
 Switchboard::Peer& Switchboard::peer(const std::string& name) {
   const auto found = peers_.find(name);
-  require<ProtocolError>(found != peers_.end(), fmt::format("no participant \"{}\"", name));
+  require<ProtocolError>(found != peers_.end(), "no participant \"{}\"", name);
   return found->second;
 }
 
@@ -134,10 +135,8 @@ std::optional<Message> Switchboard::take_reply(const std::string& participant,
   Message reply = std::move(from.inbox.front());
   from.inbox.pop_front();
   require<ProtocolError>(
-      reply.sequence == sequence,
-      fmt::format("{} answered \"{}\" to request {}, expected an answer to {}; {}",
-                  from.watch->label(), reply.type, reply.sequence, sequence,
-                  from.watch->last_words()));
+      reply.sequence == sequence, "{} answered \"{}\" to request {}, expected an answer to {}; {}",
+      from.watch->label(), reply.type, reply.sequence, sequence, from.watch->last_words());
   from.watch->asked("");
   return reply;
 }
@@ -207,9 +206,8 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
   if (known) {
     if (from->second.released) return;
     const PeerWatch& watch = *from->second.watch;
-    require<ProtocolError>(from->second.asked,
-                           fmt::format("{} sent {} without being asked; {}", watch.label(),
-                                       shortened(message.type), watch.last_words()));
+    require<ProtocolError>(from->second.asked, "{} sent {} without being asked; {}", watch.label(),
+                           shortened(message.type), watch.last_words());
     from->second.asked = false;
     from->second.watch->sign_of_life();
     if (message.type == "finished") release(from->first);

@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 Range any_number() {
@@ -75,9 +77,8 @@ ConfigReader::ConfigReader(const Json& value, std::string file, std::string poin
       file_(std::move(file)),
       pointer_(std::move(pointer)),
       resolved_root_(std::move(resolved_root)) {
-  require<ConfigError>(value_.is_object(),
-                       fmt::format("{}: at {}: found {}, allowed: an object {{...}}", file_,
-                                   pointer_.empty() ? "/" : pointer_, shown(value_)));
+  require<ConfigError>(value_.is_object(), "{}: at {}: found {}, allowed: an object {{...}}", file_,
+                       pointer_.empty() ? "/" : pointer_, shown(value_));
 }
 
 std::string ConfigReader::where(const std::string& key) const {

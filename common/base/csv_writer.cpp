@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -16,13 +16,13 @@ std::string cell_text(const CsvValue& value) {
 
 CsvWriter::CsvWriter(const std::string& path, const std::vector<std::string>& columns)
     : path_(path), num_columns_(columns.size()), out_(path) {
-  require(out_.good(), fmt::format("{}: cannot be created", path));
+  require(out_.good(), "{}: cannot be created", path);
   write_line(fmt::format("{}\n", fmt::join(columns, ",")));
 }
 
 void CsvWriter::row(const std::vector<CsvValue>& values) {
-  require(values.size() == num_columns_, fmt::format("{}: row of {} cells, table has {} columns",
-                                                     path_, values.size(), num_columns_));
+  require(values.size() == num_columns_, "{}: row of {} cells, table has {} columns", path_,
+          values.size(), num_columns_);
   std::vector<std::string> cells;
   for (const auto& value : values) cells.push_back(cell_text(value));
   write_line(fmt::format("{}\n", fmt::join(cells, ",")));
@@ -31,7 +31,7 @@ void CsvWriter::row(const std::vector<CsvValue>& values) {
 void CsvWriter::write_line(const std::string& line) {
   out_ << line;
   out_.flush();
-  require(out_.good(), fmt::format("{}: row could not be written (disk full?)", path_));
+  require(out_.good(), "{}: row could not be written (disk full?)", path_);
 }
 
 }  // namespace gabion

@@ -44,10 +44,4 @@ class ProtocolError : public Error {
   int exit_code() const override { return 4; }
 };
 
-/// Throw `ErrorType(message)` unless the condition holds.
-template <class ErrorType = Error>
-void require(bool condition, const std::string& message) {
-  if (!condition) throw ErrorType(message);
-}
-
 }  // namespace gabion

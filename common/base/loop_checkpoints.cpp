@@ -7,6 +7,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -20,9 +21,9 @@ bool LoopCheckpoints::go_on() {
   StateReader reader(from->run);
   visit_state_(reader);
   require<ConfigError>(!steps_.finished(),
-                       fmt::format("{}: is at {} s, so nothing is left to do; allowed: an end "
-                                   "behind it (/time/end)",
-                                   from->path, from->point.time));
+                       "{}: is at {} s, so nothing is left to do; allowed: an end "
+                       "behind it (/time/end)",
+                       from->path, from->point.time);
   first_step_ = saved_ = steps_.step();
   log::info("going on from {}, step {}, {} s", from->path, from->point.step, from->point.time);
   return true;

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 

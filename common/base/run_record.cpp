@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -30,20 +30,20 @@ void move_to_previous(const fs::path& folder, const std::string& kind) {
   const fs::path marker = folder / marker_name;
   require<ConfigError>(
       fs::exists(marker),
-      fmt::format("output folder {}: found files that are not Gabion results, allowed: a new or "
-                  "empty folder, or one with earlier results",
-                  folder.string()));
+      "output folder {}: found files that are not Gabion results, allowed: a new or "
+      "empty folder, or one with earlier results",
+      folder.string());
   const std::string found = first_line(marker);
   require<ConfigError>(found == kind,
-                       fmt::format("output folder {}: found results of \"{}\", allowed: results of "
-                                   "\"{}\"; give another folder with --output",
-                                   folder.string(), found, kind));
+                       "output folder {}: found results of \"{}\", allowed: results of "
+                       "\"{}\"; give another folder with --output",
+                       folder.string(), found, kind);
   const fs::path previous = folder.string() + ".previous";
   if (fs::exists(previous)) {
     require<ConfigError>(fs::exists(previous / marker_name),
-                         fmt::format("{}: is to take the earlier results, but holds files that are "
-                                     "not Gabion results; move it away",
-                                     previous.string()));
+                         "{}: is to take the earlier results, but holds files that are "
+                         "not Gabion results; move it away",
+                         previous.string());
     fs::remove_all(previous);
   }
   fs::rename(folder, previous);
@@ -55,7 +55,7 @@ void prepare_folder(const std::string& name, const std::string& kind) {
   if (folder.filename().empty()) folder = folder.parent_path();
   try {
     require<ConfigError>(!fs::exists(folder) || fs::is_directory(folder),
-                         fmt::format("output folder {}: is not a folder", name));
+                         "output folder {}: is not a folder", name);
     if (fs::exists(folder) && !fs::is_empty(folder)) move_to_previous(folder, kind);
     fs::create_directories(folder);
   } catch (const fs::filesystem_error& error) {
@@ -64,7 +64,7 @@ void prepare_folder(const std::string& name, const std::string& kind) {
   std::ofstream marker(folder / marker_name);
   marker << kind << '\n';
   marker.flush();
-  require(marker.good(), fmt::format("output folder {}: cannot be written", name));
+  require(marker.good(), "output folder {}: cannot be written", name);
 }
 
 }  // namespace
@@ -93,11 +93,11 @@ void write_json_file(const std::string& path, const Json& value) {
     // Texts of errors may hold any bytes, such as the name of a file.
     out << value.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     out.flush();
-    require(out.good(), fmt::format("{}: could not be written (disk full?)", path));
+    require(out.good(), "{}: could not be written (disk full?)", path);
   }
   std::error_code error;
   fs::rename(draft, path, error);
-  require(!error, fmt::format("{}: could not be written: {}", path, error.message()));
+  require(!error, "{}: could not be written: {}", path, error.message());
 }
 
 void RunRecord::write_json(const std::string& file, const Json& value) const {
@@ -123,9 +123,9 @@ void DetailColumns::start(const Json& details) {
 void DetailColumns::append(const Json& details, std::vector<CsvValue>& cells) const {
   for (const auto& item : details.items()) {
     require(std::find(names_.begin(), names_.end(), item.key()) != names_.end(),
-            fmt::format("solver reports \"{}\", which its first report did not have", item.key()));
-    require(item.value().is_number(), fmt::format("solver reports \"{}\" = {}, allowed: a number",
-                                                  item.key(), item.value().dump()));
+            "solver reports \"{}\", which its first report did not have", item.key());
+    require(item.value().is_number(), "solver reports \"{}\" = {}, allowed: a number", item.key(),
+            item.value().dump());
   }
   for (const auto& name : names_) {
     if (!details.contains(name)) {

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace fs = std::filesystem;
@@ -17,7 +19,7 @@ const std::vector<std::string> file_names = {"coupler.json", "mpm.json", "fem.js
 
 Json read_json(const std::string& path) {
   std::ifstream in(path);
-  require<ConfigError>(in.good(), fmt::format("{}: cannot be opened", path));
+  require<ConfigError>(in.good(), "{}: cannot be opened", path);
   try {
     return Json::parse(in, nullptr, true, /*ignore_comments=*/true);
   } catch (const Json::parse_error& error) {
@@ -31,10 +33,9 @@ void require_entries(const Json& file, Json::json_pointer pointer, const std::st
     const auto parent = pointer.parent_pointer();
     if (!file.contains(parent) || !file.at(parent).is_array()) continue;
     const std::size_t size = file.at(parent).size();
-    require<ConfigError>(
-        file.contains(pointer),
-        fmt::format("--set {}: found entry \"{}\" of {}, allowed: 0 to {}", text, pointer.back(),
-                    parent.to_string(), static_cast<std::int64_t>(size) - 1));
+    require<ConfigError>(file.contains(pointer),
+                         "--set {}: found entry \"{}\" of {}, allowed: 0 to {}", text,
+                         pointer.back(), parent.to_string(), static_cast<std::int64_t>(size) - 1);
   }
 }
 
@@ -42,19 +43,19 @@ void require_entries(const Json& file, Json::json_pointer pointer, const std::st
 
 Scene::Scene(const std::string& folder, const std::vector<std::string>& overrides)
     : folder_(folder) {
-  require<ConfigError>(fs::is_directory(folder), fmt::format("{}: no such scene folder", folder));
+  require<ConfigError>(fs::is_directory(folder), "{}: no such scene folder", folder);
   for (const auto& name : file_names) {
     const std::string file = path(name);
     if (fs::exists(file)) files_[name] = read_json(file);
   }
-  require<ConfigError>(!files_.empty(),
-                       fmt::format("{}: holds none of coupler.json, mpm.json, fem.json", folder));
+  require<ConfigError>(!files_.empty(), "{}: holds none of coupler.json, mpm.json, fem.json",
+                       folder);
   for (const auto& text : overrides) {
     const auto colon = text.find(':');
     const auto equal = text.find('=', colon == std::string::npos ? 0 : colon);
     require<ConfigError>(
         colon != std::string::npos && equal != std::string::npos && text[colon + 1] == '/',
-        fmt::format("--set {}: allowed: FILE:/json/pointer=VALUE", text));
+        "--set {}: allowed: FILE:/json/pointer=VALUE", text);
     const std::string file = text.substr(0, colon);
     if (!has(file)) {
       std::vector<std::string> present;
@@ -87,7 +88,7 @@ std::string Scene::path(const std::string& relative) const {
 }
 
 ConfigReader Scene::reader(const std::string& file) const {
-  require<ConfigError>(has(file), fmt::format("{}: missing", path(file)));
+  require<ConfigError>(has(file), "{}: missing", path(file));
   return ConfigReader(files_.at(file), path(file));
 }
 

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <optional>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace {
@@ -23,7 +25,7 @@ Json file_hashes(const Scene& scene, const Json& settings) {
     const auto name = item.value().get<std::string>();
     if (name.empty() || !std::filesystem::is_regular_file(scene.path(name))) continue;
     std::ifstream in(scene.path(name), std::ios::binary);
-    require<ConfigError>(in.good(), fmt::format("{}: cannot be opened", scene.path(name)));
+    require<ConfigError>(in.good(), "{}: cannot be opened", scene.path(name));
     const std::string content((std::istreambuf_iterator<char>(in)), {});
     hashes[item.key()] = fmt::format("{} {}", name, hash_text(content));
   }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -16,7 +16,7 @@ template <class Value>
 const std::vector<Value>& entry(const std::map<std::string, std::vector<Value>>& entries,
                                 const std::string& name) {
   const auto found = entries.find(name);
-  require(found != entries.end(), fmt::format("saved state: \"{}\" is missing", name));
+  require(found != entries.end(), "saved state: \"{}\" is missing", name);
   return found->second;
 }
 
@@ -24,9 +24,8 @@ template <class Value>
 void take(const std::map<std::string, std::vector<Value>>& entries, const std::string& name,
           std::span<Value> values) {
   const auto& saved = entry(entries, name);
-  require(saved.size() == values.size(),
-          fmt::format("saved state: \"{}\" has {} values, expected {}", name, saved.size(),
-                      values.size()));
+  require(saved.size() == values.size(), "saved state: \"{}\" has {} values, expected {}", name,
+          saved.size(), values.size());
   std::copy(saved.begin(), saved.end(), values.begin());
 }
 
@@ -94,8 +93,7 @@ void StateReader::list(const std::string& name, std::vector<std::int64_t>& value
 }
 
 void StateReader::fact(const std::string& name, Json& value) {
-  require(state_.facts.contains(prefix_ + name),
-          fmt::format("saved state: \"{}\" is missing", prefix_ + name));
+  require(state_.facts.contains(prefix_ + name), "saved state: \"{}\" is missing", prefix_ + name);
   value = state_.facts.at(prefix_ + name);
 }
 

@@ -13,8 +13,8 @@
 #include <gabion_version.hpp>
 #include <string_view>
 
-#include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/base/run_record.hpp"
 #include "common/checkpoint/state_file.hpp"
 
@@ -35,7 +35,7 @@ void flush_to_disk(const fs::path& path) {
   const bool good = file >= 0 && fsync(file) == 0;
   const std::string cause = std::strerror(errno);
   if (file >= 0) close(file);
-  require(good, fmt::format("{}: could not be flushed to the disk: {}", path.string(), cause));
+  require(good, "{}: could not be flushed to the disk: {}", path.string(), cause);
 }
 
 /// Number of a folder "step_000123"; -1: it has another name.
@@ -60,7 +60,7 @@ void remove_others(const fs::path& checkpoints, const fs::path& kept) {
 Json read_manifest(const fs::path& path) {
   std::ifstream in(path);
   Json manifest = Json::parse(in, nullptr, /*allow_exceptions=*/false);
-  require(manifest.is_object(), fmt::format("{}: not valid JSON", path.string()));
+  require(manifest.is_object(), "{}: not valid JSON", path.string());
   return manifest;
 }
 
@@ -70,8 +70,8 @@ const State& Checkpoint::state_of(const std::string& part) const {
   std::vector<std::string> names;
   for (const auto& entry : states) names.push_back(entry.first);
   require<ConfigError>(states.contains(part),
-                       fmt::format("checkpoint of step {}: found no state of \"{}\", but of {}",
-                                   point.step, part, fmt::join(names, ", ")));
+                       "checkpoint of step {}: found no state of \"{}\", but of {}", point.step,
+                       part, fmt::join(names, ", "));
   return states.at(part);
 }
 
@@ -122,10 +122,10 @@ std::string find_checkpoint(const std::string& results) {
     if (step_of(entry.path()) < 0 || !fs::exists(entry.path() / manifest_name)) continue;
     if (last.empty() || step_of(entry.path()) > step_of(last)) last = entry.path();
   }
-  require<ConfigError>(
-      !last.empty(), fmt::format("--restart {}: found no checkpoint there, allowed: the results of "
-                                 "a run with checkpoints/step_N/manifest.json",
-                                 results));
+  require<ConfigError>(!last.empty(),
+                       "--restart {}: found no checkpoint there, allowed: the results of "
+                       "a run with checkpoints/step_N/manifest.json",
+                       results);
   return last.string();
 }
 
@@ -133,9 +133,9 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
   const fs::path folder(path);
   const Json manifest = read_manifest(folder / manifest_name);
   const auto refuse_unless = [&](bool good, const std::string& key, const std::string& allowed) {
-    require<ConfigError>(
-        good, fmt::format("{}: at /{}: found {}, allowed: {}", (folder / manifest_name).string(),
-                          key, manifest.value(key, Json()).dump(), allowed));
+    require<ConfigError>(good, "{}: at /{}: found {}, allowed: {}",
+                         (folder / manifest_name).string(), key, manifest.value(key, Json()).dump(),
+                         allowed);
   };
   refuse_unless(manifest.value("format", 0) == format, "format", std::to_string(format));
   refuse_unless(manifest.value("program", "") == kind, "program", "\"" + kind + "\"");
@@ -150,8 +150,8 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
       const fs::path file = folder / (name + ".h5");
       const auto size = fs::exists(file) ? fs::file_size(file) : 0;
       require(size == bytes.get<std::uintmax_t>(),
-              fmt::format("{}: found {} bytes, the manifest says {}: damaged", file.string(), size,
-                          bytes.dump()));
+              "{}: found {} bytes, the manifest says {}: damaged", file.string(), size,
+              bytes.dump());
       checkpoint.states[name] = read_state(file.string());
     }
   } catch (const Json::exception& error) {

@@ -7,6 +7,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/base/scene_identity.hpp"
 
 namespace gabion {
@@ -24,9 +25,9 @@ void require_apart(const std::string& results, const std::string& output) {
   if (folder.filename().empty()) folder = folder.parent_path();
   const std::string previous = folder.string() + ".previous";
   require<ConfigError>(!same(output) && !(same(previous) && fs::exists(folder)),
-                       fmt::format("--restart {}: would be replaced by the new results in {}; give "
-                                   "another folder with --output",
-                                   results, output));
+                       "--restart {}: would be replaced by the new results in {}; give "
+                       "another folder with --output",
+                       results, output);
 }
 
 }  // namespace
@@ -50,8 +51,8 @@ Checkpoint Checkpoints::load(const std::string& results, const std::string& outp
   require_apart(results, output);
   Checkpoint checkpoint = read_checkpoint(find_checkpoint(results), kind);
   const State& run = checkpoint.state_of("run");
-  require(run.facts.contains("scene"),
-          fmt::format("--restart {}: its checkpoint says nothing about the scene", results));
+  require(run.facts.contains("scene"), "--restart {}: its checkpoint says nothing about the scene",
+          results);
   require_same_scene(run.facts.at("scene"), scene_identity(scene), scene.folder(), results);
   return checkpoint;
 }

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/output/hdf5_file.hpp"
 #include "common/mechanics/output/hdf5_reader.hpp"
 
@@ -25,7 +25,7 @@ State read_state(const std::string& path) {
   const Hdf5Reader file(path);
   State state;
   state.facts = Json::parse(file.text("facts"), nullptr, /*allow_exceptions=*/false);
-  require(!state.facts.is_discarded(), fmt::format("{}: dataset facts is not JSON", path));
+  require(!state.facts.is_discarded(), "{}: dataset facts is not JSON", path);
   for (const auto& name : file.names("reals")) state.reals[name] = file.reals("reals/" + name);
   for (const auto& name : file.names("integers")) {
     state.integers[name] = file.integers("integers/" + name);

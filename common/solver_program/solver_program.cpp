@@ -8,6 +8,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/base/run_alone.hpp"
 #include "common/base/run_record.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
@@ -32,11 +33,10 @@ namespace {
 
 std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& session) {
   if (session.launched_with("coupler")) return session.share("coupler", "");
-  require<ConfigError>(
-      !options.coupler.empty(),
-      fmt::format("{}: has a coupler.json, so a coupler has to be part of the launch "
-                  "(mpirun … coupler … : … ) or named by --coupler tcp://host:port",
-                  options.scene));
+  require<ConfigError>(!options.coupler.empty(),
+                       "{}: has a coupler.json, so a coupler has to be part of the launch "
+                       "(mpirun … coupler … : … ) or named by --coupler tcp://host:port",
+                       options.scene);
   return options.coupler;
 }
 

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace {
@@ -19,10 +21,9 @@ ResidualJacobian::ResidualJacobian(const AccelerationSettings& settings, Eigen::
     : settings_(settings) {
   require<ConfigError>(
       size <= largest,
-      fmt::format(
-          "acceleration \"mvqn_residual\": found {} unknowns at the interfaces, allowed: at "
-          "most {}, because its matrix is dense; \"mvqn\" has no such limit",
-          size, largest));
+      "acceleration \"mvqn_residual\": found {} unknowns at the interfaces, allowed: at "
+      "most {}, because its matrix is dense; \"mvqn\" has no such limit",
+      size, largest);
   accepted_ = start(size, settings.relaxation);
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 namespace {
@@ -28,11 +30,11 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
     const Eigen::Vector3d other = structure.normal(image.facet);
     require<ConfigError>(
         normal.dot(other) > 0,
-        fmt::format("interface \"{}\": facet {} of the soil's side at {} has normal {}, the "
-                    "structure's facet {} there has {}; allowed: normals that agree, both point "
-                    "out of the structure",
-                    mesh.name, f, point_text(soil.centroid(f), mesh.dim),
-                    point_text(normal, mesh.dim), image.facet, point_text(other, mesh.dim)));
+        "interface \"{}\": facet {} of the soil's side at {} has normal {}, the "
+        "structure's facet {} there has {}; allowed: normals that agree, both point "
+        "out of the structure",
+        mesh.name, f, point_text(soil.centroid(f), mesh.dim), point_text(normal, mesh.dim),
+        image.facet, point_text(other, mesh.dim));
   }
 }
 
@@ -85,17 +87,17 @@ Mapping::Mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
                  const MappingSettings& settings)
     : dim_(structure.dim) {
   require<ConfigError>(structure.dim == soil.dim,
-                       fmt::format("interface \"{}\": the structure's side has dimension {}, the "
-                                   "soil's {}; allowed: equal",
-                                   structure.name, structure.dim, soil.dim));
+                       "interface \"{}\": the structure's side has dimension {}, the "
+                       "soil's {}; allowed: equal",
+                       structure.name, structure.dim, soil.dim);
   const Surface from(structure);
   const Surface to(soil);
   identity_ = structure.coordinates == soil.coordinates;
   require<ConfigError>(
       identity_ || from.has_facets() || settings.method != "nearest_projection",
-      fmt::format("interface \"{}\": the structure's side has no facets, which nearest_projection "
-                  "needs; allowed: nearest_neighbor, radial_basis",
-                  from.name()));
+      "interface \"{}\": the structure's side has no facets, which nearest_projection "
+      "needs; allowed: nearest_neighbor, radial_basis",
+      from.name());
   const std::vector<SurfacePoint> images = find_images(from, to, settings);
   if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);
   if (identity_) {

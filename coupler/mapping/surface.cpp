@@ -8,6 +8,8 @@
 #include <limits>
 #include <nanoflann.hpp>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 using Vector3 = Eigen::Vector3d;
@@ -16,22 +18,21 @@ namespace {
 
 void check_shape(const InterfaceMesh& mesh) {
   const auto where = fmt::format("interface \"{}\": ", mesh.name);
-  require<ConfigError>(mesh.dim == 2 || mesh.dim == 3,
-                       fmt::format("{}found dimension {}, allowed: 2, 3", where, mesh.dim));
+  require<ConfigError>(mesh.dim == 2 || mesh.dim == 3, "{}found dimension {}, allowed: 2, 3", where,
+                       mesh.dim);
   require<ConfigError>(!mesh.coordinates.empty() && mesh.coordinates.size() % mesh.dim == 0,
-                       fmt::format("{}found {} coordinates, allowed: a multiple of {}, not 0",
-                                   where, mesh.coordinates.size(), mesh.dim));
+                       "{}found {} coordinates, allowed: a multiple of {}, not 0", where,
+                       mesh.coordinates.size(), mesh.dim);
   const int n = mesh.vertices_per_facet;
   const bool fits = n == 0 || (mesh.dim == 2 ? n == 2 : n == 3 || n == 4);
-  require<ConfigError>(fits, fmt::format("{}found facets of {} vertices in {}D, allowed: {}", where,
-                                         n, mesh.dim, mesh.dim == 2 ? "0, 2" : "0, 3, 4"));
-  require<ConfigError>(
-      n == 0 ? mesh.facets.empty() : mesh.facets.size() % n == 0,
-      fmt::format("{}found {} vertex numbers for facets of {}", where, mesh.facets.size(), n));
+  require<ConfigError>(fits, "{}found facets of {} vertices in {}D, allowed: {}", where, n,
+                       mesh.dim, mesh.dim == 2 ? "0, 2" : "0, 3, 4");
+  require<ConfigError>(n == 0 ? mesh.facets.empty() : mesh.facets.size() % n == 0,
+                       "{}found {} vertex numbers for facets of {}", where, mesh.facets.size(), n);
   for (const std::int64_t v : mesh.facets) {
     require<ConfigError>(v >= 0 && v < mesh.num_vertices(),
-                         fmt::format("{}a facet names vertex {}, allowed: 0 to {}", where, v,
-                                     mesh.num_vertices() - 1));
+                         "{}a facet names vertex {}, allowed: 0 to {}", where, v,
+                         mesh.num_vertices() - 1);
   }
 }
 
@@ -64,8 +65,8 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
   check_shape(mesh_);
   for (std::int64_t v = 0; v < mesh_.num_vertices(); ++v) {
     trees_->vertices.points.push_back(vertex(v));
-    require<ConfigError>(vertex(v).allFinite(),
-                         fmt::format("interface \"{}\": vertex {} is not finite", mesh_.name, v));
+    require<ConfigError>(vertex(v).allFinite(), "interface \"{}\": vertex {} is not finite",
+                         mesh_.name, v);
   }
   trees_->vertex_tree = std::make_unique<Trees::Tree>(3, trees_->vertices);
   trees_->vertex_tree->buildIndex();
@@ -76,8 +77,8 @@ Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_uniq
       const Vector3 corner = vertex(mesh_.facets[f * mesh_.vertices_per_facet + a]);
       facet_radius_ = std::max(facet_radius_, (corner - centroid(f)).norm());
     }
-    require<ConfigError>(normal(f).allFinite(),
-                         fmt::format("interface \"{}\": facet {} has no extent", mesh_.name, f));
+    require<ConfigError>(normal(f).allFinite(), "interface \"{}\": facet {} has no extent",
+                         mesh_.name, f);
   }
   trees_->centroid_tree = std::make_unique<Trees::Tree>(3, trees_->centroids);
   trees_->centroid_tree->buildIndex();

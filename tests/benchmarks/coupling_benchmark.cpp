@@ -147,7 +147,7 @@ void overhead(const std::vector<std::string>& words) {
   what.method = words.at(1);
   what.num_nodes = std::stoll(words.at(2));
   if (words.size() > 3) what.columns = std::stoi(words[3]);
-  what.steps = 2 * (what.columns / (what.iterations - 1) + 5);
+  what.steps = 2 * (what.columns / (what.iterations - 1) + 20);
   const test::OverheadResult result = test::measure_overhead(what);
   fmt::print("{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.0f}\n", what.method, what.num_nodes, result.all,
              result.messages, result.acceleration, result.rest, result.resident_mb);

@@ -13,6 +13,7 @@
 
 #include "common/base/freed_memory.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/run_coupler.hpp"
 #include "protocol/serve.hpp"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string_view>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion::fuzz {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "tests/support/mpi_main.hpp"
 
 namespace gabion::test {
@@ -74,7 +74,7 @@ void append(const char* variable, const std::string& head, const std::string& li
   if (out.tellp() == 0) out << head << '\n';
   out << lines;
   out.flush();
-  require(out.good(), fmt::format("{}={}: cannot be written", variable, path));
+  require(out.good(), "{}={}: cannot be written", variable, path);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
 namespace gabion {
@@ -171,8 +171,8 @@ template <int dim>
 std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree) {
   assert(dimension(type) == dim);
   require(degree >= 0 && degree <= largest_degree(type),
-          fmt::format("Gauss rule of {}: found degree {}, allowed: 0 to {}", name(type), degree,
-                      largest_degree(type)));
+          "Gauss rule of {}: found degree {}, allowed: 0 to {}", name(type), degree,
+          largest_degree(type));
   if constexpr (dim == 2) {
     if (type == CellType::tri3) return triangle_rule(degree);
   }

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
 
 namespace gabion {
@@ -77,9 +77,9 @@ std::vector<std::int32_t> cell_neighbours(const Mesh<dim>& mesh) {
       const auto nodes = cell_facet(mesh, c, f);
       const auto found = owners.find({nodes.data(), n});
       require<ConfigError>(found.size() <= 2,
-                           fmt::format("mesh: found {} cells that share one facet of cell {}, "
-                                       "allowed: at most two",
-                                       found.size(), c));
+                           "mesh: found {} cells that share one facet of cell {}, "
+                           "allowed: at most two",
+                           found.size(), c);
       if (found.size() == 2) {
         result[static_cast<std::size_t>(c) * facets_per_cell + f] =
             found[0].cell == c ? found[1].cell : found[0].cell;
@@ -133,7 +133,7 @@ std::vector<FacetGeometry<dim>> facet_geometry(std::span<const Vector<dim>> x, C
   result.reserve(area_vectors.size());
   for (const auto& vector : area_vectors) {
     const double area = vector.norm();
-    require(area > 0, fmt::format("facet {} has no area", result.size()));
+    require(area > 0, "facet {} has no area", result.size());
     result.push_back({vector / area, area});
   }
   return result;

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 
@@ -73,17 +73,15 @@ template <int dim>
 void check_box(const Vector<dim>& low, const Vector<dim>& high, const Index<dim>& num_cells,
                CellType type) {
   require<ConfigError>(dimension(type) == dim,
-                       fmt::format("box mesh of dimension {}: found cell type {}, allowed: {}", dim,
-                                   name(type), dim == 2 ? "tri3, quad4" : "tet4, hex8"));
+                       "box mesh of dimension {}: found cell type {}, allowed: {}", dim, name(type),
+                       dim == 2 ? "tri3, quad4" : "tet4, hex8");
   std::int64_t num_nodes_total = 1;
   for (int i = 0; i < dim; ++i) {
-    require<ConfigError>(
-        low[i] < high[i],
-        fmt::format("box mesh, axis {}: found low {} and high {}, allowed: low < high", i, low[i],
-                    high[i]));
-    require<ConfigError>(
-        num_cells[i] >= 1,
-        fmt::format("box mesh, axis {}: found {} cells, allowed: at least 1", i, num_cells[i]));
+    require<ConfigError>(low[i] < high[i],
+                         "box mesh, axis {}: found low {} and high {}, allowed: low < high", i,
+                         low[i], high[i]);
+    require<ConfigError>(num_cells[i] >= 1,
+                         "box mesh, axis {}: found {} cells, allowed: at least 1", i, num_cells[i]);
     num_nodes_total *= std::int64_t{num_cells[i]} + 1;
     require<ConfigError>(num_nodes_total < (std::int64_t{1} << 31) / 48,
                          "box mesh: found more cells than 32-bit indices can count");

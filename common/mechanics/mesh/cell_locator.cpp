@@ -10,7 +10,7 @@
 #include <limits>
 #include <tuple>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
@@ -81,7 +81,7 @@ void CellLocator<dim>::make_maps() {
     Matrix<dim> jacobian, at_corner;
     map.origin = map_point<dim>(mesh_, c, Vector<dim>::Zero(), jacobian);
     require<ConfigError>(jacobian.determinant() > 0 && cell_volume(mesh_, c) > 0,
-                         fmt::format("cell locator: found no positive volume in cell {}", c));
+                         "cell locator: found no positive volume in cell {}", c);
     map.inverse = jacobian.inverse();
     // The rows of the inverse are gradients of xi: one over the height.
     const double largest_gradient = map.inverse.rowwise().norm().maxCoeff() * std::sqrt(dim);
@@ -203,9 +203,9 @@ Vector<dim> CellLocator<dim>::local_coordinates(std::int32_t cell, const Vector<
   if (affine_[cell]) return affine_coordinates(cell, x);
   Vector<dim> xi;
   require(newton_coordinates(cell, x, xi),
-          fmt::format("cell {} has no reference coordinates for a point at distance {} from its "
-                      "centre",
-                      cell, (x - maps_[cell].origin).norm()));
+          "cell {} has no reference coordinates for a point at distance {} from its "
+          "centre",
+          cell, (x - maps_[cell].origin).norm());
   return xi;
 }
 

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -266,10 +266,10 @@ int gmsh_num_nodes(int type) {
 
 GmshFile read_gmsh_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
-  require<ConfigError>(stream.is_open(), fmt::format("{}: cannot open this mesh file", path));
+  require<ConfigError>(stream.is_open(), "{}: cannot open this mesh file", path);
   std::ostringstream text;
   text << stream.rdbuf();
-  require<ConfigError>(!stream.bad(), fmt::format("{}: cannot read this mesh file", path));
+  require<ConfigError>(!stream.bad(), "{}: cannot read this mesh file", path);
   Scanner in(path, std::move(text).str());
 
   GmshFile file;

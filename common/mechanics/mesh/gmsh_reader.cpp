@@ -8,7 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/mesh/gmsh_file.hpp"
@@ -46,20 +46,20 @@ CellType find_cell_type(const GmshFile& file, const std::string& path) {
     highest = std::max(highest, dimension(type));
     if (dimension(type) != dim) continue;
     require<ConfigError>(!result || *result == type,
-                         fmt::format("{}: section $Elements: found cells of types {} and {}, "
-                                     "allowed: one type a mesh",
-                                     path, name(result.value_or(type)), name(type)));
+                         "{}: section $Elements: found cells of types {} and {}, "
+                         "allowed: one type a mesh",
+                         path, name(result.value_or(type)), name(type));
     result = type;
   }
   require<ConfigError>(highest <= dim,
-                       fmt::format("{}: section $Elements: found elements of dimension {}, "
-                                   "allowed: a mesh of dimension {}",
-                                   path, highest, dim));
+                       "{}: section $Elements: found elements of dimension {}, "
+                       "allowed: a mesh of dimension {}",
+                       path, highest, dim);
   require<ConfigError>(result.has_value(),
-                       fmt::format("{}: section $Elements: found no cells of dimension {} (the "
-                                   "highest dimension is {}); a Gmsh file holds only elements of "
-                                   "physical groups once there is one",
-                                   path, dim, highest));
+                       "{}: section $Elements: found no cells of dimension {} (the "
+                       "highest dimension is {}); a Gmsh file holds only elements of "
+                       "physical groups once there is one",
+                       path, dim, highest);
   return *result;
 }
 
@@ -69,9 +69,8 @@ std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
   std::unordered_map<std::uint64_t, std::size_t> index;
   index.reserve(file.node_tags.size());
   for (std::size_t i = 0; i < file.node_tags.size(); ++i) {
-    require<ConfigError>(
-        index.emplace(file.node_tags[i], i).second,
-        fmt::format("{}: section $Nodes: found node {} twice", path, file.node_tags[i]));
+    require<ConfigError>(index.emplace(file.node_tags[i], i).second,
+                         "{}: section $Nodes: found node {} twice", path, file.node_tags[i]);
   }
   return index;
 }
@@ -113,9 +112,9 @@ class MeshBuilder {
   std::size_t position(std::uint64_t tag) const {
     const auto found = position_of_tag_.find(tag);
     require<ConfigError>(found != position_of_tag_.end(),
-                         fmt::format("{}: section $Elements: found node {}, which $Nodes does not "
-                                     "have",
-                                     path_, tag));
+                         "{}: section $Elements: found node {}, which $Nodes does not "
+                         "have",
+                         path_, tag);
     return found->second;
   }
 
@@ -139,9 +138,9 @@ class MeshBuilder {
     }
     const double extent = std::max(high[0] - low[0], high[1] - low[1]);
     require<ConfigError>(dim == 3 || high[2] - low[2] <= 1e-10 * extent,
-                         fmt::format("{}: section $Nodes: found z from {} to {}, allowed: one z "
-                                     "for all nodes of a mesh of dimension 2",
-                                     path_, low[2], high[2]));
+                         "{}: section $Nodes: found z from {} to {}, allowed: one z "
+                         "for all nodes of a mesh of dimension 2",
+                         path_, low[2], high[2]);
   }
 
   void add_cells(const GmshFile::ElementBlock& block) {
@@ -204,12 +203,12 @@ class MeshBuilder {
       std::array<std::int32_t, 4> facet;
       for (std::size_t a = 0; a < n; ++a) facet[a] = number_[position(block.nodes[first + a])];
       const auto found = owners.find({facet.data(), n});
-      require<ConfigError>(!found.empty(),
-                           fmt::format("{}: section $Elements: found a facet of group \"{}\" "
-                                       "(nodes {}) that belongs to no cell",
-                                       path_, groups[0],
-                                       fmt::join(block.nodes.begin() + first,
-                                                 block.nodes.begin() + first + n, ", ")));
+      require<ConfigError>(
+          !found.empty(),
+          "{}: section $Elements: found a facet of group \"{}\" "
+          "(nodes {}) that belongs to no cell",
+          path_, groups[0],
+          fmt::join(block.nodes.begin() + first, block.nodes.begin() + first + n, ", "));
       if (found.size() == 1) facet = cell_facet(mesh_, found[0].cell, found[0].facet);
       facets.insert(facets.end(), facet.begin(), facet.begin() + n);
     }

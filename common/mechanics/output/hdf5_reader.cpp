@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/output/hdf5_handle.hpp"
 
 namespace gabion {
@@ -48,7 +48,7 @@ std::vector<Value> Hdf5Reader::read(const std::string& dataset, std::int64_t typ
   Handle stored(H5Dget_type(data.id()), H5Tclose);
   if (space.id() < 0 || stored.id() < 0) fail(dataset);
   require(static_cast<int>(H5Tget_class(stored.id())) == type_class,
-          fmt::format("{}: dataset {} has another type of value than expected", path_, dataset));
+          "{}: dataset {} has another type of value than expected", path_, dataset);
   const hssize_t count = H5Sget_simple_extent_npoints(space.id());
   if (count < 0) fail(dataset);
   std::vector<Value> values(count);

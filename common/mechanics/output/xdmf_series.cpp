@@ -13,7 +13,7 @@
 #include <numeric>
 #include <system_error>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/output/hdf5_file.hpp"
 
 namespace gabion {
@@ -97,8 +97,7 @@ void check_name(const std::string& what, const std::string& name) {
   const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-';
   });
-  require(plain,
-          fmt::format("{}: found the name \"{}\", allowed: letters, digits, _ and -", what, name));
+  require(plain, "{}: found the name \"{}\", allowed: letters, digits, _ and -", what, name);
 }
 
 }  // namespace
@@ -111,10 +110,9 @@ XdmfSeries::XdmfSeries(std::string folder, std::string name)
 void XdmfSeries::write(double time, int dim, std::span<const double> coordinates, CellType type,
                        std::span<const std::int32_t> connectivity,
                        const std::vector<OutputField>& fields) {
-  require(std::isfinite(time), fmt::format("output {}: found time {}", name_, time));
+  require(std::isfinite(time), "output {}: found time {}", name_, time);
   require((dim == 2 || dim == 3) && coordinates.size() % dim == 0,
-          fmt::format("output {}: found {} coordinates of dimension {}", name_, coordinates.size(),
-                      dim));
+          "output {}: found {} coordinates of dimension {}", name_, coordinates.size(), dim);
   const std::size_t num_points = coordinates.size() / dim;
   const int per_cell = num_nodes(type);
   std::vector<std::int32_t> own_cells;
@@ -124,14 +122,14 @@ void XdmfSeries::write(double time, int dim, std::span<const double> coordinates
     connectivity = own_cells;
   }
   require(connectivity.size() % per_cell == 0,
-          fmt::format("output {}: found {} node numbers for cells of {} nodes", name_,
-                      connectivity.size(), per_cell));
+          "output {}: found {} node numbers for cells of {} nodes", name_, connectivity.size(),
+          per_cell);
   const std::size_t num_cells = connectivity.size() / per_cell;
 
   if (times_.empty()) {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
-    require(!error, fmt::format("{}: cannot create this folder: {}", folder_, error.message()));
+    require(!error, "{}: cannot create this folder: {}", folder_, error.message());
   }
   const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
   Hdf5File file((std::filesystem::path(folder_) / file_name).string());
@@ -151,8 +149,8 @@ void XdmfSeries::write(double time, int dim, std::span<const double> coordinates
     const Layout stored = layout(field);
     const std::size_t rows = field.on_cells ? num_cells : num_points;
     require(field.values.size() == rows * field.components,
-            fmt::format("output field {}: found {} values, expected {} x {}", field.name,
-                        field.values.size(), rows, field.components));
+            "output field {}: found {} values, expected {} x {}", field.name, field.values.size(),
+            rows, field.components);
     const int columns = static_cast<int>(stored.columns.size());
     const std::string dataset = (field.on_cells ? "cell/" : "point/") + field.name;
     file.write(dataset, columns,
@@ -189,12 +187,10 @@ void XdmfSeries::write_index() const {
   for (const auto& grid : grids_) out << grid;
   out << "</Grid>\n</Domain>\n</Xdmf>\n";
   out.close();
-  require(out.good(),
-          fmt::format("{}: cannot write this file: {}", path.string(), std::strerror(errno)));
+  require(out.good(), "{}: cannot write this file: {}", path.string(), std::strerror(errno));
   std::error_code error;
   std::filesystem::rename(part, path, error);
-  require(!error, fmt::format("{}: cannot give the written file its name: {}", path.string(),
-                              error.message()));
+  require(!error, "{}: cannot give the written file its name: {}", path.string(), error.message());
 }
 
 }  // namespace gabion

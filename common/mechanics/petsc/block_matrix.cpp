@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 

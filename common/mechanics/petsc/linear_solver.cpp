@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/petsc/petsc_matrix.hpp"
 #include "common/mechanics/petsc/petsc_solver.hpp"
@@ -105,10 +105,9 @@ int LinearSolver<dim>::Implementation::solve(std::span<const double> b, std::spa
   }
   require<ConvergenceError>(
       result.converged,
-      fmt::format(
-          "linear solver: {} failed with {} unknowns: {}; the matrix is singular, nearly so, "
-          "or not finite",
-          (use_rescue_first ? rescue : main).method().name(), matrix.num_dofs(), result.reason));
+      "linear solver: {} failed with {} unknowns: {}; the matrix is singular, nearly so, "
+      "or not finite",
+      (use_rescue_first ? rescue : main).method().name(), matrix.num_dofs(), result.reason);
   matrix.replicate_solution(x);
   return iterations;
 }

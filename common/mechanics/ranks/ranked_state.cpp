@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion {
@@ -114,9 +114,9 @@ State scatter_state(MPI_Comm comm, const State& all) {
   const int saved_ranks = parts.at("ranks").get<int>();
   require<ConfigError>(
       saved_ranks == num_ranks(comm),
-      fmt::format("restart: found {} MPI ranks, allowed: {}, as in the run that is continued (sums "
-                  "over other ranks have other last bits)",
-                  num_ranks(comm), saved_ranks));
+      "restart: found {} MPI ranks, allowed: {}, as in the run that is continued (sums "
+      "over other ranks have other last bits)",
+      num_ranks(comm), saved_ranks);
   State own;
   own.facts = parts.at("facts").at(rank_of(comm));
   const bool root = rank_of(comm) == 0;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "common/base/require.hpp"
+
 namespace gabion {
 
 NewmarkBossak NewmarkBossak::bossak(double alpha) {

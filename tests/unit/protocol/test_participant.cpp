@@ -7,6 +7,7 @@
 #include <functional>
 #include <future>
 
+#include "common/base/require.hpp"
 #include "dummy_solver.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/gabion_participant.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/base/require.hpp"
 #include "mpm_solver/internal_forces.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
