@@ -9,10 +9,7 @@ from matplotlib.axes import Axes
 from plotting.results import Results, ResultsError, Table
 from plotting.style import COLOURS, legend_beside, new_figure, plt, save
 
-RESIDUALS = {
-    "displacement_residual": "residual of\ndisplacement [m]",
-    "force_residual": "change of\nforce [N/m]",
-}
+RESIDUALS = {"displacement_residual": "residual of\ndisplacement [m]", "force_residual": "change of\nforce [N]"}
 FORCES = ("fx", "fy", "fz")
 ITERATIONS = {
     "iterations": "coupling",
@@ -20,7 +17,12 @@ ITERATIONS = {
     "structure_newton": "Newton, structure",
     "newton_iterations": "Newton",
 }
-COMPONENTS = {"ux": "horizontal", "uy": "vertical", "uz": "vertical"}
+COMPONENTS = ("ux", "uy", "uz")
+
+
+def direction(component: str, dim: int) -> str:
+    """Of "ux", "fy", ...: in 3D which of the axes points up is the scene's choice."""
+    return {"x": "horizontal", "y": "vertical"}[component[-1]] if dim == 2 else component[-1]
 
 
 def probe_points(table: Table) -> list[str]:
@@ -53,9 +55,9 @@ def plot_probes(runs: dict[str, Results], out: Path, name: str = "probes.png") -
         for label, table in tables.items():
             if column in table:
                 each.plot(table["time"], table[column], label=label)
-        direction = COMPONENTS[column.rpartition(".")[2]]
-        each.set_ylabel(f"{direction}\ndisplacement [m]")
-        each.set_title(f"point {point.rpartition('.')[2]}, {direction}", loc="left")
+        along = direction(column, max(run.dim for run in runs.values()))
+        each.set_ylabel(f"{along}\ndisplacement [m]")
+        each.set_title(f"point {point.rpartition('.')[2]}, {along}", loc="left")
     axes[-1].set_xlabel("time [s]")
     if len(tables) > 1:
         legend_beside(axes[0])
@@ -92,7 +94,7 @@ def plot_residuals(results: Results, out: Path) -> Path | None:
         for each, part in ((left, slice(None)), (right, slice(starts[zoom[0]], ends[zoom[-1]]))):
             allowed = table[column.replace("residual", "limit")][part]
             each.plot(np.arange(table.num_rows)[part], allowed, color=COLOURS[2], lw=1, label="allowed")
-        left.set_ylabel(RESIDUALS[column])
+        left.set_ylabel(RESIDUALS[column].replace("[N]", f"[N{results.per_metre}]"))
     legend_beside(axes[0, 1])
     marks = np.linspace(0, table.num_rows - 1, 7).astype(int)
     axes[0, 0].secondary_xaxis("top").set_xticks(marks, [f"{table['time'][m]:.3g} s" for m in marks])
@@ -145,15 +147,15 @@ def plot_energies(results: Results, out: Path) -> Path | None:
     tables = [(results.table("probes.csv"), sums), (results.table("steps.csv"), ("energy",))]
     curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)]
     curves = [(table, name) for table, name in curves if np.nanmax(np.abs(table[name]), initial=0) > 0]
-    return _plot_curves(curves, "energy [J]", out / "energies.png")
+    return _plot_curves(curves, f"energy [J{results.per_metre}]", out / "energies.png")
 
 
 def plot_forces(results: Results, out: Path) -> Path | None:
     """Resultant force of the soil on the structure against time."""
     table = results.table("steps.csv")
     columns = [] if table is None else [name for name in FORCES if name in table]
-    return _plot_curves([(table, name) for name in columns], "force on the structure [N/m]",
-                        out / "forces.png")
+    return _plot_curves([(table, name) for name in columns],
+                        f"force on the structure [N{results.per_metre}]", out / "forces.png")
 
 
 def _plot_curves(curves: list[tuple[Table, str]], label: str, path: Path) -> Path | None:

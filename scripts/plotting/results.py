@@ -147,6 +147,17 @@ class Results:
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]
 
     @property
+    def dim(self) -> int:
+        tables = (self.table("probes.csv"), self.table("steps.csv"))
+        names = [name for table in tables if table for name in table.names]
+        return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
+
+    @property
+    def per_metre(self) -> str:
+        """Ending of the units of forces and energies: in plane strain they are per metre of thickness."""
+        return "/m" if self.dim == 2 else ""
+
+    @property
     def summary(self) -> dict | None:
         path = self.folder / "summary.json"
         return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None

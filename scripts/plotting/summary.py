@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from plotting.history import displacement_columns, probe_points
+from plotting.history import FORCES, direction, displacement_columns, probe_points
 from plotting.results import Results
 
 
@@ -61,10 +61,12 @@ def _force_lines(results: Results) -> list[str]:
     table = results.table("steps.csv")
     if table is None or not table.num_rows or "fx" not in table:
         return []
-    force = table["fx"]
+    components = [name for name in FORCES if name in table]
+    strongest = max(components, key=lambda name: np.nanmax(np.abs(table[name])))
+    force, unit = table[strongest], results.per_metre
     peak = int(np.nanargmax(np.abs(force)))
     return [
-        f"horizontal force on the structure: largest {force[peak]:.4g} N/m "
+        f"{direction(strongest, results.dim)} force on the structure: largest {force[peak]:.4g} N{unit} "
         f"at t = {table['time'][peak]:.4g} s, "
-        f"impulse {float(np.sum(force * table['dt'])):.5g} N s/m"
+        f"impulse {float(np.sum(force * table['dt'])):.5g} N s{unit}"
     ]

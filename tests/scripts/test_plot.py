@@ -141,7 +141,16 @@ class Drawing(ScriptCase):
         text = "\n".join(summary_lines(Results(made_up.write_results(self.folder / "a"))))
         self.assertIn("completed at t = 0.5 s in 12.5 s", text)
         self.assertIn(f"largest {2e3 * made_up.AMPLITUDE:.3f} mm", text)
+        self.assertIn("horizontal force on the structure: largest 20 N/m", text)
         self.assertIn("impulse 6 N s/m", text)  # 20 N/m through 0.3 s
+
+    def test_summary_in_space(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        made_up.write_table(folder / "steps.csv", ["step", "time", "dt", "fx", "fy", "fz"],
+                            [[1, 0.5, 0.5, 1, 0, -2], [2, 1.0, 0.5, 1, 0, -4]])
+        text = "\n".join(summary_lines(Results(folder)))
+        self.assertIn("z force on the structure: largest -4 N at t = 1 s, impulse -3 N s", text)
+        self.assertNotIn("N/m", text)
 
 
 if __name__ == "__main__":
