@@ -134,9 +134,11 @@ std::optional<Message> Switchboard::take_reply(const std::string& participant,
   if (from.inbox.empty()) return std::nullopt;
   Message reply = std::move(from.inbox.front());
   from.inbox.pop_front();
-  require<ProtocolError>(
-      reply.sequence == sequence, "{} answered \"{}\" to request {}, expected an answer to {}; {}",
-      from.watch->label(), reply.type, reply.sequence, sequence, from.watch->last_words());
+  require<ProtocolError>(reply.sequence == sequence, [&] {
+    return fmt::format("{} answered \"{}\" to request {}, expected an answer to {}; {}",
+                       from.watch->label(), reply.type, reply.sequence, sequence,
+                       from.watch->last_words());
+  });
   from.watch->asked("");
   return reply;
 }
@@ -206,8 +208,10 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
   if (known) {
     if (from->second.released) return;
     const PeerWatch& watch = *from->second.watch;
-    require<ProtocolError>(from->second.asked, "{} sent {} without being asked; {}", watch.label(),
-                           shortened(message.type), watch.last_words());
+    require<ProtocolError>(from->second.asked, [&] {
+      return fmt::format("{} sent {} without being asked; {}", watch.label(),
+                         shortened(message.type), watch.last_words());
+    });
     from->second.asked = false;
     from->second.watch->sign_of_life();
     if (message.type == "finished") release(from->first);
