@@ -153,6 +153,17 @@ class Results:
         return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
 
     @property
+    def gravity(self) -> list[float] | None:
+        """Of the first resolved settings that have it [m/s^2]; None without."""
+        places = (self.folder / "resolved_config.json", *sorted(self.folder.glob("*/resolved_config.json")))
+        for path in places:
+            files = json.loads(path.read_text(encoding="utf-8")).values() if path.exists() else ()
+            for settings in files:
+                if isinstance(settings, dict) and settings.get("gravity"):
+                    return settings["gravity"]
+        return None
+
+    @property
     def per_metre(self) -> str:
         """Ending of the units of forces and energies: in plane strain they are per metre of thickness."""
         return "/m" if self.dim == 2 else ""

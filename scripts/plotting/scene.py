@@ -11,6 +11,7 @@ from matplotlib.colors import Normalize
 
 from plotting.results import Frame, Results, ResultsError, Series
 from plotting.style import STRUCTURE, new_figure, plt, save
+from plotting.view import view_of
 
 UNITS = {
     "displacement": "m",
@@ -42,7 +43,7 @@ def label_of(field: str, values: np.ndarray) -> str:
 
 
 class ScenePlot:
-    """Draws one instant at a time with the same window and colours for all instants.
+    """Draws one instant at a time with the same plane, window and colours for all instants.
 
     field: soil field that gives the colour; default: displacement, else the first one there is.
     """
@@ -58,8 +59,8 @@ class ScenePlot:
         last = series.frame(len(series) - 1)
         if self.soil:
             self.field = self._choose(last, field)
-            self.size = self._point_size_m(self.soil.frame(0).points)
-        self._window()
+            self.size = self._point_size_m(self.soil.frame(0).points, results.dim)
+        self._window(results)
         self._colours()
 
     def _choose(self, frame: Frame, field: str | None) -> str:
@@ -69,19 +70,26 @@ class ScenePlot:
         return field or next((n for n in ("displacement", "velocity") if n in names), names[0])
 
     @staticmethod
-    def _point_size_m(points: np.ndarray) -> float:
+    def _point_size_m(points: np.ndarray, dim: int) -> float:
         """Mean distance of points [m] in the first frame."""
-        extent = np.ptp(points[:, :2], axis=0)
-        return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
+        extent = np.ptp(points[:, :dim], axis=0)
+        if dim == 2:
+            return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
+        size = float(extent.max())
+        for _ in range(30):  # the body is one distance larger than its points, which counts in a thin slice
+            size = float(np.cbrt(np.prod(extent + size) / len(points)))
+        return size
 
     def _sample(self, series: Series) -> list[Frame]:
         return [series.frame(i) for i in np.unique(np.linspace(0, len(series) - 1, 9).astype(int))]
 
-    def _window(self) -> None:
-        clouds = [f.points[:, :2] for f in self._sample(self.soil)] if self.soil else []
+    def _window(self, results: Results) -> None:
+        clouds = [f.points for f in self._sample(self.soil)] if self.soil else []
         for structure in self.structures:
-            clouds += [f.points[:, :2] for f in self._sample(structure)]
+            clouds += [f.points for f in self._sample(structure)]
         every = np.vstack(clouds)
+        self.view = view_of(results.dim, results.gravity, np.ptp(every, axis=0))
+        every = self.view.project(every)
         margin = 0.04 * np.ptp(every, axis=0).max()
         self.low, self.high = every.min(axis=0) - margin, every.max(axis=0) + margin
 
@@ -96,19 +104,25 @@ class ScenePlot:
 
     def _draw_soil(self, axes: Axes, time: float) -> PolyCollection:
         frame = self.soil.frame(self.soil.nearest(time))
-        discs = frame.points[:, None, :2] + self.size * DISC[None]
-        values = scalar(frame.fields[self.field])
+        order = self.view.order(frame.points)
+        discs = self.view.project(frame.points)[order, None] + self.size * DISC[None]
+        values = scalar(frame.fields[self.field])[order]
         soil = PolyCollection(discs, array=values, cmap="viridis", norm=self.norm, linewidths=0)
         return axes.add_collection(soil)
 
-    @staticmethod
-    def _draw_structure(axes: Axes, structure: Series, time: float) -> None:
-        """The mesh as it is at `time`, and its outline at the start, dotted."""
+    def _draw_structure(self, axes: Axes, structure: Series, time: float) -> None:
+        """The mesh as it is at `time`, and its outline at the start, dotted.
+
+        In space soil beside it shines through.
+        """
         frame = structure.frame(structure.nearest(time))
         first = structure.frame(0)
-        axes.add_collection(PolyCollection(frame.points[frame.cells][:, :, :2], facecolor="#BDBDBD",
+        faces = self.view.faces(frame.points, frame.cells)
+        edges = _outline(self.view.faces(first.points, first.cells))
+        colour = (0.74, 0.74, 0.74, 1 if self.view.dim == 2 else 0.7)
+        axes.add_collection(PolyCollection(self.view.project(frame.points[faces]), facecolor=colour,
                                            edgecolor=STRUCTURE, linewidth=0.4))
-        axes.add_collection(LineCollection(first.points[_outline(first.cells)][:, :, :2],
+        axes.add_collection(LineCollection(self.view.project(first.points[edges]),
                                            colors=STRUCTURE, linewidths=0.8, linestyles=":"))
 
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
@@ -118,8 +132,8 @@ class ScenePlot:
             self._draw_structure(axes, structure, time)
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
-        axes.set_ylim(self.low[1], self.high[1])
-        axes.set_ylabel("y [m]")
+        axes.set_ylim(*((self.high[1], self.low[1]) if self.view.inverted else (self.low[1], self.high[1])))
+        axes.set_ylabel(self.view.labels[1])
         axes.set_title(f"t = {self.times[np.argmin(np.abs(self.times - time))]:.3g} s", loc="left")
         return soil
 
@@ -136,7 +150,7 @@ class ScenePlot:
 
 
 def _outline(cells: np.ndarray) -> np.ndarray:
-    """Edges that belong to one cell only, num_edges x 2."""
+    """Edges that belong to one cell (or face) only, num_edges x 2."""
     edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
     _, index, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[index[count == 1]]
@@ -150,7 +164,7 @@ def plot_scene(results: Results, times: list[float] | None, field: str | None, o
     soil = None
     for each, time in zip(axes, chosen):
         soil = scene.draw(each, time)
-    axes[-1].set_xlabel("x [m]")
+    axes[-1].set_xlabel(scene.view.labels[0])
     if soil is not None:
         scene.colour_bar(figure, soil, axes)
     return save(figure, out / "scene.png")
@@ -168,7 +182,7 @@ def animate_scene(results: Results, field: str | None, out: Path, max_frames: in
     def draw(index: int) -> list:
         axes.clear()
         scene.draw(axes, scene.times[index])
-        axes.set_xlabel("x [m]")
+        axes.set_xlabel(scene.view.labels[0])
         return []
 
     out.mkdir(parents=True, exist_ok=True)

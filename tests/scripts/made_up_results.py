@@ -65,7 +65,7 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
     for number, (time, points, cells, fields) in enumerate(frames):
         file = f"{name}_{number:06d}.h5"
         write_frame(folder / file, points, cells, fields)
-        kind = "Polyvertex" if cells is None else "Quadrilateral"
+        kind = "Polyvertex" if cells is None else {4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
         topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
         attributes = "".join(
             f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'
@@ -74,7 +74,8 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
         grids.append(
             f'<Grid Name="{name}"><Time Value="{time}"/>'
             f'<Topology TopologyType="{kind}">{topology}</Topology>'
-            f'<Geometry GeometryType="XY">{xdmf_item(file, "coordinates", points)}</Geometry>'
+            f'<Geometry GeometryType="{"XYZ"[:points.shape[1]]}">'
+            f'{xdmf_item(file, "coordinates", points)}</Geometry>'
             f"{attributes}</Grid>"
         )
     text = "".join(grids)
@@ -117,4 +118,42 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
                "coupling_iterations": {"mean_in_contact": iterations, "max": iterations},
                "wall_seconds": {"total": 12.5}}
     (folder / "summary.json").write_text(json.dumps(summary))
+    return folder
+
+
+def space_frames(up: int) -> tuple[list[tuple], list[tuple]]:
+    """Soil and wall of a slice 0.02 m thick in space: the frames above, y laid along axis `up`, 1 or 2."""
+    def lay(flat: np.ndarray, depth: float) -> np.ndarray:
+        points = np.full((len(flat), 3), depth)
+        points[:, 0], points[:, up] = flat.T
+        return points
+
+    soil, wall = [], []
+    for time, points, _, fields in soil_frames():
+        u = np.vstack([lay(fields["displacement"], 0.0)] * 2)
+        soil.append((time, np.vstack([lay(points, 0.005), lay(points, 0.015)]), None, {"displacement": u}))
+    for time, points, cells, fields in structure_frames():
+        u = np.vstack([lay(fields["displacement"], 0.0)] * 2)
+        back = cells + len(points)
+        # A right-handed cell has its lower face first: x, up, depth are a left-handed triple when up is z.
+        cells = np.hstack([cells, back] if up == 1 else [back, cells])
+        wall.append((time, np.vstack([lay(points, 0.0), lay(points, 0.02)]), cells, {"displacement": u}))
+    return soil, wall
+
+
+def write_space_results(folder: Path, up: int = 2, gravity: float | None = -9.81) -> Path:
+    """A results folder of a run in space. gravity: along axis `up`, None: no settings at all."""
+    write_tables(folder, 1.0, 5)
+    times = [DT * step for step in range(STEPS + 1)]
+    rows = [[t, displacement(t), 1e-9 * displacement(t), -displacement(t, 0.1)] for t in times]
+    write_table(folder / "probes.csv", ["time", "structure.A.ux", "structure.A.uy", "structure.A.uz"], rows)
+    soil, wall = space_frames(up)
+    write_series(folder / "mpm", "soil", soil)
+    write_series(folder / "fem", "structure", wall)
+    if gravity is not None:
+        vector = [gravity * (axis == up) for axis in range(3)]
+        for program in ("mpm", "fem"):
+            settings = {f"{program}.json": {"dimension": 3, "gravity": vector}}
+            (folder / program / "resolved_config.json").write_text(json.dumps(settings))
+    (folder / "resolved_config.json").write_text(json.dumps({"coupler.json": {"time": {"end": END}}}))
     return folder

@@ -11,7 +11,10 @@ from script_case import ROOT, ScriptCase
 import made_up_results as made_up
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
+from plotting.scene import ScenePlot
+from plotting.style import new_figure, plt
 from plotting.summary import summary_lines
+from plotting.view import View, outer_faces, view_of
 
 
 class Reading(ScriptCase):
@@ -93,6 +96,75 @@ class Column(ScriptCase):
         self.assertTrue((np.diff(surface[:, 0]) > 0).all())
 
 
+class Space(ScriptCase):
+    """The plane in which a scene in space is drawn."""
+
+    def test_plane_holds_gravity_and_the_longest_horizontal_extent(self) -> None:
+        for gravity, extent, axes in (
+            ([0, 0, -9.81], [3, 2, 9], (0, 2)),
+            ([0, 0, -9.81], [2, 3, 9], (1, 2)),
+            ([0, -9.81, 0], [2, 9, 3], (2, 1)),
+            ([-9.81, 0, 0], [9, 2, 3], (2, 0)),
+            ([0, 3.0, -9.3], [9, 1, 1], (1, 2)),  # a slope: the direction of the slide
+            ([0, 0, 0], [1, 2, 9], (1, 2)),
+            (None, [2, 1, 9], (0, 2)),
+        ):
+            view = view_of(3, gravity, np.array(extent))
+            self.assertEqual((view.across, view.up), axes)
+            self.assertFalse(view.inverted)
+        self.assertTrue(view_of(3, [0, 0, 9.81], np.ones(3)).inverted)
+        self.assertEqual(view_of(2, [-9.81, 0], np.array([1, 5])), View(0, 1))
+
+    def test_nearest_point_is_drawn_last(self) -> None:
+        points = np.array([[0.0, 0, 0], [1, 2, 3], [2, 1, 1]])
+        self.assertEqual(list(View(0, 2, dim=3).order(points)), [1, 2, 0])  # seen from -y
+        self.assertEqual(list(View(0, 2, True, 3).order(points)), [0, 2, 1])
+        self.assertEqual(list(View(1, 2, dim=3).order(points)), [0, 1, 2])  # seen from +x
+
+    def test_faces_of_meshes(self) -> None:
+        x, y, z = np.meshgrid([0, 1, 2], [0, 1], [0, 1], indexing="ij")
+        points = np.column_stack([x.ravel(), y.ravel(), z.ravel()]).astype(float)
+        brick = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
+        bricks = np.vstack([brick, brick + 4])
+        self.assertEqual(len(outer_faces(bricks)), 10)
+        for view, depth in ((View(0, 2, dim=3), 0), (View(0, 2, True, 3), 1)):
+            faces = view.faces(points, bricks)
+            self.assertEqual(len(faces), 2)
+            np.testing.assert_array_equal(points[faces][:, :, 1], depth)
+        tetrahedron = np.array([[0, 4, 2, 1]])  # its faces x = 0, y = 0 and z = 0, and the inclined one
+        np.testing.assert_array_equal(np.sort(View(0, 2, dim=3).faces(points, tetrahedron)), [[0, 1, 4]])
+        np.testing.assert_array_equal(np.sort(View(1, 2, dim=3).faces(points, tetrahedron)), [[1, 2, 4]])
+
+    def shown(self, folder: Path) -> tuple[tuple[str, str], np.ndarray, np.ndarray]:
+        """Labels, window and corners of the wall as drawn at the end."""
+        scene = ScenePlot(Results(folder))
+        figure, (axes,) = new_figure()
+        scene.draw(axes, made_up.END)
+        wall = np.vstack([path.vertices for path in axes.collections[1].get_paths()])
+        plt.close(figure)
+        return scene.view.labels, np.array([scene.low, scene.high]), wall
+
+    def test_scene_is_seen_from_the_side(self) -> None:
+        made_up.write_results(self.folder / "flat")
+        _, window, wall = self.shown(self.folder / "flat")
+        for up, label in ((1, "y [m]"), (2, "z [m]")):
+            folder = made_up.write_space_results(self.folder / f"up{up}", up)
+            labels, window_in_space, wall_in_space = self.shown(folder)
+            self.assertEqual(labels, ("x [m]", label))
+            np.testing.assert_allclose(window_in_space, window)
+            np.testing.assert_allclose(np.unique(wall_in_space, axis=0), np.unique(wall, axis=0))
+
+    def test_without_gravity_the_last_axis_is_up(self) -> None:
+        folder = made_up.write_space_results(self.folder / "a", 2, gravity=None)
+        self.assertIsNone(Results(folder).gravity)
+        self.assertEqual(self.shown(folder)[0], ("x [m]", "z [m]"))
+
+    def test_size_of_points_in_a_thin_slice(self) -> None:
+        points = np.stack(np.meshgrid(np.arange(40), np.arange(20), np.arange(2)), -1).reshape(-1, 3)
+        for cloud in (points, points[points[:, 2] == 0]):
+            self.assertAlmostEqual(ScenePlot._point_size_m(0.01 * cloud, 3), 0.01, delta=1e-6)
+
+
 class Drawing(ScriptCase):
     def draw(self, *arguments: object) -> list[str]:
         result = self.python_script("plot", *arguments)
@@ -109,6 +181,11 @@ class Drawing(ScriptCase):
             self.draw(self.folder / "a"),
             ["probes.png", "residuals.png", "iterations.png", "forces.png", "energies.png", "scene.png"],
         )
+
+    def test_everything_in_space(self) -> None:
+        made_up.write_space_results(self.folder / "a")
+        drawn = self.draw(self.folder / "a", "--animate", "--field", "displacement")
+        self.assertEqual(drawn[-2:], ["scene.png", "scene.gif"])
 
     def test_run_without_contact_has_no_residuals_to_draw(self) -> None:
         folder = made_up.write_results(self.folder / "a")
