@@ -26,7 +26,19 @@ std::string first_line(const fs::path& path) {
   return line;
 }
 
-void move_to_previous(const fs::path& folder, const std::string& kind) {
+/// A summary that is missing or cannot be read is that of a run which was not completed.
+bool completed(const fs::path& folder) {
+  std::ifstream in(folder / "summary.json");
+  const Json summary = Json::parse(in, nullptr, /*allow_exceptions=*/false);
+  return summary.is_object() && summary.contains("completed") && summary.at("completed") == true;
+}
+
+fs::path without_last_slash(const std::string& name) {
+  fs::path folder = fs::path(name).lexically_normal();
+  return folder.filename().empty() ? folder.parent_path() : folder;
+}
+
+void move_earlier_results(const fs::path& folder, const std::string& kind) {
   const fs::path marker = folder / marker_name;
   require<ConfigError>(
       fs::exists(marker),
@@ -38,25 +50,26 @@ void move_to_previous(const fs::path& folder, const std::string& kind) {
                        "output folder {}: found results of \"{}\", allowed: results of "
                        "\"{}\"; give another folder with --output",
                        folder.string(), found, kind);
-  const fs::path previous = folder.string() + ".previous";
-  if (fs::exists(previous)) {
-    require<ConfigError>(fs::exists(previous / marker_name),
+  const fs::path place = place_of_earlier_results(folder.string());
+  if (fs::exists(place)) {
+    require<ConfigError>(fs::exists(place / marker_name),
                          "{}: is to take the earlier results, but holds files that are "
                          "not Gabion results; move it away",
-                         previous.string());
-    fs::remove_all(previous);
+                         place.string());
+    fs::remove_all(place);
   }
-  fs::rename(folder, previous);
-  log::info("earlier results moved to {}", previous.string());
+  const bool failed = place.extension() == ".failed";
+  fs::rename(folder, place);
+  log::info("earlier results{} moved to {}", failed ? ", of a run that was not completed," : "",
+            place.string());
 }
 
 void prepare_folder(const std::string& name, const std::string& kind) {
-  fs::path folder = fs::path(name).lexically_normal();
-  if (folder.filename().empty()) folder = folder.parent_path();
+  const fs::path folder = without_last_slash(name);
   try {
     require<ConfigError>(!fs::exists(folder) || fs::is_directory(folder),
                          "output folder {}: is not a folder", name);
-    if (fs::exists(folder) && !fs::is_empty(folder)) move_to_previous(folder, kind);
+    if (fs::exists(folder) && !fs::is_empty(folder)) move_earlier_results(folder, kind);
     fs::create_directories(folder);
   } catch (const fs::filesystem_error& error) {
     throw ConfigError(fmt::format("output folder {}: {}", name, error.what()));
@@ -68,6 +81,12 @@ void prepare_folder(const std::string& name, const std::string& kind) {
 }
 
 }  // namespace
+
+std::string place_of_earlier_results(const std::string& folder) {
+  const std::string name = without_last_slash(folder).string();
+  const bool worse = completed(name + ".previous") && !completed(name);
+  return name + (worse ? ".failed" : ".previous");
+}
 
 RunRecord::RunRecord(const std::string& folder, const std::string& kind, bool writes)
     : folder_(folder), kind_(kind), writes_(writes) {

@@ -16,10 +16,14 @@ namespace gabion {
 /// @throws Error  the file could not be written
 void write_json_file(const std::string& path, const Json& value);
 
+/// Where a new run in `folder` moves the earlier results: "<folder>.previous"; "<folder>.failed" if
+/// their run was not completed (summary.json) but the one in "<folder>.previous" was.
+std::string place_of_earlier_results(const std::string& folder);
+
 /// The folder of one run's results and the tables in it.
 ///
 /// A marker file makes the folder ours. Results of an earlier run of the same kind are moved to
-/// "<folder>.previous", which replaces what was there; a folder that holds anything else is
+/// place_of_earlier_results(), which replaces what was there; a folder that holds anything else is
 /// refused.
 class RunRecord {
  public:

@@ -8,6 +8,7 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/base/run_record.hpp"
 #include "common/base/scene_identity.hpp"
 
 namespace gabion {
@@ -21,10 +22,8 @@ void require_apart(const std::string& results, const std::string& output) {
     std::error_code error;
     return fs::equivalent(results, other, error) && !error;
   };
-  fs::path folder = fs::path(output).lexically_normal();
-  if (folder.filename().empty()) folder = folder.parent_path();
-  const std::string previous = folder.string() + ".previous";
-  require<ConfigError>(!same(output) && !(same(previous) && fs::exists(folder)),
+  const bool replaced = fs::exists(output) && same(place_of_earlier_results(output));
+  require<ConfigError>(!same(output) && !replaced,
                        "--restart {}: would be replaced by the new results in {}; give "
                        "another folder with --output",
                        results, output);

@@ -159,6 +159,39 @@ std::string refusal(const std::string& folder, const std::string& kind) {
   return "no error";
 }
 
+TEST(RunRecord, completed_results_are_not_replaced_by_those_of_a_failed_run) {
+  const TempFolder temp;
+  const auto run = [&](int number, const Json& summary) {
+    RunRecord record(temp / "out", "coupler");
+    std::ofstream(temp / "out/number") << number;
+    if (!summary.is_null()) record.write_json("summary.json", summary);
+  };
+  const auto number_in = [&](const std::string& folder) {
+    return fs::exists(temp / folder) ? lines(temp / (folder + "/number")).at(0) : "none";
+  };
+  run(1, {{"completed", false}});
+  run(2, {{"completed", true}});  // nothing better there: the first one is kept as the previous one
+  EXPECT_EQ(number_in("out.previous"), "1");
+  run(3, {{"completed", false}});
+  EXPECT_EQ(number_in("out.previous"), "2");
+  EXPECT_EQ(place_of_earlier_results(temp / "out/"), temp / "out.failed");
+  run(4, nullptr);  // killed: no summary
+  EXPECT_EQ(number_in("out.previous"), "2");
+  EXPECT_EQ(number_in("out.failed"), "3");
+  run(5, {{"completed", true}});
+  EXPECT_EQ(number_in("out.previous"), "2");
+  EXPECT_EQ(number_in("out.failed"), "4");
+  run(6, {{"completed", "half"}});
+  EXPECT_EQ(number_in("out.previous"), "5");
+  EXPECT_EQ(number_in("out.failed"), "4");
+
+  fs::remove_all(temp / "out.failed");
+  fs::create_directories(temp / "out.failed");
+  std::ofstream(temp / "out.failed/thesis.tex") << "years of work";
+  EXPECT_NE(refusal(temp / "out", "coupler").find("move it away"), std::string::npos);
+  EXPECT_EQ(lines(temp / "out.failed/thesis.tex")[0], "years of work");
+}
+
 TEST(RunRecord, foreign_files_are_never_touched) {
   const TempFolder temp;
   fs::create_directories(temp / "papers");
