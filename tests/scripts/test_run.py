@@ -1,10 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/run refuses what it cannot do before it installs, builds or starts anything."""
+"""scripts/run refuses what it cannot do before it installs, builds or starts anything; ends when a command fails."""
 
+import json
+import shutil
+import subprocess
+import time
 import unittest
 
-from script_case import ScriptCase
+from script_case import ROOT, ScriptCase
 
 
 class Usage(ScriptCase):
@@ -56,6 +60,77 @@ class Usage(ScriptCase):
 
     def test_two_solvers_without_coupler(self) -> None:
         self.expect_refusal(self.scene("mpm.json", "fem.json"), words="no coupler.json")
+
+
+SETUP = """
+root={folder} build={folder} python=/usr/bin/python3 PATH={folder}/bin:$PATH
+say() {{ printf '%s\\n' "$*" >&2; }}
+die() {{ say "$*"; exit 2; }}
+install_packages() {{ :; }}
+build_targets() {{ :; }}
+"""
+COUPLER = """#!/bin/bash
+if [[ $* == *--list-participants* ]]; then
+  printf '%s\\0' 'tcp://127.0.0.1:*' plate 1 {command}
+  exit
+fi
+trap 'echo the coupler was asked to end; exit 5' TERM
+for ((i = 0; i < {tenths}; ++i)); do sleep 0.1; done
+echo nobody came
+exit 4
+"""
+MPIRUN = """#!/bin/bash
+trap 'echo mpirun was hit; exit 139' TERM
+{folder}/bin/coupler &
+wait $!
+code=$?
+for ((i = 0; i < {tenths}; ++i)); do sleep 0.1; done
+exit $code
+"""
+
+
+class FailedCommand(ScriptCase):
+    """Commands of participants that end at once, with a coupler and an mpirun that never were."""
+
+    def run_with(self, command: str, coupler: int, mpirun: int) -> tuple[int, list[str], float]:
+        """The coupler waits for the command, mpirun takes its time to end after the coupler [s/10].
+
+        returns: exit code, lines but those of what is started, seconds until the output ends
+        """
+        self.write("scene/coupler.json", json.dumps({}))
+        self.write("scripts/setup", SETUP.format(folder=self.folder))
+        self.write("bin/coupler", COUPLER.format(command=command, tenths=coupler)).chmod(0o755)
+        self.write("bin/mpirun", MPIRUN.format(folder=self.folder, tenths=mpirun)).chmod(0o755)
+        shutil.copy(ROOT / "scripts" / "run", self.folder / "scripts" / "run")
+        start = time.monotonic()
+        done = subprocess.run([self.folder / "scripts" / "run", self.folder / "scene", "--no-plots"], text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False)
+        return done.returncode, done.stdout.splitlines()[2:], time.monotonic() - start
+
+    def test_is_named_at_once_and_once(self) -> None:
+        code, lines, seconds = self.run_with("false", coupler=15, mpirun=0)
+        self.assertEqual(code, 4)
+        self.assertEqual(lines[:2], ["plate ended with exit code 1", "nobody came"])
+        self.assertRegex(lines[2], "^The run failed with exit code 4. Results so far: ")
+        self.assertEqual(len(lines), 3)
+        self.assertLess(seconds, 8)
+
+    def test_program_that_does_not_exist(self) -> None:
+        code, lines, _ = self.run_with("no_such_program", coupler=15, mpirun=0)
+        self.assertEqual(code, 4)
+        self.assertIn("no_such_program", lines[0])
+        self.assertEqual(lines[1:3], ["plate ended with exit code 127", "nobody came"])
+
+    def test_coupler_that_goes_on_is_ended(self) -> None:
+        code, lines, seconds = self.run_with("false", coupler=300, mpirun=0)
+        self.assertEqual(code, 5)
+        self.assertEqual(lines[:2], ["plate ended with exit code 1", "the coupler was asked to end"])
+        self.assertGreater(seconds, 10)
+
+    def test_mpirun_that_is_ending_is_left_alone(self) -> None:
+        code, lines, _ = self.run_with("false", coupler=30, mpirun=85)
+        self.assertEqual(code, 4, lines)
+        self.assertNotIn("mpirun was hit", lines)
 
 
 if __name__ == "__main__":
