@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from plotting.results import Results, ResultsError, Table
 from plotting.style import COLOURS, legend_beside, new_figure, plt, save
+from plotting.view import AXES, up_axis
 
 RESIDUALS = {"displacement_residual": "residual of\ndisplacement [m]", "force_residual": "change of\nforce [N]"}
 FORCES = ("fx", "fy", "fz")
@@ -36,30 +37,55 @@ def displacement_columns(table: Table, point: str) -> list[str]:
             and name.rpartition(".")[2] in COMPONENTS]
 
 
+def _probe_curves(runs: dict[str, Results]) -> dict[tuple[str, str], dict[str, tuple[str, Table]]]:
+    """(point, axis) -> label of a run -> (column, table) where it has that point.
+
+    The axis is "up" for the vertical one, so that y of a run in the plane meets z of one in space. What is below
+    1e-6 of the largest displacement of all is round-off and left out.
+    """
+    curves: dict[tuple[str, str], dict[str, tuple[str, Table]]] = {}
+    size: dict[tuple[str, str], float] = {}
+    for label, run in runs.items():
+        table = run.table("probes.csv")
+        up = AXES[up_axis(run.dim, run.gravity)]
+        for point in probe_points(table) if table else []:
+            for column in displacement_columns(table, point):
+                key = point, "up" if column[-1] == up else column[-1]
+                curves.setdefault(key, {})[label] = (column, table)
+                size[key] = max(size.get(key, 0.0), float(np.nanmax(np.abs(table[column]), initial=0)))
+    least = 1e-6 * max(size.values(), default=0.0)
+    return {key: curve for key, curve in curves.items() if size[key] >= least}
+
+
+def _axis_label(axis: str, columns: list[str], in_plane: bool) -> str:
+    """columns: those that are drawn; in_plane: whether all runs are 2D."""
+    if axis != "up":
+        return "horizontal" if in_plane else axis
+    return "vertical" if in_plane else f"vertical ({'/'.join(sorted({column[-1] for column in columns}))})"
+
+
 def plot_probes(runs: dict[str, Results], out: Path, name: str = "probes.png") -> Path | None:
     """Displacement of every probed point against time, all runs in one figure.
 
-    runs: label -> results; with one run, a line a component; with more, a line a run.
+    runs: label -> results; with one run, a line a component; with more, a line a run,
+    of one colour in all panels.
     """
-    tables = {label: table for label, run in runs.items() if (table := run.table("probes.csv"))}
-    panels = list(dict.fromkeys(
-        (point, column)
-        for table in tables.values()
-        for point in probe_points(table)
-        for column in displacement_columns(table, point)
-    ))
-    if not panels:
+    curves = _probe_curves(runs)
+    if not curves:
         return None
-    figure, axes = new_figure(8.5, 0.8 + 2.4 * len(panels), len(panels))
-    for each, (point, column) in zip(axes, panels):
-        for label, table in tables.items():
-            if column in table:
-                each.plot(table["time"], table[column], label=label)
-        along = direction(column, max(run.dim for run in runs.values()))
+    drawn = [label for label in runs if any(label in curve for curve in curves.values())]
+    in_plane = all(runs[label].dim == 2 for label in drawn)
+    figure, axes = new_figure(8.5, 0.8 + 2.4 * len(curves), len(curves))
+    for each, ((point, axis), curve) in zip(axes, curves.items()):
+        for k, label in enumerate(drawn):
+            column, table = curve.get(label, (None, None))
+            each.plot(*((table["time"], table[column]) if table else ([], [])), label=label,
+                      color=COLOURS[k % len(COLOURS)])
+        along = _axis_label(axis, [column for column, _ in curve.values()], in_plane)
         each.set_ylabel(f"{along}\ndisplacement [m]")
         each.set_title(f"point {point.rpartition('.')[2]}, {along}", loc="left")
     axes[-1].set_xlabel("time [s]")
-    if len(tables) > 1:
+    if len(drawn) > 1:
         legend_beside(axes[0])
     return save(figure, out / name)
 

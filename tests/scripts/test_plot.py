@@ -4,15 +4,17 @@
 
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
+from plotting import history
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
-from plotting.style import new_figure, plt
+from plotting.style import COLOURS, new_figure, plt
 from plotting.summary import summary_lines
 from plotting.view import View, outer_faces, view_of
 
@@ -228,6 +230,54 @@ class Drawing(ScriptCase):
         text = "\n".join(summary_lines(Results(folder)))
         self.assertIn("z force on the structure: largest -4 N at t = 1 s, impulse -3 N s", text)
         self.assertNotIn("N/m", text)
+
+
+class Curves(ScriptCase):
+    """What stands in the figures of curves."""
+
+    def axes_of(self, plot, *arguments: object) -> list:
+        """The axes that `plot` made."""
+        figures = []
+        with mock.patch.object(history, "save", lambda figure, path: figures.append(figure) or path):
+            plot(*arguments, self.folder)
+        self.addCleanup(plt.close, figures[0])
+        return figures[0].axes
+
+    def titles(self, axes: list) -> list[str]:
+        return [each.get_title(loc="left") for each in axes]
+
+    def test_probes_without_round_off(self) -> None:
+        run = Results(made_up.write_space_results(self.folder / "a"))  # its uy is 1e-9 of ux
+        axes = self.axes_of(history.plot_probes, {"a": run})
+        self.assertEqual(self.titles(axes), ["point A, x", "point A, vertical (z)"])
+
+    def test_vertical_meets_vertical(self) -> None:
+        flat = Results(made_up.write_results(self.folder / "flat"))
+        for up, title in ((1, "point A, vertical (y)"), (2, "point A, vertical (y/z)")):
+            space = Results(made_up.write_space_results(self.folder / f"space{up}", up))
+            if up == 1:  # the vertical displacement to y
+                table = self.folder / "space1" / "probes.csv"
+                table.write_text(table.read_text(encoding="utf-8").replace("uy,structure.A.uz", "uz,structure.A.uy"),
+                                 encoding="utf-8")
+            axes = self.axes_of(history.plot_probes, {"flat": flat, "space": space})
+            self.assertEqual(self.titles(axes), ["point A, x", title])
+            first, second = axes[1].get_lines()
+            np.testing.assert_array_equal(first.get_ydata(), second.get_ydata())
+
+    def test_runs_in_the_plane_are_horizontal_and_vertical(self) -> None:
+        run = Results(made_up.write_results(self.folder / "a"))
+        axes = self.axes_of(history.plot_probes, {"a": run})
+        self.assertEqual(self.titles(axes), ["point A, horizontal", "point A, vertical"])
+
+    def test_a_run_keeps_its_colour(self) -> None:
+        one, two = (made_up.write_results(self.folder / name) for name in ("one", "two"))
+        table = two / "probes.csv"
+        table.write_text(table.read_text(encoding="utf-8").replace("structure.A.", "structure.B."), encoding="utf-8")
+        axes = self.axes_of(history.plot_probes, {"one": Results(one), "two": Results(two)})
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()], ["one", "two"])
+        for each, run in zip(axes, (0, 0, 1, 1)):
+            shown = [line.get_color() for line in each.get_lines() if len(line.get_xdata())]
+            self.assertEqual(shown, [COLOURS[run]])
 
 
 if __name__ == "__main__":
