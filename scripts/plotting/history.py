@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from plotting.results import Results, ResultsError, Table
 from plotting.style import COLOURS, legend_beside, new_figure, plt, save
@@ -95,7 +96,7 @@ def plot_residuals(results: Results, out: Path) -> Path | None:
 
     Left: the iterations of all steps in a row, the first and the last of each step in colours of
     their own, the allowed residual as a line; the upper scale gives the time. Right: the steps
-    around the one with most iterations, a line a step.
+    around the one with most iterations, a line a step over the iterations within it.
     """
     table = results.table("iterations.csv")
     if table is None or not table.num_rows:
@@ -116,16 +117,18 @@ def plot_residuals(results: Results, out: Path) -> Path | None:
     for (left, right), column in zip(axes, columns):
         values = np.where(table[column] > 0, table[column], np.nan)  # a logarithm has no zero
         _draw_all_residuals(left, values, starts, ends)
-        _draw_some_residuals(right, values, starts, ends, zoom)
-        for each, part in ((left, slice(None)), (right, slice(starts[zoom[0]], ends[zoom[-1]]))):
-            allowed = table[column.replace("residual", "limit")][part]
-            each.plot(np.arange(table.num_rows)[part], allowed, color=COLOURS[2], lw=1, label="allowed")
+        allowed = table[column.replace("residual", "limit")]
+        left.plot(allowed, color=COLOURS[2], lw=1)
+        _draw_some_residuals(right, values, allowed, [slice(starts[step], ends[step]) for step in zoom])
         left.set_ylabel(RESIDUALS[column].replace("[N]", f"[N{results.per_metre}]"))
     legend_beside(axes[0, 1])
     marks = np.linspace(0, table.num_rows - 1, 7).astype(int)
     axes[0, 0].secondary_xaxis("top").set_xticks(marks, [f"{table['time'][m]:.3g} s" for m in marks])
     axes[-1, 0].set_xlabel("coupling iteration, all steps in a row")
-    axes[-1, 1].set_xlabel(f"steps {zoom.start + 1} to {zoom.stop}")
+    axes[-1, 1].set_xlabel("iteration within the step")
+    shown = table["step"][starts[zoom]]
+    axes[-1, 1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes[0, 1].set_title(f"steps {shown[0]:.0f} to {shown[-1]:.0f}", loc="left")
     return save(figure, out / "residuals.png")
 
 
@@ -135,15 +138,16 @@ def _draw_all_residuals(axes: Axes, values: np.ndarray, starts: np.ndarray, ends
     axes.semilogy(ends - 1, values[ends - 1], ".", color=COLOURS[0], ms=2.5)
 
 
-def _draw_some_residuals(axes: Axes, values: np.ndarray, starts: np.ndarray, ends: np.ndarray,
-                         steps: range) -> None:
+def _draw_some_residuals(axes: Axes, values: np.ndarray, allowed: np.ndarray, steps: list[slice]) -> None:
+    """Each step from its iteration 0 on, all over each other. steps: their rows."""
     for step in steps:
-        count = np.arange(starts[step], ends[step])
-        axes.semilogy(count, values[count], ".-", color="0.6", lw=1, ms=4)
-    chosen = list(steps)
-    for index, name, colour in ((starts, "first", COLOURS[1]), (ends - 1, "last", COLOURS[0])):
-        axes.semilogy(index[chosen], values[index[chosen]], ".", color=colour, ms=6,
-                      label=f"{name} of a step")
+        axes.semilogy(values[step], ".-", color="0.6", lw=1, ms=4)
+    for k, step in enumerate(steps):
+        label = "{} of a step" if k == 0 else "_"
+        axes.semilogy(0, values[step.start], ".", color=COLOURS[1], ms=6, label=label.format("first"))
+        axes.semilogy(step.stop - step.start - 1, values[step.stop - 1], ".", color=COLOURS[0], ms=6,
+                      label=label.format("last"))
+        axes.plot(allowed[step], color=COLOURS[2], lw=1, label="_" if k else "allowed")
 
 
 def plot_iterations(results: Results, out: Path) -> Path | None:
@@ -172,7 +176,9 @@ def plot_energies(results: Results, out: Path) -> Path | None:
     sums = ("energy", "work", "dissipation", "damping", "loss")
     tables = [(results.table("probes.csv"), sums), (results.table("steps.csv"), ("energy",))]
     curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)]
-    curves = [(table, name) for table, name in curves if np.nanmax(np.abs(table[name]), initial=0) > 0]
+    sizes = [float(np.nanmax(np.abs(table[name]), initial=0)) for table, name in curves]
+    least = 1e-12 * max(sizes, default=0.0)  # below is round-off
+    curves = [curve for curve, size in zip(curves, sizes) if size > least]
     return _plot_curves(curves, f"energy [J{results.per_metre}]", out / "energies.png")
 
 

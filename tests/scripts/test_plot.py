@@ -264,6 +264,24 @@ class Curves(ScriptCase):
             first, second = axes[1].get_lines()
             np.testing.assert_array_equal(first.get_ydata(), second.get_ydata())
 
+    def test_residuals_of_some_steps(self) -> None:
+        run = Results(made_up.write_results(self.folder / "a", iterations=5))
+        axes = self.axes_of(history.plot_residuals, run)
+        right = next(each for each in axes if each.get_xlabel() == "iteration within the step")
+        self.assertIn("steps 195 to 207", [each.get_title(loc="left") for each in axes])
+        lines = [line.get_xydata() for line in right.get_lines() if line.get_linestyle() == "-"]
+        longest = max(lines, key=len)
+        np.testing.assert_array_equal(longest[:, 0], range(5))
+        self.assertEqual(right.get_xlim()[1] // 1, 4)
+
+    def test_energies_without_round_off(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        made_up.write_table(folder / "probes.csv", ["time", "soil.gravity_work", "soil.wall_loss", "soil.damping"],
+                            [[0, 0, 0, 0], [0.5, 7, 6e-12, 8e-12]])
+        axes = self.axes_of(history.plot_energies, Results(folder))
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
+                         ["soil gravity work", "soil damping", "soil kinetic energy"])
+
     def test_runs_in_the_plane_are_horizontal_and_vertical(self) -> None:
         run = Results(made_up.write_results(self.folder / "a"))
         axes = self.axes_of(history.plot_probes, {"a": run})
