@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -16,13 +17,14 @@ constexpr double live_period = 0.1;  // [s] wall between two pictures on a termi
 constexpr double plain_period = 10;  // [s] wall between two log lines
 constexpr double plain_fraction = 0.1;
 
-std::string duration_text(double seconds) {
-  if (seconds < 100) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
-  return fmt::format("{:.1f} h", seconds / 3600);
-}
-
 }  // namespace
+
+std::string duration_text(double seconds) {
+  if (seconds < 119.5) return fmt::format("{:.0f} s", seconds);
+  if (seconds >= 3599.5) return fmt::format("{:.1f} h", seconds / 3600);
+  const auto whole = std::lround(seconds);
+  return fmt::format("{} min {} s", whole / 60, whole % 60);
+}
 
 Progress::Progress(double end, bool speaks)
     : end_(end), speaks_(speaks), terminal_(log::on_terminal()) {}

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/base/timer.hpp"
 
 namespace gabion {
+
+/// A wall time for a person: "75 s", "12 min 5 s", "3.4 h".
+std::string duration_text(double seconds);
 
 /// Tells a person how far a run is: one live line on a terminal, otherwise a log line every few
 /// seconds or percent.

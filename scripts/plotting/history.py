@@ -41,8 +41,8 @@ def displacement_columns(table: Table, point: str) -> list[str]:
 def _probe_curves(runs: dict[str, Results]) -> dict[tuple[str, str], dict[str, tuple[str, Table]]]:
     """(point, axis) -> label of a run -> (column, table) where it has that point.
 
-    The axis is "up" for the vertical one, so that y of a run in the plane meets z of one in space. What is below
-    1e-6 of the largest displacement of all is round-off and left out.
+    The axis is "up" for the vertical one, so that y of a run in the plane meets z of one in space.
+    What is below 1e-6 of the largest displacement of all is round-off and left out.
     """
     curves: dict[tuple[str, str], dict[str, tuple[str, Table]]] = {}
     size: dict[tuple[str, str], float] = {}

@@ -121,9 +121,13 @@ def _progress(steps: list[dict[str, str]], run: Run) -> list[str]:
 
 
 def _duration(seconds: float) -> str:
-    if seconds < 90:
+    """As the progress line of the programs has it."""
+    if seconds < 119.5:
         return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+    if seconds >= 3599.5:
+        return f"{seconds / 3600:.1f} h"
+    whole = round(seconds)
+    return f"{whole // 60} min {whole % 60} s"
 
 
 def _residuals(iterations: list[dict[str, str]]) -> list[str]:

@@ -43,6 +43,10 @@ def _count_lines(summary: dict) -> list[str]:
     return [line for line in ("; ".join(counts), methods) if line]
 
 
+def _millimetres(metres: float) -> str:
+    return f"{1e3 * metres + 0.0:.4g} mm"  # + 0.0: no sign of a zero
+
+
 def _probe_lines(results: Results) -> list[str]:
     table = results.table("probes.csv")
     lines = []
@@ -51,8 +55,8 @@ def _probe_lines(results: Results) -> list[str]:
             values = table[column]
             peak = int(np.nanargmax(np.abs(values)))
             lines.append(
-                f"{column}: largest {1e3 * values[peak]:.3f} mm at t = {table['time'][peak]:.4g} s, "
-                f"at the end {1e3 * values[-1]:.3f} mm"
+                f"{column}: largest {_millimetres(values[peak])} at t = {table['time'][peak]:.4g} s, "
+                f"at the end {_millimetres(values[-1])}"
             )
     return lines
 

@@ -219,9 +219,20 @@ class Drawing(ScriptCase):
     def test_summary(self) -> None:
         text = "\n".join(summary_lines(Results(made_up.write_results(self.folder / "a"))))
         self.assertIn("completed at t = 0.5 s in 12.5 s", text)
-        self.assertIn(f"largest {2e3 * made_up.AMPLITUDE:.3f} mm", text)
+        self.assertIn(f"largest {2e3 * made_up.AMPLITUDE:.4g} mm", text)
         self.assertIn("horizontal force on the structure: largest 20 N/m", text)
         self.assertIn("impulse 6 N s/m", text)  # 20 N/m through 0.3 s
+
+    def test_summary_of_small_displacements(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        for middle, end, words in (
+            (8.7562e-3, 7.65249e-3, "largest 8.756 mm at t = 0.5 s, at the end 7.652 mm"),
+            (-9.1237e-6, -1e-12, "largest -0.009124 mm at t = 0.5 s, at the end -1e-09 mm"),
+            (-0.0, -0.0, "largest 0 mm at t = 0 s, at the end 0 mm"),
+        ):
+            rows = [[0, 0], [0.5, middle], [1, end]]
+            made_up.write_table(folder / "probes.csv", ["time", "structure.A.ux"], rows)
+            self.assertIn(f"structure.A.ux: {words}", "\n".join(summary_lines(Results(folder))))
 
     def test_summary_in_space(self) -> None:
         folder = made_up.write_results(self.folder / "a")
@@ -257,8 +268,8 @@ class Curves(ScriptCase):
             space = Results(made_up.write_space_results(self.folder / f"space{up}", up))
             if up == 1:  # the vertical displacement to y
                 table = self.folder / "space1" / "probes.csv"
-                table.write_text(table.read_text(encoding="utf-8").replace("uy,structure.A.uz", "uz,structure.A.uy"),
-                                 encoding="utf-8")
+                text = table.read_text(encoding="utf-8")
+                table.write_text(text.replace("uy,structure.A.uz", "uz,structure.A.uy"), encoding="utf-8")
             axes = self.axes_of(history.plot_probes, {"flat": flat, "space": space})
             self.assertEqual(self.titles(axes), ["point A, x", title])
             first, second = axes[1].get_lines()
@@ -276,8 +287,8 @@ class Curves(ScriptCase):
 
     def test_energies_without_round_off(self) -> None:
         folder = made_up.write_results(self.folder / "a")
-        made_up.write_table(folder / "probes.csv", ["time", "soil.gravity_work", "soil.wall_loss", "soil.damping"],
-                            [[0, 0, 0, 0], [0.5, 7, 6e-12, 8e-12]])
+        names = ["time", "soil.gravity_work", "soil.wall_loss", "soil.damping"]
+        made_up.write_table(folder / "probes.csv", names, [[0, 0, 0, 0], [0.5, 7, 6e-12, 8e-12]])
         axes = self.axes_of(history.plot_energies, Results(folder))
         self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
                          ["soil gravity work", "soil damping", "soil kinetic energy"])
@@ -290,7 +301,8 @@ class Curves(ScriptCase):
     def test_a_run_keeps_its_colour(self) -> None:
         one, two = (made_up.write_results(self.folder / name) for name in ("one", "two"))
         table = two / "probes.csv"
-        table.write_text(table.read_text(encoding="utf-8").replace("structure.A.", "structure.B."), encoding="utf-8")
+        text = table.read_text(encoding="utf-8")
+        table.write_text(text.replace("structure.A.", "structure.B."), encoding="utf-8")
         axes = self.axes_of(history.plot_probes, {"one": Results(one), "two": Results(two)})
         self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()], ["one", "two"])
         for each, run in zip(axes, (0, 0, 1, 1)):

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/run refuses what it cannot do before it installs, builds or starts anything; ends when a command fails."""
+"""scripts/run refuses what it cannot do before it installs, builds or starts anything.
+
+What it starts it ends when a command fails.
+"""
 
 import json
 import shutil
@@ -103,8 +106,9 @@ class FailedCommand(ScriptCase):
         self.write("bin/mpirun", MPIRUN.format(folder=self.folder, tenths=mpirun)).chmod(0o755)
         shutil.copy(ROOT / "scripts" / "run", self.folder / "scripts" / "run")
         start = time.monotonic()
-        done = subprocess.run([self.folder / "scripts" / "run", self.folder / "scene", "--no-plots"], text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False)
+        command = [self.folder / "scripts" / "run", self.folder / "scene", "--no-plots"]
+        done = subprocess.run(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              timeout=60, check=False)
         return done.returncode, done.stdout.splitlines()[2:], time.monotonic() - start
 
     def test_is_named_at_once_and_once(self) -> None:

@@ -39,6 +39,12 @@ class WatchTest(ScriptCase):
         self.assertIn("1e+03 ms a step", text)
         self.assertRegex(text, r"soil: +70 % computing, +5 % messages, +25 % waiting")
 
+    def test_durations(self) -> None:
+        from plotting.live import _duration  # noqa: PLC0415
+        for seconds, text in ((0.2, "0 s"), (100, "100 s"), (119.6, "2 min 0 s"), (150.2, "2 min 30 s"),
+                              (3599.4, "59 min 59 s"), (3599.6, "1.0 h"), (5400, "1.5 h")):
+            self.assertEqual(_duration(seconds), text)
+
     def test_rows_are_read_once_and_only_when_complete(self) -> None:
         from plotting.live import Tail  # noqa: PLC0415
         path = self.write("t.csv", "a,b\n1,2\n3,")

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 
+#include "common/base/progress.hpp"
 #include "common/base/run_alone.hpp"
 #include "common/base/run_record.hpp"
 
@@ -74,6 +75,13 @@ class ClockSolver : public Solver {
   double value_ = 0;
   double trial_ = 0;
 };
+
+TEST(Progress, wall_times_as_text) {
+  const std::vector<std::pair<double, std::string>> cases = {
+      {0.2, "0 s"},          {100, "100 s"},          {119.4, "119 s"},  {119.6, "2 min 0 s"},
+      {150.2, "2 min 30 s"}, {3599.4, "59 min 59 s"}, {3599.6, "1.0 h"}, {5400, "1.5 h"}};
+  for (const auto& [seconds, text] : cases) EXPECT_EQ(duration_text(seconds), text);
+}
 
 TEST(RunAlone, steps_probes_frames_and_summary) {
   const TempFolder temp;
