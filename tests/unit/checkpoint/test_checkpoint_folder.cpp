@@ -7,7 +7,9 @@
 #include <fstream>
 
 #include "common/base/error.hpp"
+#include "common/base/scene.hpp"
 #include "common/checkpoint/checkpoint_folder.hpp"
+#include "common/checkpoint/checkpoints.hpp"
 #include "common/checkpoint/state_file.hpp"
 
 namespace gabion {
@@ -78,6 +80,33 @@ TEST_F(CheckpointFolder, AFailedWriteLeavesTheLastOne) {
   bad.states["no/folder"] = {};
   EXPECT_THROW(write_checkpoint(results_, "coupler", bad), Error);
   EXPECT_EQ(read_checkpoint(find_checkpoint(results_), "coupler").point.step, 3);
+}
+
+TEST_F(CheckpointFolder, ResultsThatTheNewRunWouldReplaceAreRefused) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    fs::create_directories((fs::path(results_) / name).parent_path());
+    std::ofstream(fs::path(results_) / name) << text;
+  };
+  write("scene/coupler.json", "{}");
+  const Scene scene(results_ + "/scene", {});
+  const auto refusal = [&](const std::string& restart) {
+    try {
+      Checkpoints::load(results_ + restart, results_ + "/out", "coupler", scene);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string words = "would be replaced by the new results";
+  for (const std::string name : {"out", "out.previous", "out.failed"}) {
+    write(name + "/summary.json", R"({"completed": true})");
+  }
+  EXPECT_NE(refusal("/out.previous").find(words), std::string::npos);
+  EXPECT_NE(refusal("/out.failed").find("found no checkpoint"), std::string::npos);
+  write("out/summary.json", R"({"completed": false})");  // goes to out.failed
+  EXPECT_NE(refusal("/out").find(words), std::string::npos);
+  EXPECT_NE(refusal("/out.failed").find(words), std::string::npos);
+  EXPECT_NE(refusal("/out.previous").find("found no checkpoint"), std::string::npos);
 }
 
 }  // namespace
