@@ -64,6 +64,14 @@ CouplingBoundary<dim>::CouplingBoundary(CouplingBoundarySettings<dim> settings)
       points_.push_back(b);
     }
   }
+  set_normals();
+}
+
+template <int dim>
+void CouplingBoundary<dim>::set_normals() {
+  const auto geometry =
+      facet_geometry<dim>(vertices_now_, settings_.surface.facet_type, settings_.surface.facets);
+  for (Point& b : points_) b.normal = geometry[b.facet].normal;
 }
 
 template <int dim>
@@ -108,19 +116,24 @@ Matrix<dim> CouplingBoundary<dim>::frame(std::int32_t facet, const Vector<dim>& 
 // will do.
 template <int dim>
 std::int32_t CouplingBoundary<dim>::find_cell(const BackgroundGrid<dim>& grid,
-                                              std::span<const std::int32_t> occupied,
+                                              std::span<const std::int32_t> occupied, double reach,
                                               const Point& b) const {
   const std::int32_t cell = grid.locator.locate(b.x, b.cell);
   if (cell < 0 || occupied[cell] != 0) return cell;
   for (const std::int32_t other : grid.locator.cells_at(b.x)) {
     if (occupied[other] != 0) return other;
   }
+  const double farthest = b.has_soil ? shortest_edge(grid.mesh, cell) : reach;
+  for (const double share : {0.25, 0.5, 0.75, 1.0}) {
+    const std::int32_t ahead = grid.locator.locate(b.x + share * farthest * b.normal, cell);
+    if (ahead >= 0 && occupied[ahead] != 0) return ahead;
+  }
   return cell;
 }
 
 template <int dim>
 void CouplingBoundary<dim>::begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                                       std::span<const std::int32_t> occupied) {
+                                       std::span<const std::int32_t> occupied, double reach) {
   touching_.clear();
   nodes_per_cell_ = grid.mesh.nodes_per_cell();
   ShapeValues<dim> shape;
@@ -130,7 +143,7 @@ void CouplingBoundary<dim>::begin_step(const BackgroundGrid<dim>& grid, const Gr
     b.sliding = false;
     b.traction.setZero();
     b.gap_trial.setZero();
-    b.cell = find_cell(grid, occupied, b);
+    b.cell = find_cell(grid, occupied, reach, b);
     if (b.cell < 0 || occupied[b.cell] == 0) {
       b.gap.setZero();
       continue;
@@ -307,10 +320,13 @@ double CouplingBoundary<dim>::approach_step(double dt, double margin) const {
 
 template <int dim>
 void CouplingBoundary<dim>::accept() {
+  set_normals();
   for (Point& b : points_) {
     b.x = position(b);
     b.force = b.area * (b.frame * b.traction);
+    b.has_soil = false;
   }
+  for (const std::int32_t k : touching_) points_[k].has_soil = true;
   if (settings_.memory == GapMemory::step) return;
   for (const std::int32_t k : touching_) {
     Point& b = points_[k];
@@ -328,17 +344,24 @@ void CouplingBoundary<dim>::accept() {
 template <int dim>
 void CouplingBoundary<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   const std::pair<const char*, Vector<dim> Point::*> vectors[] = {
-      {"x", &Point::x}, {"gap", &Point::gap}, {"force", &Point::force}};
+      {"x", &Point::x}, {"normal", &Point::normal}, {"gap", &Point::gap}, {"force", &Point::force}};
   for (const auto& [name, member] : vectors) {
     std::vector<Vector<dim>> values;
     for (const Point& b : points_) values.push_back(b.*member);
     visitor.reals(prefix + name, flat(values));
     for (std::size_t k = 0; k < points_.size(); ++k) points_[k].*member = values[k];
   }
-  std::vector<std::int32_t> cells;
-  for (const Point& b : points_) cells.push_back(b.cell);
+  std::vector<std::int32_t> cells, with_soil;
+  for (const Point& b : points_) {
+    cells.push_back(b.cell);
+    with_soil.push_back(b.has_soil ? 1 : 0);
+  }
   visitor.integers(prefix + "cell", cells);
-  for (std::size_t k = 0; k < points_.size(); ++k) points_[k].cell = cells[k];
+  visitor.integers(prefix + "has_soil", with_soil);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    points_[k].cell = cells[k];
+    points_[k].has_soil = with_soil[k] != 0;
+  }
 }
 
 template class CouplingBoundary<2>;

@@ -59,13 +59,16 @@ class CouplingBoundary {
   InterfaceMesh interface_mesh() const;
   const std::string& name() const { return settings_.name; }
 
-  /// Start a step: find the grid cell of each boundary point at its accepted position; of several
-  /// (a point on a facet of the grid) one that holds soil.
+  /// Start a step: find the soil of each boundary point at its accepted position. It is that of the
+  /// point's cell (of several, on a facet of the grid, one with soil); where that holds none, that
+  /// of the nearest cell in front of the point, within `reach`, or within one cell size for a point
+  /// that had soil in the step before. The basis functions of such a cell are
+  /// continued to the point. So a wall that recedes over a line of the grid does not lose its soil.
   /// @param occupied  1 for cells of the grid that hold a material point (on any rank)
+  /// @param reach     how far soil extends beyond its material points [m]
   void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                  std::span<const std::int32_t> occupied);
-  /// Whether any boundary point lies in a cell with soil: otherwise no force can arise in this
-  /// step.
+                  std::span<const std::int32_t> occupied, double reach);
+  /// Whether any boundary point has soil: otherwise no force can arise in this step.
   bool can_touch() const { return !touching_.empty(); }
   /// Whether sliding with friction makes the stiffness unsymmetric.
   bool has_friction() const { return settings_.friction > 0; }
@@ -107,14 +110,16 @@ class CouplingBoundary {
  private:
   struct Point {
     std::int32_t facet = 0;
-    double phi[4] = {};                       // weights of the facet's vertices
-    double area = 0;                          // share of the reference surface [m^2] (2D: m)
-    Vector<dim> x = Vector<dim>::Zero();      // accepted position
-    std::int32_t cell = -1;                   // of the grid, hint for the next search
-    Vector<dim> gap = Vector<dim>::Zero();    // accepted, in the facet's frame (normal first)
+    double phi[4] = {};                        // weights of the facet's vertices
+    double area = 0;                           // share of the reference surface [m^2] (2D: m)
+    Vector<dim> x = Vector<dim>::Zero();       // accepted position
+    Vector<dim> normal = Vector<dim>::Zero();  // accepted, of the facet, into the soil
+    std::int32_t cell = -1;                 // of the grid, with its soil; hint for the next search
+    bool has_soil = false;                  // accepted
+    Vector<dim> gap = Vector<dim>::Zero();  // accepted, in the facet's frame (normal first)
     Vector<dim> force = Vector<dim>::Zero();  // accepted, on the soil [N]
     // of the step under way
-    std::int32_t nodes[max_cell_nodes] = {};
+    std::int32_t nodes[max_cell_nodes] = {};  // active ones
     double N[max_cell_nodes] = {};
     Matrix<dim> frame = Matrix<dim>::Identity();  // columns: normal, tangents
     Vector<dim> du = Vector<dim>::Zero();         // of the surface
@@ -127,13 +132,14 @@ class CouplingBoundary {
   void evaluate_point(std::span<const double> du, Point& b, Matrix<dim>* slope) const;
   Vector<dim> position(const Point& b) const;
   std::int32_t find_cell(const BackgroundGrid<dim>& grid, std::span<const std::int32_t> occupied,
-                         const Point& b) const;
+                         double reach, const Point& b) const;
+  void set_normals();
   Matrix<dim> frame(std::int32_t facet, const Vector<dim>& n) const;
 
   CouplingBoundarySettings<dim> settings_;
   int vertices_per_facet_ = 2;
   std::vector<Point> points_;
-  std::vector<std::int32_t> touching_;     // points in cells with soil
+  std::vector<std::int32_t> touching_;     // points with soil
   std::vector<Vector<dim>> vertices_now_;  // at the end of the step under way
   int nodes_per_cell_ = 0;
 };

@@ -84,6 +84,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                      settings_.phases)) {
     ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
   }
+  if (!boundaries_.empty()) soil_reach_ = 0.5 * mean_point_size();
   find_probe_points();
   locate_points(grid_, points_);
   prepare_averages();

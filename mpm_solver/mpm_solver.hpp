@@ -79,6 +79,7 @@ class MpmSolver final : public Solver {
   void find_probe_points();
   void prepare_averages();
   void log_grid() const;
+  double mean_point_size() const;
   std::vector<std::int32_t> occupied_cells() const;
   /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
   Json accepted_details(std::span<const std::int32_t> cell_n) const;
@@ -94,6 +95,7 @@ class MpmSolver final : public Solver {
   std::vector<std::string> wall_groups_;  // of all phases, each once
   double cell_size_;
   double wave_speed_ = 0;  // largest of the bodies [m/s]
+  double soil_reach_ = 0;  // half the mean size of a material point [m]
   GridExits<dim> exits_;
   MaterialPoints<dim> points_;
   std::vector<CouplingBoundary<dim>> boundaries_;  // of the interfaces, then the rigid walls

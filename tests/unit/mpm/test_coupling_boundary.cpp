@@ -55,7 +55,7 @@ struct Contact {
     soil.to_grid();
     displacement.assign(vertices.size() * dim, 0);
   }
-  void begin() { boundary.begin_step(soil.grid, soil.nodes, soil.occupied()); }
+  void begin() { boundary.begin_step(soil.grid, soil.nodes, soil.occupied(), 0); }
   /// Forces for increments of both sides: of the grid's nodes, and a motion of the surface.
   std::vector<double> forces(const std::vector<double>& du, const std::vector<double>& surface_du) {
     begin();
@@ -346,6 +346,62 @@ TEST(CouplingBoundary, cannot_touch_where_no_point_is) {
     std::vector<std::int32_t> offsets{0}, nodes;
     contact.boundary.append_cells(offsets, nodes);
     EXPECT_EQ(nodes.size(), x == 0.1 ? 4u : 0u);
+  }
+}
+
+CouplingBoundarySettings<2> wall_at(double x) {
+  auto settings = plate<2>();
+  settings.surface.vertices = {{x, 0.6}, {x, 0.4}};
+  return settings;
+}
+
+/// A wall that looks at soil in the left third of the grid, whose edge is a line of the grid.
+struct WallAtTheEdge : Contact<2> {
+  explicit WallAtTheEdge(double beyond) : Contact<2>(wall_at(1.0 / 3 + beyond)) {
+    for (auto& position : soil.points.x) position[0] /= 3.01;
+    soil.to_grid();
+  }
+};
+
+TEST(CouplingBoundary, a_wall_that_recedes_over_a_line_of_the_grid_keeps_its_soil) {
+  WallAtTheEdge contact(0);
+  EXPECT_NEAR(contact.force(along<2>(-0.01))[0], penalty * 0.01 * 0.2, 1e-9);
+  contact.accept();
+  EXPECT_EQ(contact.force(along<2>(0.11)), (Vector<2>::Zero()));  // 0.3 cells into the empty cell
+  contact.accept();
+  EXPECT_NEAR(contact.force(along<2>(-0.104))[0], penalty * 0.004 * 0.2, 1e-9);
+  contact.force(along<2>(0.3));
+  contact.accept();
+  contact.begin();  // 1.2 cells away
+  EXPECT_FALSE(contact.boundary.can_touch());
+}
+
+/// The basis functions of the cell in front are continued to the wall.
+TEST(CouplingBoundary, soil_in_front_feels_the_force_and_moment_at_the_wall) {
+  WallAtTheEdge contact(0);
+  contact.force(along<2>(0.05));
+  contact.accept();
+  const auto du = contact.soil.random.values(contact.soil.num_dofs(), 0.01);
+  const auto nodal = contact.forces(du, Contact<2>::repeat({-0.1, 0.02}, 2));
+  ForceAndMoment<2> on_structure, on_soil;
+  for (int v = 0; v < 2; ++v) {
+    on_structure.add(contact.vertices[v] + along<2>(0.05),
+                     Vector<2>(nodal[2 * v], nodal[2 * v + 1]));
+  }
+  for (std::int32_t i = 0; i < contact.soil.nodes.size(); ++i) {
+    on_soil.add(contact.soil.node(i), Eigen::Map<const Vector<2>>(contact.r.data() + 2 * i));
+  }
+  EXPECT_GT(on_structure.size, 1);
+  EXPECT_LT((on_structure.force + on_soil.force).norm(), 1e-13 * on_soil.size);
+  EXPECT_LT((on_structure.moment + on_soil.moment).norm(), 1e-13 * on_soil.size);
+}
+
+TEST(CouplingBoundary, soil_reaches_beyond_its_points) {
+  for (const double reach : {0.04, 0.06}) {
+    WallAtTheEdge contact(0.05);
+    contact.boundary.begin_step(contact.soil.grid, contact.soil.nodes, contact.soil.occupied(),
+                                reach);
+    EXPECT_EQ(contact.boundary.can_touch(), reach > 0.05);
   }
 }
 

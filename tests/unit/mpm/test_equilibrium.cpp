@@ -43,7 +43,7 @@ struct Balance {
     soil.to_grid();
     walls.emplace(soil.grid.mesh, wall_settings);
     walls->select(soil.nodes);
-    for (auto& boundary : boundaries) boundary.begin_step(soil.grid, soil.nodes, soil.occupied());
+    for (auto& boundary : boundaries) boundary.begin_step(soil.grid, soil.nodes, soil.occupied(), 0);
     if (ghost) ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
     const typename mpm::Equilibrium<dim>::Parts parts{comm(),
                                                       soil.grid,
