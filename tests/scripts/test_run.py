@@ -131,6 +131,13 @@ class FailedCommand(ScriptCase):
         self.assertEqual(lines[:2], ["plate ended with exit code 1", "the coupler was asked to end"])
         self.assertGreater(seconds, 10)
 
+    def test_command_that_is_stopped_is_ended(self) -> None:
+        self.write("bin/stopper", "#!/bin/bash\nkill -STOP $$\n").chmod(0o755)
+        code, lines, seconds = self.run_with("stopper", coupler=5, mpirun=0)
+        self.assertEqual(code, 4)
+        self.assertIn("plate did not end by itself", lines)
+        self.assertLess(seconds, 25)
+
     def test_mpirun_that_is_ending_is_left_alone(self) -> None:
         code, lines, _ = self.run_with("false", coupler=30, mpirun=85)
         self.assertEqual(code, 4, lines)
