@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "protocol/handshake.hpp"
+
 namespace gabion {
 
 std::string name(Scheme scheme) {
@@ -63,6 +65,11 @@ CouplingSettings read_coupling(ConfigReader in) {
 std::vector<ParticipantRole> read_participants(ConfigReader& in) {
   std::vector<ParticipantRole> result;
   for (auto& [name, entry] : in.named_objects("participants")) {
+    if (!is_participant_name(name)) {
+      in.fail("participants", fmt::format("found the name {}, allowed: 1 to 64 letters, digits, _, "
+                                          "- and .",
+                                          Json(name).dump()));
+    }
     const std::string sends = entry.choice("sends", {"force", "displacement"});
     std::vector<std::string> command;
     if (entry.has("command")) {
@@ -95,7 +102,7 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
   std::set<std::string> names;
   std::set<std::string> used;
   for (auto& entry : in.objects("interfaces")) {
-    const InterfaceSettings s{entry.text("name"), entry.text("soil"), entry.text("structure")};
+    const InterfaceSettings s{entry.name("name"), entry.text("soil"), entry.text("structure")};
     entry.finish();
     if (!names.insert(s.name).second) {
       entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <set>
+#include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/mesh/seen_facets.hpp"
 
 namespace gabion::fem {
 
@@ -39,6 +42,10 @@ std::vector<int> read_components(ConfigReader& in) {
     if (found == allowed.end()) {
       in.fail(fmt::format("components/{}", i),
               fmt::format("found \"{}\", allowed: x, y{}", words[i], dim == 3 ? ", z" : ""));
+    }
+    if (std::find(words.begin(), words.begin() + i, words[i]) != words.begin() + i) {
+      in.fail(fmt::format("components/{}", i),
+              fmt::format("found \"{}\" a second time, allowed: each component once", words[i]));
     }
     result.push_back(static_cast<int>(found - allowed.begin()));
   }
@@ -109,7 +116,7 @@ TractionSettings<dim> read_traction(ConfigReader in) {
 
 InterfaceSettings read_interface(ConfigReader in) {
   InterfaceSettings s;
-  s.name = in.text("name");
+  s.name = in.name("name");
   s.groups = in.texts("groups");
   s.where = in.where("groups");
   if (s.groups.empty()) in.fail("groups", "found [], allowed: at least one facet group");
@@ -120,7 +127,7 @@ InterfaceSettings read_interface(ConfigReader in) {
 template <int dim>
 ProbeSettings<dim> read_probe(ConfigReader in) {
   ProbeSettings<dim> p;
-  p.name = in.text("name");
+  p.name = in.name("name");
   p.point = read_vector<dim>(in, "point");
   p.where = in.where("point");
   in.finish();
@@ -140,14 +147,64 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
 
 template <int dim>
 Material<dim> read_elastic_material(ConfigReader& in) {
+  in.object("material").choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic"});
   Material<dim> material = read_material<dim>(in.object("material"));
-  if (!is_elastic<dim>(material.law)) {
-    in.fail("material/law",
-            fmt::format("found \"{}\", allowed in a structure: linear_elastic, neo_hookean, "
-                        "hencky_elastic",
-                        material.law_name));
-  }
+  assert(is_elastic<dim>(material.law));
   return material;
+}
+
+// Refuse a component of a group that an earlier support fixes.
+void require_distinct_supports(const ConfigReader& in,
+                               const std::vector<SupportSettings>& supports) {
+  std::set<std::pair<std::string, int>> fixed;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    for (const int component : supports[i].components) {
+      if (fixed.emplace(supports[i].group, component).second) continue;
+      in.fail(fmt::format("supports/{}/group", i),
+              fmt::format("found \"{}\" with component {} a second time, allowed: once",
+                          supports[i].group, component_names[component]));
+    }
+  }
+}
+
+// Refuse a facet that an interface takes twice, or that an earlier one has.
+template <int dim>
+void require_distinct_facets(const ConfigReader& in, const FemSettings<dim>& s) {
+  const std::size_t n = num_nodes(facet_type(s.mesh.cell_type));
+  SeenFacets<dim> seen;
+  for (std::size_t i = 0; i < s.interfaces.size(); ++i) {
+    const auto& groups = s.interfaces[i].groups;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const std::span<const std::int32_t> facets = s.mesh.facets(groups[g], s.interfaces[i].where);
+      for (std::size_t f = 0; f < facets.size(); f += n) {
+        if (seen.add(s.mesh.nodes, facets.subspan(f, n))) continue;
+        in.fail(fmt::format("interfaces/{}/groups/{}", i, g),
+                fmt::format("found facets of \"{}\" a second time, allowed: each facet in one "
+                            "interface and once",
+                            groups[g]));
+      }
+    }
+  }
+}
+
+// Without inertia a direction that nothing holds makes the matrix singular.
+template <int dim>
+void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
+  for (int c = 0; c < dim; ++c) {
+    const bool held =
+        std::any_of(s.supports.begin(), s.supports.end(),
+                    [c](const auto& item) {
+                      return std::count(item.components.begin(), item.components.end(), c) > 0;
+                    }) ||
+        std::any_of(s.prescribed.begin(), s.prescribed.end(),
+                    [c](const auto& item) { return item.component == c; });
+    if (held) continue;
+    in.fail("supports",
+            fmt::format("found none that holds the structure in {}, allowed with "
+                        "\"initial_equilibrium\": supports or prescribed displacements in every "
+                        "direction",
+                        component_names[c]));
+  }
 }
 
 template <int dim>
@@ -168,6 +225,9 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   for (auto& item : in.objects_or_none("probes")) s.probes.push_back(read_probe<dim>(item));
   require_distinct_names(in, "interfaces", s.interfaces);
   require_distinct_names(in, "probes", s.probes);
+  require_distinct_supports(in, s.supports);
+  require_distinct_facets(in, s);
+  if (s.initial_equilibrium) require_support(in, s);
 }
 
 /// Warn of facet groups that the file of the mesh names, and no condition, load or interface does.

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/basis.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <numeric>
 
@@ -57,17 +54,6 @@ std::vector<std::int32_t> find_cells(const BackgroundGrid<dim>& grid, MaterialPo
     if (points.cell[p] < 0) outside.push_back(p);
   }
   return outside;
-}
-
-template <int dim>
-void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
-  const auto outside = find_cells(grid, points);
-  if (outside.empty()) return;
-  const Vector<dim>& x = points.x[outside.front()];
-  throw Error(
-      fmt::format("material point {} at ({}) lies outside the background grid; make the "
-                  "grid larger or close its sides with walls",
-                  points.id[outside.front()], fmt::join(x.data(), x.data() + dim, ", ")));
 }
 
 namespace {
@@ -155,8 +141,6 @@ template std::int32_t cell_of<2>(const BackgroundGrid<2>&, const Vector<2>&, std
 template std::int32_t cell_of<3>(const BackgroundGrid<3>&, const Vector<3>&, std::int32_t);
 template std::vector<std::int32_t> find_cells<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
 template std::vector<std::int32_t> find_cells<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
-template void locate_points<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
-template void locate_points<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
 template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
                                 PointWeights<2>&);
 template void evaluate_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,

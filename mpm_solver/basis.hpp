@@ -110,10 +110,6 @@ std::int32_t cell_of(const BackgroundGrid<dim>& grid, const Vector<dim>& x, std:
 /// @returns the points outside the grid, ascending; their cell is -1
 template <int dim>
 std::vector<std::int32_t> find_cells(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
-/// The same where none may be outside.
-/// @throws Error  names id and position of the first point outside
-template <int dim>
-void locate_points(const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
 
 /// Evaluate the basis at the points.
 /// @pre the points are located; gimp: they have domains

@@ -9,6 +9,7 @@
 
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "mpm_solver/basis.hpp"
+#include "mpm_solver/surface_config.hpp"
 
 namespace gabion::mpm {
 
@@ -125,6 +126,7 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
 
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.bodies_where = in.where("bodies");
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
   for (auto& item : items) {
@@ -137,7 +139,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     ConfigReader& item = items[b];
     Body<dim> body;
     PointLayout<dim>& layout = settings.layouts[b];
-    body.name = item.text("name");
+    body.name = item.name("name");
     layout.points_per_cell = item.integer("points_per_cell", at_least(1));
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
     layout.placement = read_placement(item, layout.mesh, settings.basis);
@@ -156,63 +158,6 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
   }
 }
 
-// Facets of a mesh, with only the vertices that they use.
-template <int dim>
-CouplingSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std::string>& groups,
-                                     const std::string& where) {
-  CouplingSurface<dim> surface;
-  surface.facet_type = facet_type(mesh.cell_type);
-  std::map<std::int32_t, std::int32_t> vertex_of_node;
-  for (const auto& group : groups) {
-    for (const std::int32_t node : mesh.facets(group, where)) {
-      const auto [entry, is_new] =
-          vertex_of_node.try_emplace(node, static_cast<std::int32_t>(surface.vertices.size()));
-      if (is_new) surface.vertices.push_back(mesh.nodes[node]);
-      surface.facets.push_back(entry->second);
-    }
-  }
-  return surface;
-}
-
-// Segments of at most `spacing` along a line through the given corners.
-CouplingSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& corners,
-                                       double spacing) {
-  CouplingSurface<2> surface;
-  surface.facet_type = CellType::line2;
-  surface.vertices.push_back({corners[0][0], corners[0][1]});
-  for (std::size_t k = 1; k < corners.size(); ++k) {
-    const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
-    const Vector<2> to(corners[k][0], corners[k][1]);
-    const int pieces =
-        std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing - 1e-9)));
-    for (int i = 1; i <= pieces; ++i) {
-      const auto last = static_cast<std::int32_t>(surface.vertices.size()) - 1;
-      surface.vertices.push_back(from + (to - from) * (static_cast<double>(i) / pieces));
-      surface.facets.insert(surface.facets.end(), {last, last + 1});
-    }
-  }
-  return surface;
-}
-
-template <int dim>
-CouplingSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
-  CouplingSurface<dim> surface;
-  if (in.has("polyline")) {
-    if constexpr (dim == 2) {
-      const auto corners = in.rows("polyline", 2);
-      if (corners.size() < 2) in.fail("polyline", "allowed: at least two points");
-      surface = surface_of_polyline(corners, in.number("spacing", positive()));
-    } else {
-      in.fail("polyline", "allowed in 2D only; in 3D give \"mesh\" and \"groups\"");
-    }
-  } else {
-    surface = surface_of_mesh(read_mesh<dim>(scene, in.object("mesh")), in.texts("groups"),
-                              in.where("groups"));
-  }
-  in.finish();
-  return surface;
-}
-
 // The keys that interfaces and rigid walls have in common.
 template <int dim>
 CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
@@ -221,12 +166,15 @@ CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   CouplingBoundarySettings<dim> boundary;
-  boundary.name = in.text("name");
+  boundary.name = in.name("name");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
   boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
                         ? GapMemory::step
                         : GapMemory::accumulated;
+  if (in.has("penalty") && in.has("penalty_factor")) {
+    in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
+  }
   if (in.has("penalty")) {
     boundary.penalty = in.number("penalty", positive());
   } else {
@@ -245,6 +193,7 @@ CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in
   if constexpr (dim == 3) {
     check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
   }
+  check_point_count(in, boundary.surface, boundary.points_per_facet);
   return boundary;
 }
 
@@ -345,13 +294,17 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
                                            body.material.law));
   }
   const double cell_size = mean_cell_size(settings.grid);
+  SeenFacets<dim> interface_facets;
   for (auto& item : in.objects_or_none("interfaces")) {
     settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.interfaces);
+    require_new_facets(item, settings.interfaces.back().surface, interface_facets);
   }
+  SeenFacets<dim> wall_facets;
   for (auto& item : in.objects_or_none("rigid_walls")) {
     settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
     require_own_name(item, settings.rigid_walls);
+    require_new_facets(item, settings.rigid_walls.back().boundary.surface, wall_facets);
   }
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
@@ -359,7 +312,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     }
   }
   for (auto& item : in.objects_or_none("probes")) {
-    settings.probes.push_back({item.text("name"), to_vector<dim>(item.numbers("point", dim))});
+    settings.probes.push_back({item.name("name"), to_vector<dim>(item.numbers("point", dim))});
     item.finish();
     require_own_name(item, settings.probes);
   }

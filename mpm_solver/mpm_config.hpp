@@ -43,7 +43,8 @@ struct MpmSettings {
   Mesh<dim> grid;
   Basis basis = Basis::linear;
   std::vector<Body<dim>> bodies;
-  std::vector<PointLayout<dim>> layouts;                     ///< of each body
+  std::string bodies_where;               ///< their place in the config, for error messages
+  std::vector<PointLayout<dim>> layouts;  ///< of each body
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
   Vector<dim> gravity = Vector<dim>::Zero();
   std::vector<Phase> phases;  ///< at least one

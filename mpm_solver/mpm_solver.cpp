@@ -12,6 +12,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/light_nodes.hpp"
 #include "mpm_solver/point_domains.hpp"
@@ -86,12 +87,31 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   }
   if (!boundaries_.empty()) soil_reach_ = 0.5 * mean_point_size();
   find_probe_points();
-  locate_points(grid_, points_);
+  locate_at_start();
   prepare_averages();
   ledger_.start(points_);
   evaluate_basis(grid_, points_, weights_);
   log_grid();
   check_initial_stress();
+}
+
+template <int dim>
+void MpmSolver<dim>::locate_at_start() {
+  const auto outside = find_cells(grid_, points_);
+  std::string own;
+  if (!outside.empty()) {
+    const std::int32_t p = outside.front();
+    const auto& starts = points_.body_starts;
+    const auto next = std::upper_bound(starts.begin(), starts.end(), p);
+    const Vector<dim>& x = points_.x[p];
+    own = fmt::format(
+        "{}/{}: found material point {} at ({}), which lies outside the background grid, allowed: "
+        "all of the body inside the grid",
+        settings_.bodies_where, next - starts.begin() - 1, points_.id[p],
+        fmt::join(x.data(), x.data() + dim, ", "));
+  }
+  const std::string text = first_text(comm_, own);
+  require<ConfigError>(text.empty(), text);
 }
 
 // Volumes are averaged over cells; triangles and tetrahedra are too small for that.

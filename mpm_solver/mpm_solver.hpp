@@ -77,6 +77,8 @@ class MpmSolver final : public Solver {
   void report_contact(StepReport& report, InterfaceValues& sent) const;
   void visit_state(StateVisitor& visitor);
   void find_probe_points();
+  /// @throws ConfigError  a point lies outside the grid
+  void locate_at_start();
   void prepare_averages();
   void log_grid() const;
   double mean_point_size() const;

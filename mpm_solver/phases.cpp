@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace gabion::mpm {
 
@@ -15,9 +16,14 @@ constexpr double same_time = 1e-9;
 
 std::vector<WallSettings> read_walls(ConfigReader& in, int dim) {
   std::vector<WallSettings> walls;
+  std::set<std::string> groups;
   for (auto& item : in.objects_or_none("walls")) {
     WallSettings wall;
     wall.group = item.text("group");
+    if (!groups.insert(wall.group).second) {
+      item.fail("group",
+                fmt::format("found \"{}\" a second time, allowed: one wall a group", wall.group));
+    }
     wall.fixed = item.choice("condition", {"fixed", "slip"}) == "fixed";
     wall.where = item.where("group");
     if (auto motion = item.optional_object("motion")) {

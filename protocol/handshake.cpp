@@ -8,6 +8,7 @@
 #include <charconv>
 #include <set>
 
+#include "common/base/names.hpp"
 #include "common/base/require.hpp"
 #include "protocol/codec.hpp"
 
@@ -90,14 +91,11 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   return mesh;
 }
 
-bool is_name(const std::string& text) {
-  return !text.empty() && text.size() <= 64 &&
-         text.find_first_not_of(
-             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") ==
-             std::string::npos;
-}
-
 }  // namespace
+
+bool is_participant_name(const std::string& text) {
+  return is_plain_name(text, ".") && text.size() <= max_name_size;
+}
 
 Message to_message(const Hello& hello) {
   Message out = new_message("hello");
@@ -151,7 +149,7 @@ Hello read_hello(const Message& message) {
   hello.protocol = message.text("protocol");
   hello.participant = message.text("participant");
   require<ProtocolError>(
-      is_name(hello.participant),
+      is_participant_name(hello.participant),
       "message \"hello\", field \"participant\": expected 1 to 64 letters, digits, "
       "\"_\", \"-\" or \".\", found " +
           shortened(message.field("participant")));

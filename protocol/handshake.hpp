@@ -31,6 +31,9 @@ inline Quantity force() {
   return {"force", "N"};
 }
 
+/// Whether a text is 1 to 64 letters, digits, "_", "-" and ".".
+bool is_participant_name(const std::string& text);
+
 /// What a participant says about itself.
 struct Hello {
   std::string protocol = protocol_version;

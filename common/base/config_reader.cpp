@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/base/names.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -184,6 +185,15 @@ std::string ConfigReader::text(const std::string& key) {
   if (!value.is_string()) fail(key, fmt::format("found {}, allowed: a text", shown(value)));
   note(key, value);
   return value.get<std::string>();
+}
+
+std::string ConfigReader::name(const std::string& key) {
+  const std::string result = text(key);
+  if (!is_plain_name(result) || result.size() > max_name_size) {
+    fail(key, fmt::format("found {}, allowed: 1 to {} letters, digits, _ and -",
+                          shown(value_.at(key)), max_name_size));
+  }
+  return result;
 }
 
 std::string ConfigReader::text_or(const std::string& key, const std::string& fallback) {

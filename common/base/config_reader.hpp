@@ -51,6 +51,8 @@ class ConfigReader {
   int integer_or(const std::string& key, int fallback, const Range& range = any_number());
   bool boolean_or(const std::string& key, bool fallback);
   std::string text(const std::string& key);
+  /// A text of 1 to 64 letters, digits, "_" and "-".
+  std::string name(const std::string& key);
   std::string text_or(const std::string& key, const std::string& fallback);
   /// One of the allowed words.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);

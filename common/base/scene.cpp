@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
+#include "common/base/json_text.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -20,11 +22,8 @@ const std::vector<std::string> file_names = {"coupler.json", "mpm.json", "fem.js
 Json read_json(const std::string& path) {
   std::ifstream in(path);
   require<ConfigError>(in.good(), "{}: cannot be opened", path);
-  try {
-    return Json::parse(in, nullptr, true, /*ignore_comments=*/true);
-  } catch (const Json::parse_error& error) {
-    throw ConfigError(fmt::format("{}: not valid JSON: {}", path, error.what()));
-  }
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  return parse_settings(text, path);
 }
 
 /// An index behind the end of a list would fill the list up with nulls.
@@ -65,8 +64,8 @@ Scene::Scene(const std::string& folder, const std::vector<std::string>& override
                       folder, file, nearest_word(file, present)));
     }
     const std::string value_text = text.substr(equal + 1);
-    Json value = Json::parse(value_text, nullptr, /*allow_exceptions=*/false);
-    if (value.is_discarded()) value = value_text;
+    const Json value =
+        Json::accept(value_text) ? parse_settings(value_text, "--set " + text) : Json(value_text);
     try {
       const Json::json_pointer pointer(text.substr(colon + 1, equal - colon - 1));
       require_entries(files_[file], pointer, text);

@@ -51,6 +51,14 @@ Rows interpolation(const std::vector<SurfacePoint>& images, std::int64_t num_col
   return H;
 }
 
+/// Refuse keys that belong to another choice, which `owner` names.
+void refuse_keys(const ConfigReader& in, const std::vector<std::string>& keys,
+                 const std::string& owner) {
+  for (const auto& key : keys) {
+    if (in.has(key)) in.fail(key, "allowed only with " + owner);
+  }
+}
+
 }  // namespace
 
 MappingSettings read_mapping_settings(ConfigReader in) {
@@ -69,15 +77,23 @@ MappingSettings read_mapping_settings(ConfigReader in) {
                                      "nearest_projection, which keeps the vertices at the surface",
                                      settings.method));
   }
-  if (settings.deformed) settings.moved = in.number_or("moved", settings.moved, non_negative());
+  if (settings.deformed) {
+    settings.moved = in.number_or("moved", settings.moved, non_negative());
+  } else {
+    refuse_keys(in, {"moved"}, R"("method": "nearest_projection" and "positions": "deformed")");
+  }
   if (settings.method == "radial_basis") {
     RadialBasisSettings& rbf = settings.radial_basis;
     rbf.kernel = kernels.at(in.choice_or(
         "kernel", {"wendland_c2", "wendland_c4", "wendland_c6", "thin_plate"}, "wendland_c4"));
     rbf.cluster_size = in.integer_or("cluster_size", rbf.cluster_size, between(4, 1000));
-    if (rbf.kernel != Kernel::thin_plate && in.has("support")) {
+    if (rbf.kernel == Kernel::thin_plate) {
+      refuse_keys(in, {"support"}, "the kernels wendland_c2, wendland_c4, wendland_c6");
+    } else if (in.has("support")) {
       rbf.support = in.number("support", positive());
     }
+  } else {
+    refuse_keys(in, {"kernel", "cluster_size", "support"}, R"("method": "radial_basis")");
   }
   in.finish();
   return settings;

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -13,6 +11,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "common/base/names.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/output/hdf5_file.hpp"
 
@@ -94,10 +93,8 @@ std::string data_item(const std::string& file, const std::string& dataset, std::
 }
 
 void check_name(const std::string& what, const std::string& name) {
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-';
-  });
-  require(plain, "{}: found the name \"{}\", allowed: letters, digits, _ and -", what, name);
+  require(is_plain_name(name), "{}: found the name \"{}\", allowed: letters, digits, _ and -", what,
+          name);
 }
 
 }  // namespace

@@ -152,14 +152,19 @@ TEST(CouplerConfig, deformed_positions_need_a_projection) {
     expect_error(at, {{"tolerance", 1}, {"method", method}, {"positions", "deformed"}},
                  at + "/positions", "nearest_projection");
   }
-  expect_error(at, {{"tolerance", 1}, {"moved", 0.1}}, at + "/moved", "unknown");
+  expect_error(at, {{"tolerance", 1}, {"moved", 0.1}}, at + "/moved", R"("positions": "deformed")");
   expect_error(at, {{"tolerance", 1}, {"positions", "deformed"}, {"moved", -1}}, at + "/moved",
                ">= 0");
 }
 
 TEST(CouplerConfig, radial_basis_keys_belong_to_the_radial_basis) {
   const std::string at = "/coupling/mapping";
-  expect_error(at, {{"tolerance", 1}, {"kernel", "thin_plate"}}, at + "/kernel", "unknown");
+  const std::vector<std::pair<std::string, Json>> keys = {
+      {"kernel", "thin_plate"}, {"cluster_size", 20}, {"support", 1}};
+  for (const auto& [key, value] : keys) {
+    expect_error(at, {{"tolerance", 1}, {key, value}}, at + "/" + key,
+                 R"(allowed only with "method": "radial_basis")");
+  }
   expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "gauss"}},
                at + "/kernel", "wendland_c2, wendland_c4, wendland_c6, thin_plate");
   expect_error(at, {{"tolerance", 1}, {"method", "radial_basis"}, {"cluster_size", 3}},
@@ -168,7 +173,20 @@ TEST(CouplerConfig, radial_basis_keys_belong_to_the_radial_basis) {
                "> 0");
   expect_error(
       at, {{"tolerance", 1}, {"method", "radial_basis"}, {"kernel", "thin_plate"}, {"support", 1}},
-      at + "/support", "unknown");
+      at + "/support", "wendland_c2");
+}
+
+TEST(CouplerConfig, names_that_no_table_can_hold) {
+  const std::vector<std::string> bad = {
+      "", "a,b", "a\"b", "a\nb", "a b", std::string("a\0b", 3), std::string(65, 'a')};
+  for (const std::string& name : bad) {
+    expect_error("/interfaces/0/name", name, "/interfaces/0/name", "letters, digits, _ and -");
+    Json roles = test::good_coupler()["participants"];
+    roles[name] = {{"sends", "force"}};
+    expect_error("/participants", roles, "/participants", "letters, digits, _, - and .");
+  }
+  expect_error("/interfaces/0/name", "a/b", "/interfaces/0/name", "letters, digits, _ and -");
+  EXPECT_EQ(error_with("/interfaces/0/name", "Wall-2_b"), "no error");
 }
 
 }  // namespace

@@ -90,6 +90,56 @@ TEST(FemConfig, plastic_law_is_refused) {
                       {"density", 1000},       {"friction_angle", 30.0}, {"dilation_angle", 0.0},
                       {"cohesion", 100.0}};
   expect_error(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
+  json["material"]["law"] = "hookean";
+  const std::string text = error_of(json);
+  EXPECT_NE(text.find("/material/law: found \"hookean\", allowed: linear_elastic, neo_hookean, "
+                      "hencky_elastic;"),
+            std::string::npos)
+      << text;
+}
+
+TEST(FemConfig, names_that_no_table_can_hold) {
+  for (const std::string name : {"", "a,b", "a\nb", "a/b"}) {
+    Json json = valid();
+    json["interfaces"][0]["name"] = name;
+    expect_error(json, {"fem.json: at /interfaces/0/name:", "letters, digits, _ and -"});
+    json = valid();
+    json["probes"] = {{{"name", name}, {"point", {0.5, 1.0}}}};
+    expect_error(json, {"fem.json: at /probes/0/name:", "letters, digits, _ and -"});
+  }
+}
+
+TEST(FemConfig, what_is_given_twice) {
+  Json json = valid();
+  json["supports"] = {{{"group", "bottom"}, {"components", {"x"}}}, {{"group", "bottom"}}};
+  expect_error(json, {"/supports/1/group", "bottom", "component x a second time"});
+  json["supports"][1]["components"] = {"y"};
+  EXPECT_EQ(error_of(json), "no error");
+  json["supports"][1]["components"] = {"y", "y"};
+  expect_error(json, {"/supports/1/components/1", "\"y\" a second time"});
+  json = valid();
+  json["interfaces"][0]["groups"] = {"left", "left"};
+  expect_error(json, {"/interfaces/0/groups/1", "left", "second time"});
+  json["interfaces"] = {{{"name", "a"}, {"groups", {"left"}}},
+                        {{"name", "b"}, {"groups", {"top", "left"}}}};
+  expect_error(json, {"/interfaces/1/groups/1", "left", "second time"});
+  json["interfaces"][1]["groups"] = {"top", "right"};
+  EXPECT_EQ(error_of(json), "no error");
+}
+
+TEST(FemConfig, equilibrium_at_the_start_needs_supports_in_every_direction) {
+  Json json = valid();
+  json["initial_equilibrium"] = true;
+  EXPECT_EQ(error_of(json), "no error");
+  json["supports"][0]["components"] = {"x"};
+  expect_error(json, {"fem.json: at /supports:", "in y", "initial_equilibrium"});
+  json["prescribed"] = {{{"group", "bottom"}, {"component", "y"}, {"rate", 0.0}}};
+  EXPECT_EQ(error_of(json), "no error");
+  json.erase("prescribed");
+  json.erase("supports");
+  expect_error(json, {"fem.json: at /supports:", "in x"});
+  json.erase("initial_equilibrium");
+  EXPECT_EQ(error_of(json), "no error");
 }
 
 TEST(FemConfig, contradictions) {

@@ -85,7 +85,7 @@ struct SoilPatch {
     points.body_starts.back() = points.size();
   }
   void to_grid() {
-    locate_points(grid, points);
+    if (!find_cells(grid, points).empty()) throw Error("a material point lies outside the grid");
     evaluate_basis(grid, points, weights);
     activate_nodes(comm(), grid, weights, nodes);
     points_to_grid(comm(), points, weights, nodes);

@@ -229,7 +229,7 @@ TEST(MpmConfig, interfaces) {
   json = valid();
   json["interfaces"][0]["penalty"] = 1e6;
   json["interfaces"][0]["penalty_factor"] = 20;
-  expect_error(json, {"/interfaces/0/penalty_factor"});
+  expect_error(json, {"/interfaces/0/penalty_factor", "only one of", "\"penalty\""});
   json = valid();
   json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}};
   expect_error(json, {"/interfaces/0/surface/polyline", "two points"});
@@ -243,6 +243,71 @@ TEST(MpmConfig, interfaces) {
   json = valid_3d();
   json["interfaces"] = valid()["interfaces"];
   expect_error(json, {"/interfaces/0/surface/polyline", "2D only"});
+}
+
+TEST(MpmConfig, surfaces_with_too_many_parts) {
+  Json json = valid();
+  Json& surface = json["interfaces"][0]["surface"];
+  surface["spacing"] = 1e-9;
+  expect_error(json, {"/interfaces/0/surface/spacing", "1e-09", "500000000 segments", "1000000"});
+  surface["spacing"] = 1e-300;
+  expect_error(json, {"/interfaces/0/surface/spacing", "1e-300", "segments", "1000000"});
+  surface["spacing"] = 5e-324;
+  expect_error(json, {"/interfaces/0/surface/spacing", "inf segments"});
+  surface["spacing"] = 100;
+  EXPECT_EQ(mpm_settings<2>(json).interfaces[0].surface.vertices.size(), 2u);
+  json["interfaces"][0]["points_per_facet"] = 2000000000;
+  expect_error(json, {"/interfaces/0/points_per_facet", "2000000000 boundary points", "1000000"});
+  json = valid();
+  json["rigid_walls"] = json["interfaces"];
+  json["rigid_walls"][0]["surface"]["spacing"] = 1e-9;
+  expect_error(json, {"/rigid_walls/0/surface/spacing", "500000000 segments"});
+}
+
+TEST(MpmConfig, polyline_with_a_repeated_point) {
+  Json json = valid();
+  json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}, {1.5, 0.2}, {1.5, 0.2}, {1.5, 0}};
+  expect_error(json, {"mpm.json: at /interfaces/0/surface/polyline/2:", "(1.5, 0.2)"});
+}
+
+TEST(MpmConfig, names_that_no_table_can_hold) {
+  for (const std::string name : {"", "a,b", "a\nb", "a/b"}) {
+    for (const char* list : {"bodies", "interfaces"}) {
+      Json json = valid();
+      json[list][0]["name"] = name;
+      expect_error(json, {"mpm.json: at /" + std::string(list) + "/0/name:", "letters, digits"});
+    }
+    Json json = valid();
+    json["rigid_walls"] = json["interfaces"];
+    json["rigid_walls"][0]["name"] = name;
+    expect_error(json, {"mpm.json: at /rigid_walls/0/name:", "letters, digits"});
+    json = valid();
+    json["probes"] = {{{"name", name}, {"point", {0.5, 0.5}}}};
+    expect_error(json, {"mpm.json: at /probes/0/name:", "letters, digits"});
+  }
+}
+
+TEST(MpmConfig, what_is_given_twice) {
+  Json json = valid();
+  json["walls"].push_back(wall("bottom", "slip"));
+  expect_error(json, {"mpm.json: at /walls/2/group:", "bottom", "second time"});
+  json = valid();
+  json["interfaces"].push_back(json["interfaces"][0]);
+  json["interfaces"][1]["name"] = "other";
+  expect_error(json, {"mpm.json: at /interfaces/1/surface:", "(1.5, 0.5)", "second time"});
+  // The other side of a thin plate.
+  json["interfaces"][1]["surface"]["polyline"] = {{1.5, 0}, {1.5, 0.5}};
+  EXPECT_EQ(error_of(json), "no error");
+  json = valid();
+  json["interfaces"][0]["surface"] = {{"mesh", box({1, 0}, {2, 1}, {1, 1}, "quad4")},
+                                      {"groups", {"left", "left"}}};
+  expect_error(json, {"/interfaces/0/surface", "second time"});
+  json = valid_3d();
+  json["interfaces"] = {
+      {{"name", "block"},
+       {"surface",
+        {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, "hex8")}, {"groups", {"left", "left"}}}}}};
+  expect_error(json, {"/interfaces/0/surface", "second time"});
 }
 
 /// In 3D the default count of boundary points fits the facets.
@@ -282,7 +347,12 @@ TEST(MpmConfig, body_outside_the_grid) {
   Json json = valid();
   json["bodies"][0]["mesh"] = box({1.5, 0}, {2.5, 0.5}, {4, 2}, "quad4");
   json["bodies"][0]["points_per_cell"] = 1;
-  expect_parts(error_of<Error>(json), {"material point 2", "(2.125, 0.125)", "outside"});
+  expect_error(json, {"mpm.json: at /bodies/0:", "material point 2", "(2.125, 0.125)", "outside"});
+  json = valid();
+  json["bodies"].push_back(json["bodies"][0]);
+  json["bodies"][1]["name"] = "rock";
+  json["bodies"][1]["mesh"] = box({1.5, 0}, {2.5, 0.5}, {4, 2}, "tri3");
+  expect_error(json, {"mpm.json: at /bodies/1:", "outside"});
 }
 
 TEST(MpmConfig, step_control) {
