@@ -91,10 +91,22 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
 }
 
 bool is_name(const std::string& text) {
-  return !text.empty() && text.size() <= 64 &&
+  return !text.empty() &&
          text.find_first_not_of(
              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") ==
              std::string::npos;
+}
+
+/// Names of columns in tables.
+void require_names(const char* what, const std::vector<std::string>& names) {
+  std::set<std::string> before;
+  for (const std::string& name : names) {
+    require<ProtocolError>(is_name(name),
+                           "{}: found {}, allowed: letters, digits, \"_\", \"-\" and \".\"", what,
+                           shortened(Json(name)));
+    require<ProtocolError>(before.insert(name).second, "{}: found \"{}\" twice, allowed: once",
+                           what, name);
+  }
 }
 
 }  // namespace
@@ -151,7 +163,7 @@ Hello read_hello(const Message& message) {
   hello.protocol = message.text("protocol");
   hello.participant = message.text("participant");
   require<ProtocolError>(
-      is_name(hello.participant),
+      is_name(hello.participant) && hello.participant.size() <= 64,
       "message \"hello\", field \"participant\": expected 1 to 64 letters, digits, "
       "\"_\", \"-\" or \".\", found " +
           shortened(message.field("participant")));
@@ -167,15 +179,17 @@ Hello read_hello(const Message& message) {
   hello.sends = read_quantity(message, "sends");
   hello.convention = message.text("convention");
   hello.probe_names = read_texts(message, "probe_names");
+  require_names("probe_names", hello.probe_names);
   hello.probes = message.reals("probes", {static_cast<std::int64_t>(hello.probe_names.size())});
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
   if (message.fields.contains("keeps_state")) hello.keeps_state = message.boolean("keeps_state");
-  std::set<std::string> names;
-  for (const Message& description : nested_list(message, "interfaces")) {
+  const std::vector<Message> descriptions = nested_list(message, "interfaces");
+  std::vector<std::string> names;
+  for (const Message& description : descriptions) names.push_back(description.text("name"));
+  require_names("names of interfaces", names);
+  for (const Message& description : descriptions) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
-    require<ProtocolError>(names.insert(hello.interfaces.back().name).second,
-                           "interface \"{}\" is there twice", hello.interfaces.back().name);
   }
   return hello;
 }
