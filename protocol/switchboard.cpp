@@ -206,6 +206,7 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
                                       watch.label(), problem.what(), watch.last_words()));
     }
     log::warn("ignored a message that is not the protocol: {}", problem.what());
+    answer(route, refusal({{"first message", "a hello that is understood", problem.what()}}));
     return;
   }
   if (known && message.type == "abort") {

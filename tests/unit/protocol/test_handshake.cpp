@@ -233,5 +233,18 @@ TEST(Handshake, GarbageFromStrangersIsIgnored) {
   EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
 }
 
+TEST(Handshake, AHelloThatIsNotUnderstoodIsAnsweredAndTheCouplerWaitsOn) {
+  Server server(short_deadlines());
+  RawParticipant hasty(server.endpoint(), "hasty");
+  hasty.send_frames({R"({"type":"hello","participant":"soil"})"});
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(to_message(good_hello("soil")));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+  const Message answer = hasty.receive();
+  ASSERT_EQ(answer.type, "refused");
+  EXPECT_NE(answer.text("reason").find("expected an integer \"sequence\""), std::string::npos)
+      << answer.text("reason");
+}
+
 }  // namespace
 }  // namespace gabion::test
