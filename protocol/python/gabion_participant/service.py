@@ -29,15 +29,16 @@ def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
         raise UsageError(f"solve_step: found {type(answer).__name__} as its answer, {allowed}")
     values, report = answer
     if not isinstance(values, dict) or not isinstance(report, StepReport):
-        raise UsageError(f"solve_step: found ({type(values).__name__}, {type(report).__name__}) as its answer, "
-                         f"{allowed}")
+        found = f"({type(values).__name__}, {type(report).__name__})"
+        raise UsageError(f"solve_step: found {found} as its answer, {allowed}")
     return values, report
 
 
 def checked_report(answer: Any) -> AcceptReport:
     """What accept_step returned. Raises UsageError."""
     if not isinstance(answer, AcceptReport):
-        raise UsageError(f"accept_step: found {type(answer).__name__} as its answer, allowed: an AcceptReport")
+        found = type(answer).__name__
+        raise UsageError(f"accept_step: found {found} as its answer, allowed: an AcceptReport")
     return answer
 
 
@@ -119,8 +120,8 @@ def serve(solver: Solver, settings: ParticipantSettings) -> None:
     """Do what the coupler asks until the run is finished.
 
     A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is
-    told to the coupler too, with its type and the function that raised it, ends the run and goes on to the caller. Raises ProtocolError: refused, coupler
-    lost, run ended.
+    told to the coupler too, with its type and the function that raised it, ends the run and goes on to the
+    caller. Raises ProtocolError: refused, coupler lost, run ended.
     """
     with Connection(settings) as connection:
         serve_over(solver, connection)
