@@ -15,6 +15,8 @@ const char* name_of(CheckRow::Verdict verdict) {
       return "passed";
     case CheckRow::Verdict::inexact:
       return "inexact";
+    case CheckRow::Verdict::notice:
+      return "NOTICE";
     case CheckRow::Verdict::failed:
       return "FAILED";
     case CheckRow::Verdict::not_asked:
@@ -30,15 +32,15 @@ bool all_passed(const std::vector<CheckRow>& rows) {
                       [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
 }
 
+std::string row_text(const CheckRow& row) {
+  constexpr int width = 54;  // of the longest name of a check: rows are printed one by one
+  return fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, name_of(row.verdict),
+                     row.found.empty() ? "" : "  ", row.found);
+}
+
 std::string table_text(const std::vector<CheckRow>& rows) {
-  std::size_t width = 0;
-  for (const CheckRow& row : rows) width = std::max(width, row.what.size());
   std::string text;
-  for (const CheckRow& row : rows) {
-    const char* verdict = name_of(row.verdict);
-    text += fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, verdict,
-                        row.found.empty() ? "" : "  ", row.found);
-  }
+  for (const CheckRow& row : rows) text += row_text(row);
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/run_record.hpp"
 #include "coupler/answer_difference.hpp"
 
 namespace gabion {
@@ -31,14 +32,17 @@ class ParticipantCheck {
       try_output("output at time 0");
       try_first_step();
       try_smaller_steps();
-      accept("an accepted step", first_);
-      try_second_step();
+      try_other_requests();
+      try_accepted_step();
       try_many_steps();
-      try_restart();
+      try_states();
       try_skipped_step();
+      try_details();
       row("summary", [this] { return solver_.summary(), Difference(); });
+      if (settings_.finish) row("the end", [this] { return settings_.finish(), Difference(); });
     } catch (const ProtocolError& lost) {
-      rows_.push_back({"it stays", CheckRow::Verdict::failed, lost.what()});
+      add({"it stays", CheckRow::Verdict::failed,
+           fmt::format("lost in \"{}\": {}", under_way_, lost.what())});
     }
     return rows_;
   }
@@ -54,27 +58,54 @@ class ParticipantCheck {
     return values;
   }
 
+  void add(const CheckRow& row) {
+    rows_.push_back(row);
+    if (settings_.report) settings_.report(row);
+  }
+
+  /// @param trial  returns the verdict, and why
+  void judge(const std::string& what,
+             const std::function<std::pair<CheckRow::Verdict, std::string>()>& trial) {
+    under_way_ = what;
+    try {
+      const auto [verdict, found] = trial();
+      add({what, verdict, found});
+    } catch (const ConvergenceError& problem) {
+      add({what, CheckRow::Verdict::failed,
+           fmt::format("the step has no solution: {}", problem.what())});
+    }
+  }
+
   /// @param trial      returns how two answers that should be equal differ
   /// @param tolerance  up to which they may, by Difference::relative
   void row(const std::string& what, const std::function<Difference()>& trial,
            double tolerance = 0) {
-    try {
+    judge(what, [&] {
       const Difference found = trial();
       const auto verdict = found.text.empty()            ? CheckRow::Verdict::passed
                            : found.relative <= tolerance ? CheckRow::Verdict::inexact
                                                          : CheckRow::Verdict::failed;
-      rows_.push_back({what, verdict, found.text});
-    } catch (const ConvergenceError& problem) {
-      rows_.push_back({what, CheckRow::Verdict::failed,
-                       fmt::format("the step has no solution: {}", problem.what())});
-    }
+      return std::pair(verdict, found.text);
+    });
+  }
+
+  /// Two answers that are equal in few codes only.
+  /// @param trial    returns how they differ
+  /// @param meaning  what it means when they do not
+  void expect_change(const std::string& what, const std::function<Difference()>& trial,
+                     const std::string& meaning) {
+    judge(what, [&] {
+      const bool changes = !trial().text.empty();
+      return changes ? std::pair(CheckRow::Verdict::passed, std::string())
+                     : std::pair(CheckRow::Verdict::notice, meaning);
+    });
   }
 
   StepRequest request(double dt) const { return {step_, 0, time_, dt}; }
 
   InterfaceValues solve(const InterfaceValues& values, double part_of_dt = 1) {
     InterfaceValues answer;
-    solver_.solve_step(request(part_of_dt * settings_.dt), values, answer);
+    last_report_ = solver_.solve_step(request(part_of_dt * settings_.dt), values, answer);
     return answer;
   }
 
@@ -139,19 +170,88 @@ class ParticipantCheck {
     });
   }
 
-  void accept(const std::string& what, const InterfaceValues& values, double part_of_dt = 1) {
+  void try_other_requests() {
+    expect_change(
+        "other values: another answer",
+        [&] {
+          solver_.reject_step();
+          const InterfaceValues answer = solve(first_);
+          solver_.reject_step();
+          return again(second_, answer);
+        },
+        last_report_.interface_active
+            ? "the same bits: right only where these values can not move it"
+            : "the same bits: as its report says (interface_active false)");
+    expect_change(
+        "another dt: another answer",
+        [&] {
+          solver_.reject_step();
+          const InterfaceValues answer = solve(first_);
+          solver_.reject_step();
+          const Difference found = again(first_, answer, 0.5);
+          solver_.reject_step();
+          return found;
+        },
+        "the same bits with dt and dt/2: right only without inertia, damping and rates");
+  }
+
+  InterfaceValues accept(const std::string& what, const InterfaceValues& values,
+                         double part_of_dt = 1) {
+    InterfaceValues answer;
     row(what, [&] {
-      solve(values, part_of_dt);
+      answer = solve(values, part_of_dt);
       accept_last(part_of_dt);
       return Difference();
     });
+    return answer;
   }
 
   void accept_last(double part_of_dt) {
     const StepRequest accepted = request(part_of_dt * settings_.dt);
-    at_rest_ = solver_.accept_step(accepted, true).at_rest;
+    const AcceptReport report = solver_.accept_step(accepted, true);
+    at_rest_ = report.at_rest;
+    note_details(last_report_.details, report.details);
     time_ += accepted.dt;
     ++step_;
+  }
+
+  /// As a run does that writes them into its table of steps.
+  void note_details(const Json& of_solution, const Json& of_acceptance) {
+    Json details = Json::object();
+    for (const Json* report : {&of_solution, &of_acceptance}) {
+      for (const auto& item : report->items()) details[item.key()] = item.value();
+    }
+    if (!details_.started()) details_.start(details);
+    try {
+      std::vector<CsvValue> cells;
+      details_.append(details, cells);
+    } catch (const Error& problem) {
+      if (details_problem_.empty()) details_problem_ = problem.what();
+    }
+  }
+
+  void try_details() {
+    judge("details: finite numbers, names as in the first step", [this] {
+      const auto verdict =
+          details_problem_.empty() ? CheckRow::Verdict::passed : CheckRow::Verdict::failed;
+      return std::pair(verdict, details_problem_);
+    });
+  }
+
+  void try_accepted_step() {
+    const std::int64_t step = step_;
+    const InterfaceValues answer = accept("an accepted step", first_);
+    if (step_ == step) return;  // it has no solution
+    try_second_step();
+    expect_change(
+        "after it: another answer to the same values",
+        [&] {
+          solver_.reject_step();
+          return again(first_, answer);
+        },
+        fmt::format("the same bits, as if step {} had not been accepted: right only without "
+                    "inertia and memory",
+                    step));
   }
 
   void try_second_step() {
@@ -197,37 +297,51 @@ class ParticipantCheck {
     return answers;
   }
 
-  /// A state that was saved a while ago comes back, though another one was saved since.
-  void try_restart() {
+  void try_states() {
     const std::string what = "the same steps after save, other steps and load";
-    if (!solver_.keeps_state()) {
-      rows_.push_back({what, CheckRow::Verdict::not_asked,
-                       "it does not keep its state: a run with it cannot be restarted"});
-      return;
+    const std::string rejected = "the same steps from a state saved after reject_step";
+    if (solver_.keeps_state()) {
+      row(what, [this] { return try_restart(false); });
+      row(rejected, [this] { return try_restart(true); });
+    } else {
+      add({what, CheckRow::Verdict::not_asked,
+           "it does not keep its state: a run with it cannot be restarted"});
     }
-    row(what, [&] {
+  }
+
+  /// A state that was saved a while ago comes back, though another one was saved since.
+  /// @param after_rejection  the state is saved when a solution has just been rejected
+  Difference try_restart(bool after_rejection) {
+    solver_.reject_step();
+    const State first = solver_.save_state();
+    const auto start = std::pair(step_, time_);
+    const std::vector<double> probes = solver_.probes();
+    const std::vector<InterfaceValues> before = steps_from_here();
+    State saved = first;
+    if (after_rejection) {
+      solver_.load_state(first);
+      std::tie(step_, time_) = start;
+      solve(second_);
       solver_.reject_step();
-      const State saved = solver_.save_state();
-      const auto start = std::pair(step_, time_);
-      const std::vector<double> probes = solver_.probes();
-      const std::vector<InterfaceValues> before = steps_from_here();
+      saved = solver_.save_state();
+      steps_from_here();
+    } else {
       solver_.save_state();
       steps_from_here();
-      solver_.load_state(saved);
-      std::tie(step_, time_) = start;
-      Difference difference;
-      difference.add("probes", 1, probes, solver_.probes());
-      const std::vector<InterfaceValues> after = steps_from_here();
-      for (std::size_t n = 0; n < before.size(); ++n) compare(before[n], after[n], difference);
-      return difference;
-    });
+    }
+    solver_.load_state(saved);
+    std::tie(step_, time_) = start;
+    Difference difference;
+    difference.add("probes", 1, probes, solver_.probes());
+    const std::vector<InterfaceValues> after = steps_from_here();
+    for (std::size_t n = 0; n < before.size(); ++n) compare(before[n], after[n], difference);
+    return difference;
   }
 
   void try_skipped_step() {
     const std::string what = "a skipped step";
     if (!at_rest_) {
-      rows_.push_back(
-          {what, CheckRow::Verdict::not_asked, "it is not at rest, so it is never skipped"});
+      add({what, CheckRow::Verdict::not_asked, "it is not at rest, so it is never skipped"});
       return;
     }
     row(what, [&] {
@@ -246,6 +360,10 @@ class ParticipantCheck {
   std::mt19937_64 random_{1};
   InterfaceValues first_, second_;
   std::vector<CheckRow> rows_;
+  std::string under_way_;  // the check that the next row will tell of
+  StepReport last_report_;
+  DetailColumns details_;
+  std::string details_problem_;
   std::int64_t step_ = 1;
   double time_ = 0;
   bool at_rest_ = false;

@@ -95,11 +95,29 @@ void list_participants(const CouplerSettings& settings) {
   for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
 }
 
+constexpr double check_answer_deadline = 60;  // [s]
+
+/// A participant under test that hangs is told soon, unless coupler.json says how long to wait.
+ServerSettings server_of_check(const CouplerSettings& settings, const Scene& scene) {
+  ServerSettings server = settings.server;
+  ConfigReader file = scene.reader("coupler.json");
+  const auto protocol = file.optional_object("protocol");
+  if (!protocol || !protocol->has("answer_deadline")) {
+    server.deadlines.answer = check_answer_deadline;
+  }
+  return server;
+}
+
+void print_row(const CheckRow& row) {
+  std::fputs(row_text(row).c_str(), stdout);
+  std::fflush(stdout);
+}
+
 /// The other participants of the scene are not needed, and nothing is coupled.
-void check_one(const CouplerSettings& settings, const std::string& scene_hash,
-               const ProgramOptions& options, const MpiSession& session) {
+void check_one(const CouplerSettings& settings, const Scene& scene, const ProgramOptions& options,
+               const MpiSession& session) {
   const std::string& name = options.check_participant;
-  std::vector<Expected> expected = expected_participants(settings, scene_hash);
+  std::vector<Expected> expected = expected_participants(settings, scene.hash());
   std::erase_if(expected, [&](const Expected& other) { return other.name != name; });
   require<ConfigError>(!expected.empty(),
                        "--check-participant: found \"{}\", allowed: a participant of "
@@ -108,23 +126,19 @@ void check_one(const CouplerSettings& settings, const std::string& scene_hash,
   const bool gets_force = expected.front().receives == force();
   const double amplitude = options.amplitude > 0 ? options.amplitude : gets_force ? 1e-3 : 1e-6;
   interrupt::install();
-  Server server(settings.server);
+  const ServerSettings server_settings = server_of_check(settings, scene);
+  Server server(server_settings);
   session.share("coupler", server.endpoint());
-  log::info("waiting for participant \"{}\" on {}", name, server.endpoint());
-  std::vector<CheckRow> rows;
-  {
-    const auto solvers = server.wait_for(expected, run_settings(settings, options.output));
-    rows = check_participant(*solvers.at(name), {settings.time.dt, amplitude});
-  }
-  try {
-    server.finish();
-    rows.push_back({"the end", CheckRow::Verdict::passed, ""});
-  } catch (const ProtocolError& lost) {
-    rows.push_back({"the end", CheckRow::Verdict::failed, lost.what()});
-  }
-  std::fputs(table_text(rows).c_str(), stdout);
-  std::fflush(stdout);
-  require(all_passed(rows), "participant \"{}\" would spoil a coupled run", name);
+  log::info("waiting for participant \"{}\" on {}, and at most {:g} s for each of its answers",
+            name, server.endpoint(), server_settings.deadlines.answer);
+  const auto solvers = server.wait_for(expected, run_settings(settings, options.output));
+  server.log_waits();
+  const CheckSettings check{
+      .dt = settings.time.dt, .amplitude = amplitude, .report = print_row, .finish = [&server] {
+        server.finish();
+      }};
+  const bool passed = all_passed(check_participant(*solvers.at(name), check));
+  require(passed, "participant \"{}\" would spoil a coupled run", name);
 }
 
 /// Whether all participants save their states; if not, says who does not.
@@ -191,7 +205,7 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
   if (options.list_participants) return list_participants(settings);
   if (!options.check_participant.empty()) {
-    return check_one(settings, scene.hash(), options, session);
+    return check_one(settings, scene, options, session);
   }
   const std::vector<SolverFile> read = files_read(scene, settings, [&](const std::string& name) {
     return session.launched_with(name) || (options.check && session.is_only_process());

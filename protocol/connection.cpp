@@ -42,7 +42,9 @@ Connection::Connection(const ParticipantSettings& settings)
 Connection::~Connection() {
   if (!welcomed() || !socket_) return;
   try {
-    abort("the participant ended before the run was finished");
+    const bool by_exception = std::uncaught_exceptions() > exceptions_;
+    abort(std::string("the participant ended before the run was finished") +
+          (by_exception ? ", by an exception that its own output may tell" : ""));
   } catch (const std::exception&) {
     // Nobody is left to tell: the coupler notices the silence.
   }

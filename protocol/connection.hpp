@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -98,7 +99,8 @@ class Connection {
   std::uint64_t last_sequence_ = 0;
   std::string failure_;
   Stopwatch since_health_check_;
-  std::optional<Stopwatch> since_signal_;  // while the coupler may still ask for the state
+  std::optional<Stopwatch> since_signal_;        // while the coupler may still ask for the state
+  int exceptions_ = std::uncaught_exceptions();  // under way when it was made
 };
 
 }  // namespace gabion

@@ -91,6 +91,19 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   return mesh;
 }
 
+/// Names of columns in tables.
+void require_names(const char* what, const std::vector<std::string>& names) {
+  std::set<std::string> before;
+  for (const std::string& name : names) {
+    require<ProtocolError>(is_plain_name(name, ". "), [&] {
+      return fmt::format("{}: found {}, allowed: letters, digits, spaces, \"_\", \"-\" and \".\"",
+                         what, shortened(Json(name)));
+    });
+    require<ProtocolError>(before.insert(name).second, "{}: found \"{}\" twice, allowed: once",
+                           what, name);
+  }
+}
+
 }  // namespace
 
 bool is_participant_name(const std::string& text) {
@@ -165,15 +178,17 @@ Hello read_hello(const Message& message) {
   hello.sends = read_quantity(message, "sends");
   hello.convention = message.text("convention");
   hello.probe_names = read_texts(message, "probe_names");
+  require_names("probe_names", hello.probe_names);
   hello.probes = message.reals("probes", {static_cast<std::int64_t>(hello.probe_names.size())});
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
   if (message.fields.contains("keeps_state")) hello.keeps_state = message.boolean("keeps_state");
-  std::set<std::string> names;
-  for (const Message& description : nested_list(message, "interfaces")) {
+  const std::vector<Message> descriptions = nested_list(message, "interfaces");
+  std::vector<std::string> names;
+  for (const Message& description : descriptions) names.push_back(description.text("name"));
+  require_names("names of interfaces", names);
+  for (const Message& description : descriptions) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
-    require<ProtocolError>(names.insert(hello.interfaces.back().name).second,
-                           "interface \"{}\" is there twice", hello.interfaces.back().name);
   }
   return hello;
 }

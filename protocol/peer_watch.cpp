@@ -34,6 +34,11 @@ void PeerWatch::asked(const std::string& what) {
   phase_ = "waiting";
 }
 
+std::string PeerWatch::question() const {
+  const std::lock_guard lock(mutex_);
+  return asked_;
+}
+
 void PeerWatch::forgive() {
   const std::lock_guard lock(mutex_);
   silent_from_ = Clock::now();

@@ -24,6 +24,8 @@ class PeerWatch {
   void sign_of_life(const std::string& phase);
   /// The peer was asked to do this; empty = it has answered.
   void asked(const std::string& what);
+  /// What it was asked to do and has not answered yet; empty = nothing.
+  std::string question() const;
   /// This process itself slept: count the peer's silence from now on.
   void forgive();
 

@@ -53,6 +53,9 @@ class Server {
   /// See Switchboard::defer_signals.
   void defer_signals() { switchboard_.defer_signals(); }
 
+  /// See Switchboard::log_waits.
+  void log_waits() { switchboard_.log_waits(); }
+
   /// The run is complete: every participant ends with success.
   void finish();
 

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int slice_milliseconds = 100;  // of any wait: a peer's death is noticed after one slice
 constexpr double health_check_period = 0.05;  // [s]
+constexpr double wait_log_period = 3;         // [s]
 constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
 
 }  // namespace
@@ -111,11 +112,18 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
 Message Switchboard::wait_reply(const std::string& participant, std::uint64_t sequence) {
   return guarded([&] {
     const Stopwatch waited;
+    Stopwatch since_log;
     for (;;) {
       if (auto reply = take_reply(participant, sequence)) return std::move(*reply);
       const bool came = pump(slice_milliseconds);
       refuse_late_arrivals();
       check_health(!came);
+      if (logs_waits_ && since_log.seconds() > wait_log_period) {
+        since_log = Stopwatch();
+        const PeerWatch& watch = *peer(participant).watch;
+        log::info("waiting for {}, {}, since {:.0f} s", watch.label(), watch.question(),
+                  waited.seconds());
+      }
       // What came may be a sign of life with the answer close behind it.
       if (waited.seconds() > deadlines_.answer + (came ? own_sleep : 0)) {
         const PeerWatch& watch = *peer(participant).watch;
@@ -198,6 +206,7 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
                                       watch.label(), problem.what(), watch.last_words()));
     }
     log::warn("ignored a message that is not the protocol: {}", problem.what());
+    answer(route, refusal({{"first message", "a hello that is understood", problem.what()}}));
     return;
   }
   if (known && message.type == "abort") {

@@ -65,6 +65,9 @@ class Switchboard {
   /// between steps.
   void defer_signals() { signals_end_waits_ = false; }
 
+  /// From now on the log says every few seconds who is waited for, and what it was asked.
+  void log_waits() { logs_waits_ = true; }
+
   /// Latch a failure, tell it to all participants.
   void abort(const std::string& reason);
   /// Run `action`; when it throws, abort with the text of the exception.
@@ -109,6 +112,7 @@ class Switchboard {
   std::vector<Arrival> arrivals_;
   std::string failure_;
   bool signals_end_waits_ = true;
+  bool logs_waits_ = false;
   std::optional<Stopwatch> since_signal_;
   Stopwatch since_health_check_;
 

@@ -4,12 +4,14 @@
 
     foreign_structure.py HABIT --coupler ENDPOINT
 
-HABIT: good; keeps (does not go back after a rejected step); dies (in step 3); fails (before it connects).
+HABIT: good; keeps (does not go back after a rejected step); dies (in step 3); sleeps (in step 3);
+fails (before it connects).
 FOREIGN_STRUCTURE_SHIFT in the environment: [m] that its surface lies beside its place.
 """
 
 import os
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +47,8 @@ def run(habit: str, endpoint: str) -> None:
             steps += 1
         if habit == "dies" and steps == 3:
             os._exit(9)
+        if habit == "sleeps" and steps == 3:
+            time.sleep(60)
         dt = participant.get_max_time_step_size()
         u = (participant.read_data("wall") + DAMPING / dt * u) / (STIFFNESS + DAMPING / dt)
         participant.write_data("wall", u)

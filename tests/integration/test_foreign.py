@@ -122,7 +122,19 @@ class Check(ForeignCase):
 
     def test_one_that_dies(self) -> None:
         text = self.check("dies", 1)
-        self.assert_says(text, "it stays", "FAILED", "died")
+        self.assert_says(text, "it stays", "FAILED", 'lost in "step 3: the same bits after reject_step"', "died")
+        self.assertNotIn("the end", text)
+
+    def test_one_that_sleeps(self) -> None:
+        self.files["coupler"]["protocol"] = {"answer_deadline": 5}
+        text = self.check("sleeps", 1)
+        self.assert_says(text, "at most 5 s for each of its answers")
+        self.assert_says(text, 'waiting for participant "structure"', ", solve_step ", ", since 3 s")
+        self.assert_says(text, "it stays", "FAILED", "has not answered", "limit 5 s")
+        self.assertLess(text.index("an accepted step "), text.index("it stays"))
+
+    def test_a_minute_for_an_answer_unless_the_scene_says_more(self) -> None:
+        self.assert_says(self.check("dies", 1), "at most 60 s for each of its answers")
 
     def test_a_name_that_is_no_participant(self) -> None:
         self.write_scene(self.files)

@@ -3,7 +3,10 @@
 """Participant: a foreign time loop, its checkpoints, and calls in the wrong order."""
 
 import struct
+import subprocess
+import sys
 import unittest
+from pathlib import Path
 
 import numpy as np
 from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
@@ -229,6 +232,64 @@ class OwnLoop(ParticipantCase):
         self.assertEqual(reply.type, "abort")
         self.assertEqual(reply.fields["reason"], "the participant ended before the run was finished")
         self.assertEqual(self.end(), "")
+
+    def test_the_end_of_a_block_is_told(self) -> None:
+        for problem, words in ((KeyError("wall"), "KeyError: 'wall'"), (ValueError(), "ValueError"),
+                               (UsageError("too late"), "too late"),
+                               (None, "the participant ended before the run was finished")):
+            def run(problem=problem) -> None:
+                with Participant(self.settings()) as participant:
+                    participant.set_interface("wall", SQUARE)
+                    participant.initialize()
+                    if problem:
+                        raise problem
+
+            with self.subTest(words):
+                self.problem = None
+                self.coupler.begin_again()
+                self.start(run)
+                self.coupler.welcome()
+                self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=0, time=0.0,
+                                     dt=STEP)
+                reply = self.coupler.receive()
+                self.assertEqual((reply.type, reply.fields["reason"]), ("abort", words))
+                self.end()
+                self.assertIs(self.problem, problem)
+
+    def test_a_block_around_a_whole_run(self) -> None:
+        loop = Loop(self.settings())
+
+        def run() -> None:
+            with loop.participant:
+                loop.run()
+
+        self.start(run)
+        self.coupler.welcome()
+        self.coupler.solve(1, 8.0)
+        self.coupler.accept(1)
+        self.assertEqual(self.coupler.ask("finish").type, "finished")
+        self.assertEqual(self.end(), "")
+
+    def test_a_program_that_ends_without_a_word(self) -> None:
+        """Neither a block nor finalize(): an exception, sys.exit, a copy of the process that ends first."""
+        for how, code, words in (("raise", 1, "KeyError: 'wall'"),
+                                 ("exit", 3, "the participant ended before the run was finished"),
+                                 ("fork", 1, "KeyError: 'wall'")):
+            with self.subTest(how):
+                self.coupler.begin_again()
+                program = subprocess.Popen([sys.executable, str(Path(__file__).parent / "leaver.py"),
+                                            self.coupler.endpoint, how], stderr=subprocess.PIPE, text=True)
+                try:
+                    self.coupler.welcome()
+                    self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=0,
+                                         time=0.0, dt=STEP)
+                    reply = self.coupler.receive()
+                    self.assertEqual((reply.type, reply.fields["reason"]), ("abort", words))
+                    self.assertEqual(program.wait(5), code)
+                finally:
+                    program.kill()
+                    program.wait()
+                    program.stderr.close()
 
 
 class WrongCalls(ParticipantCase):

@@ -126,7 +126,8 @@ class Serve(ParticipantCase):
         np.testing.assert_array_equal(coupler.solve(2, None).arrays["displacement:wall"], np.full((3, 2), 0.1))
         coupler.ask("reject_step")
         reply = coupler.ask("load", {"integer:bytes": np.zeros(2, dtype="<i8")}, state={"bytes": 14})
-        self.assertEqual((reply.type, reply.fields["reason"]), ("abort", "not the state of a spring"))
+        self.assertEqual((reply.type, reply.fields["reason"]),
+                         ("abort", "ValueError: not the state of a spring (in load_state)"))
         self.assertEqual(self.end(), "ValueError: not the state of a spring")
 
     def test_who_keeps_its_state_has_both_functions(self) -> None:
@@ -176,8 +177,43 @@ class Serve(ParticipantCase):
         self.begin()
         self.solver.problem = ZeroDivisionError("no stiffness")
         reply = self.coupler.solve(1, 1.0)
-        self.assertEqual((reply.type, reply.fields["reason"]), ("abort", "no stiffness"))
+        self.assertEqual((reply.type, reply.fields["reason"]),
+                         ("abort", "ZeroDivisionError: no stiffness (in solve_step)"))
         self.assertEqual(self.end(), "ZeroDivisionError: no stiffness")
+
+    def test_the_type_of_an_exception_is_told(self) -> None:
+        for problem, words in ((KeyError("wall"), "KeyError: 'wall' (in solve_step)"),
+                               (ValueError(), "ValueError (in solve_step)"),
+                               (SystemExit(3), "SystemExit: 3 (in solve_step)")):
+            with self.subTest(words):
+                self.begin()
+                self.solver.problem = problem
+                self.assertEqual(self.coupler.solve(1, 1.0).fields["reason"], words)
+                self.end()
+
+    def test_answers_of_another_type_are_named(self) -> None:
+        values = {"wall": SQUARE}
+        for function, answer, words in (
+                ("solve_step", None, "solve_step: found NoneType as its answer, allowed: (values, StepReport)"),
+                ("solve_step", values, "solve_step: found dict as its answer, allowed: (values, StepReport)"),
+                ("solve_step", (SQUARE, StepReport()), "solve_step: found (ndarray, StepReport) as its answer"),
+                ("solve_step", (values, {}), "solve_step: found (dict, dict) as its answer"),
+                ("accept_step", None, "accept_step: found NoneType as its answer, allowed: an AcceptReport"),
+                ("save_state", "text", "saved state: found str, allowed: bytes")):
+            with self.subTest(words):
+                self.problem = None
+                self.coupler.begin_again()
+                self.begin(KeepingSpring())
+                with mock.patch.object(self.solver, function, lambda *_, answer=answer: answer):
+                    if function == "save_state":
+                        reply = self.coupler.ask("save")
+                    else:
+                        reply = self.coupler.solve(1, 1.0)
+                    if function == "accept_step":
+                        reply = self.coupler.accept(1)
+                    self.assertEqual(reply.type, "abort")
+                    self.assertIn(words, reply.fields["reason"])
+                    self.assertIn("UsageError: " + words, self.end())
 
     def test_wrong_answers_are_not_sent(self) -> None:
         nan = np.zeros((3, 2))

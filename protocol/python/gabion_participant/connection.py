@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import zmq
 
 from . import interrupt
-from .errors import ProtocolError
+from .errors import ProtocolError, text_of
 from .handshake import ParticipantSettings, Welcome, hello, read_welcome
 from .heartbeat import OWN_SLEEP, Heartbeat
 from .keys import HandshakeMonitor, read_keys
@@ -67,7 +67,7 @@ class Connection:
 
     def __exit__(self, kind: type | None, problem: BaseException | None, _trace: Any) -> None:
         if kind is not None:
-            self.abort(str(problem) or kind.__name__)
+            self.abort(text_of(problem))
         elif not self._closed:
             self.abort("the participant ended before the run was finished")
         self.close()

@@ -16,3 +16,11 @@ class ProtocolError(ParticipantError):
 
 class UsageError(ParticipantError):
     """A call in the wrong order, or with values that do not fit. The message says what is allowed."""
+
+
+def text_of(problem: BaseException) -> str:
+    """For the coupler: `KeyError: 'wall'`. The errors of this package say all in their text."""
+    kind, text = type(problem).__name__, str(problem)
+    if text and isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError):
+        return text
+    return f"{kind}: {text}" if text else kind

@@ -197,7 +197,10 @@ def accepted(report: AcceptReport, probes: Sequence[float]) -> Message:
 
 
 def saved(state: bytes) -> Message:
-    """The bytes as one array, eight a value, filled up with zeros, and their number."""
+    """The bytes as one array, eight a value, filled up with zeros, and their number. Raises UsageError for
+    anything else."""
+    if not isinstance(state, (bytes, bytearray)):
+        raise UsageError(f"saved state: found {type(state).__name__}, allowed: bytes")
     padded = state + bytes(-len(state) % VALUE_BYTES)
     return Message("saved", fields={"state": {"bytes": len(state)}},
                    arrays={"integer:bytes": np.frombuffer(padded, dtype="<i8")})

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Participant: for codes that keep their own time loop. The picture is in protocol/README.md, section 14."""
 
+import atexit
+import os
+import sys
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -8,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .connection import Connection
-from .errors import ProtocolError, UsageError
+from .errors import ProtocolError, UsageError, text_of
 from .handshake import (ParticipantSettings, accepted, check_interfaces, loaded, plain, put_values,
                         read_state, read_step_request, read_values, saved, solved)
 from .message import Message
@@ -21,17 +24,19 @@ SAME_TIME = 1e-12  # of a step: smaller remainders are round-off of a sum of sub
 class Participant:
     """One coupler, driven by the foreign code's own loop:
 
-        participant = Participant(settings)
-        participant.set_interface("wall", coordinates, facets)
-        participant.initialize()
-        while participant.is_coupling_ongoing():
-            if participant.requires_writing_checkpoint(): save()
-            dt = min(own_dt, participant.get_max_time_step_size())
-            solve(dt, participant.read_data("wall"))
-            participant.write_data("wall", displacement)
-            participant.advance(dt)
-            if participant.requires_reading_checkpoint(): restore()
-        participant.finalize()
+        with Participant(settings) as participant:
+            participant.set_interface("wall", coordinates, facets)
+            participant.initialize()
+            while participant.is_coupling_ongoing():
+                if participant.requires_writing_checkpoint(): save()
+                dt = min(own_dt, participant.get_max_time_step_size())
+                solve(dt, participant.read_data("wall"))
+                participant.write_data("wall", displacement)
+                participant.advance(dt)
+                if participant.requires_reading_checkpoint(): restore()
+
+    The end of the block is finalize(); an exception that ends it is told to the coupler. Without a block call
+    finalize() yourself; when the program ends without it, the coupler is told why.
     """
 
     def __init__(self, settings: ParticipantSettings) -> None:
@@ -53,6 +58,13 @@ class Participant:
         self._must_write = self._must_read = False  # checkpoints that were not asked for yet
         self._order = StepOrder()
         self._window_complete = self._finished = False
+        self._process = os.getpid()
+
+    def __enter__(self) -> "Participant":
+        return self
+
+    def __exit__(self, _kind: type | None, problem: BaseException | None, _trace: Any) -> None:
+        self._leave(problem)
 
     def set_interface(self, name: str, coordinates: np.ndarray, facets: np.ndarray | None = None) -> None:
         """A coupled surface; see InterfaceMesh for shapes and units. Before initialize()."""
@@ -94,6 +106,7 @@ class Participant:
         self._before_initialize("initialize")
         check_interfaces(self._meshes, self._settings.dimension)
         self._connection = Connection(self._settings)
+        atexit.register(self._leave_at_exit)
         self._accepted_probes = list(self._probes.values())
         names = list(self._probes)
         self._guarded(lambda: self._connection.handshake(self._meshes, names, self._accepted_probes,
@@ -184,10 +197,21 @@ class Participant:
 
     def finalize(self) -> None:
         """Close. Before the end of the coupling: tell the coupler that this participant gives up."""
+        self._leave(None)
+
+    def _leave(self, problem: BaseException | None) -> None:
+        """Close; before the end of the coupling tell the coupler why."""
+        atexit.unregister(self._leave_at_exit)
         if self._connection:
             if not self._finished:
-                self._connection.abort("the participant ended before the run was finished")
+                why = text_of(problem) if problem else "the participant ended before the run was finished"
+                self._connection.abort(why)
             self._connection.close()
+
+    def _leave_at_exit(self) -> None:
+        """The program ends without finalize(), perhaps because of an exception that Python has printed."""
+        if os.getpid() == self._process:  # a copy of the process has no say
+            self._leave(getattr(sys, "last_value", None))
 
     # What follows waits for and answers requests.
 
@@ -299,7 +323,7 @@ class Participant:
         try:
             action()
         except BaseException as problem:
-            self._connection.abort(str(problem) or type(problem).__name__)
+            self._connection.abort(text_of(problem))
             raise
 
     # What follows checks the order of calls.

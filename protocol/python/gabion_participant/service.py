@@ -3,12 +3,14 @@
 
 import time
 
+from typing import Any
+
 from .connection import Connection
-from .errors import ConvergenceError, ProtocolError, UsageError
+from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageError, text_of
 from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded, plain, put_values,
                         read_state, read_step_request, read_values, saved, solved)
 from .message import Message
-from .solver import Solver
+from .solver import AcceptReport, InterfaceValues, Solver, StepReport
 from .step_order import StepOrder
 
 
@@ -20,6 +22,26 @@ def keeps_state(solver: Solver) -> bool:
     return own[0]
 
 
+def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
+    """What solve_step returned. Raises UsageError."""
+    allowed = "allowed: (values, StepReport), values a dict of interface name -> array"
+    if not isinstance(answer, tuple) or len(answer) != 2:
+        raise UsageError(f"solve_step: found {type(answer).__name__} as its answer, {allowed}")
+    values, report = answer
+    if not isinstance(values, dict) or not isinstance(report, StepReport):
+        found = f"({type(values).__name__}, {type(report).__name__})"
+        raise UsageError(f"solve_step: found {found} as its answer, {allowed}")
+    return values, report
+
+
+def checked_report(answer: Any) -> AcceptReport:
+    """What accept_step returned. Raises UsageError."""
+    if not isinstance(answer, AcceptReport):
+        found = type(answer).__name__
+        raise UsageError(f"accept_step: found {found} as its answer, allowed: an AcceptReport")
+    return answer
+
+
 class Service:
     """The solver as the coupler's requests drive it."""
 
@@ -29,12 +51,17 @@ class Service:
         self._interfaces = solver.interfaces()
         self._keeps_state = keeps_state(solver)
         self._order = StepOrder()
+        self.under_way = ""  # the solver's function that was called last
 
     def answer(self, request: Message) -> Message:
         begin = time.monotonic()
         reply = self._dispatch(request)
         reply.fields["busy_seconds"] = time.monotonic() - begin
         return reply
+
+    def _call(self, name: str, *values: Any) -> Any:
+        self.under_way = name
+        return getattr(self._solver, name)(*values)
 
     def _dispatch(self, request: Message) -> Message:
         match request.type:
@@ -43,20 +70,20 @@ class Service:
             case "accept_step":
                 return self._accept(request)
             case "reject_step":
-                self._solver.reject_step()
+                self._call("reject_step")
                 self._order.reject()
                 return Message("rejected")
             case "write_output":
-                self._solver.write_output(request.number("time"))
+                self._call("write_output", request.number("time"))
                 return Message("written")
             case "summarize":
-                return Message("summary", fields={"summary": plain(self._solver.summary())})
+                return Message("summary", fields={"summary": plain(self._call("summary"))})
             case "save" if self._keeps_state and not self._order.has_solution:
-                return saved(self._solver.save_state())
+                return saved(self._call("save_state"))
             case "load" if self._keeps_state and not self._order.has_solution:
-                self._solver.load_state(read_state(request))
+                self._call("load_state", read_state(request))
                 self._order.forget()
-                return loaded(self._solver.probes())
+                return loaded(self._call("probes"))
             case "finish":
                 return Message("finished")
         if request.type in ("save", "load"):
@@ -71,7 +98,7 @@ class Service:
         self._order.check(step)
         self._order.reject()
         try:
-            values, report = self._solver.solve_step(step, received)
+            values, report = checked_solution(self._call("solve_step", step, received))
         except ConvergenceError as problem:
             return Message("failed", fields={"reason": str(problem)})
         reply = solved(report)
@@ -83,18 +110,18 @@ class Service:
         step = read_step_request(request)
         was_solved = request.boolean("solved")
         self._order.accept(step, was_solved)
-        report = self._solver.accept_step(step, was_solved)
+        report = checked_report(self._call("accept_step", step, was_solved))
         if request.boolean("write_output"):
-            self._solver.write_output(request.number("output_time"))
-        return accepted(report, self._solver.probes())
+            self._call("write_output", request.number("output_time"))
+        return accepted(report, self._call("probes"))
 
 
 def serve(solver: Solver, settings: ParticipantSettings) -> None:
     """Do what the coupler asks until the run is finished.
 
     A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is
-    told to the coupler too, ends the run and goes on to the caller. Raises ProtocolError: refused, coupler
-    lost, run ended.
+    told to the coupler too, with its type and the function that raised it, ends the run and goes on to the
+    caller. Raises ProtocolError: refused, coupler lost, run ended.
     """
     with Connection(settings) as connection:
         serve_over(solver, connection)
@@ -105,6 +132,12 @@ def introduce(solver: Solver, connection: Connection) -> None:
     connection.handshake(solver.interfaces(), solver.probe_names(), solver.probes(), keeps_state(solver))
 
 
+def reason(problem: BaseException, under_way: str) -> str:
+    """`KeyError: 'wall' (in solve_step)`; errors of this package name the function where that matters."""
+    known = isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError)
+    return text_of(problem) if known or not under_way else f"{text_of(problem)} (in {under_way})"
+
+
 def serve_over(solver: Solver, connection: Connection) -> None:
     """The same over a connection that the caller made, so as to read run_settings() after its handshake."""
     if connection.welcome is None:
@@ -112,7 +145,12 @@ def serve_over(solver: Solver, connection: Connection) -> None:
     service = Service(solver, connection.settings)
     while True:
         request = connection.next_request()
-        connection.reply(service.answer(request))
+        try:
+            reply = service.answer(request)
+        except BaseException as problem:
+            connection.abort(reason(problem, service.under_way))
+            raise
+        connection.reply(reply)
         if request.type == "finish":
             break
     connection.close()

@@ -21,6 +21,12 @@ enum class Habit {
   keeps_last_save,   ///< goes back to what it saved last, whatever it is given
   saves_too_little,  ///< lacks a part of the state
   spoils_probes,     ///< its probes do not come back
+  saves_trial,       ///< saves the last solution, accepted or not
+  forgets_accept,    ///< always solves from the initial state
+  ignores_values,    ///< the answer depends on dt only
+  ignores_dt,        ///< the answer depends on the values only
+  new_detail,        ///< reports a number that the first step did not
+  text_detail,       ///< reports a text
   keeps_no_state,
   dies
 };
@@ -43,19 +49,25 @@ class Dashpot : public Solver {
     if (!keeps) trial_ = start_;
     dt_ = request.dt;
     const std::vector<double>& force = received.at("wall");
-    for (std::size_t i = 0; i < 4; ++i) trial_[i] += request.dt * force[i] / 3;
+    const double dt = habit_ == Habit::ignores_dt ? 1 : request.dt;
+    for (std::size_t i = 0; i < 4; ++i) {
+      trial_[i] += dt * (habit_ == Habit::ignores_values ? 1 : force[i]) / 3;
+    }
     if (habit_ == Habit::warm_start || habit_ == Habit::never_cold) {
       trial_[0] += 1e-16 * noise_++;
     }
     sent = {{"wall", trial_}};
     return {};
   }
-  AcceptReport accept_step(const StepRequest&, bool solved) override {
-    if (solved) accepted_ = start_ = trial_;
+  AcceptReport accept_step(const StepRequest& request, bool solved) override {
+    if (solved && habit_ != Habit::forgets_accept) accepted_ = start_ = trial_;
     probe_ = accepted_[0];
     noise_ = 0;
     AcceptReport report;
     report.at_rest = rests_;
+    report.details["energy"] = 0.5;
+    if (habit_ == Habit::new_detail && request.step > 2) report.details["late"] = 1;
+    if (habit_ == Habit::text_detail) report.details["energy"] = "much";
     return report;
   }
   void reject_step() override {
@@ -69,7 +81,7 @@ class Dashpot : public Solver {
   bool keeps_state() const override { return habit_ != Habit::keeps_no_state; }
   State save_state() override {
     State state;
-    state.reals["u"] = last_save_ = accepted_;
+    state.reals["u"] = last_save_ = habit_ == Habit::saves_trial ? trial_ : accepted_;
     if (habit_ == Habit::saves_too_little) state.reals["u"][3] = 0;
     return state;
   }
@@ -92,10 +104,12 @@ class Dashpot : public Solver {
 };
 
 const std::string restart = "the same steps after save, other steps and load";
+const std::string rejected_save = "the same steps from a state saved after reject_step";
+const std::string details = "details: finite numbers, names as in the first step";
 
 std::vector<CheckRow> check(Habit habit, bool rests = false) {
   Dashpot solver(habit, rests);
-  return check_participant(solver, {0.1, 1e-3});
+  return check_participant(solver, {.dt = 0.1, .amplitude = 1e-3});
 }
 
 const CheckRow& row(const std::vector<CheckRow>& rows, const std::string& what) {
@@ -128,6 +142,9 @@ TEST(ParticipantCheck, bad_habits_are_found) {
       {Habit::keeps_last_save, restart},
       {Habit::saves_too_little, restart},
       {Habit::spoils_probes, restart},
+      {Habit::saves_trial, rejected_save},
+      {Habit::new_detail, details},
+      {Habit::text_detail, details},
       {Habit::dies, "it stays"}};
   for (const auto& [habit, what] : cases) {
     const auto rows = check(habit);
@@ -136,6 +153,57 @@ TEST(ParticipantCheck, bad_habits_are_found) {
   }
   EXPECT_EQ(row(check(Habit::keeps_rejected), "the same request again").verdict,
             CheckRow::Verdict::passed);
+}
+
+TEST(ParticipantCheck, what_few_codes_may_do_is_a_notice) {
+  const std::vector<std::pair<Habit, std::string>> cases = {
+      {Habit::forgets_accept, "after it: another answer to the same values"},
+      {Habit::ignores_values, "other values: another answer"},
+      {Habit::ignores_dt, "another dt: another answer"}};
+  for (const auto& [habit, what] : cases) {
+    const auto rows = check(habit);
+    EXPECT_TRUE(all_passed(rows)) << table_text(rows);
+    for (const auto& [other, row_of_other] : cases) {
+      EXPECT_EQ(row(rows, row_of_other).verdict,
+                other == habit ? CheckRow::Verdict::notice : CheckRow::Verdict::passed)
+          << table_text(rows);
+    }
+  }
+  const std::string text = table_text(check(Habit::forgets_accept));
+  EXPECT_NE(text.find("NOTICE     the same bits, as if step 1 had not been accepted"),
+            std::string::npos)
+      << text;
+}
+
+TEST(ParticipantCheck, a_state_of_a_rejected_solution_is_found_by_its_own_row) {
+  EXPECT_EQ(row(check(Habit::saves_trial), restart).verdict, CheckRow::Verdict::passed);
+  EXPECT_NE(row(check(Habit::new_detail), details).found.find("\"late\""), std::string::npos);
+}
+
+TEST(ParticipantCheck, rows_are_told_when_they_are_known) {
+  Dashpot solver(Habit::dies);
+  std::vector<std::string> told;
+  bool finished = false;
+  const auto rows =
+      check_participant(solver, {.dt = 0.1,
+                                 .amplitude = 1e-3,
+                                 .report = [&](const CheckRow& row) { told.push_back(row.what); },
+                                 .finish = [&] { finished = true; }});
+  ASSERT_EQ(told.size(), rows.size());
+  EXPECT_EQ(told.front(), "output at time 0");
+  EXPECT_EQ(told.back(), "it stays");
+  EXPECT_FALSE(finished);
+  EXPECT_EQ(rows.back().found, "lost in \"the same bits after reject_step twice\": it has died");
+}
+
+TEST(ParticipantCheck, the_end_is_the_last_row) {
+  Dashpot solver(Habit::good);
+  const auto rows =
+      check_participant(solver, {.dt = 0.1, .amplitude = 1e-3, .report = {}, .finish = [] {
+                                   throw ProtocolError("it does not end");
+                                 }});
+  EXPECT_EQ(rows.back().verdict, CheckRow::Verdict::failed);
+  EXPECT_EQ(rows.back().found, "lost in \"the end\": it does not end");
 }
 
 TEST(ParticipantCheck, one_that_keeps_no_state_is_told) {

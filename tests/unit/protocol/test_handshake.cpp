@@ -180,6 +180,31 @@ TEST(Handshake, BrokenHellosAreRefused) {
   expect_refused(bad_coordinate, {"coordinates:wall", "vertex 2, component 0"});
 }
 
+TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
+  const auto with_probes = [](const std::vector<std::string>& names) {
+    Hello hello = good_hello("soil");
+    hello.probe_names = names;
+    hello.probes.resize(names.size());
+    return to_message(hello);
+  };
+  const std::string allowed = "allowed: letters, digits, \"_\", \"-\" and \".\"";
+  expect_refused(with_probes({"u", "a,b"}), {"probe_names: found \"a,b\"", allowed});
+  expect_refused(with_probes({"c\"d"}), {"probe_names: found \"c\\\"d\"", allowed});
+  expect_refused(with_probes({""}), {"probe_names: found \"\"", allowed});
+  expect_refused(with_probes({"A.ux", "v-1", "A.ux"}),
+                 {"probe_names: found \"A.ux\" twice, allowed: once"});
+  Hello hello = good_hello("soil");
+  hello.interfaces[0].name = "my wall";
+  expect_refused(to_message(hello), {"names of interfaces: found \"my wall\"", allowed});
+  // Twice in the list, with one array of coordinates.
+  Message twice = to_message(good_hello("soil"));
+  twice.fields["interfaces"].push_back(twice.fields["interfaces"][0]);
+  expect_refused(twice, {"names of interfaces: found \"wall\" twice"});
+  const std::string told = outcome_of(twice, {expected("soil")}).coupler;
+  EXPECT_NE(told.find("participant \"soil\" was refused"), std::string::npos) << told;
+  EXPECT_EQ(read_hello(with_probes({"A.ux", "v-1", "w_2"})).probe_names.size(), 3u);
+}
+
 TEST(Handshake, ParticipantsErrorNamesBothValues) {
   Server server(short_deadlines());
   auto end = std::async(std::launch::async, [endpoint = server.endpoint()] {
@@ -206,6 +231,19 @@ TEST(Handshake, GarbageFromStrangersIsIgnored) {
   RawParticipant raw(server.endpoint(), "raw");
   raw.send(to_message(good_hello("soil")));
   EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+}
+
+TEST(Handshake, AHelloThatIsNotUnderstoodIsAnsweredAndTheCouplerWaitsOn) {
+  Server server(short_deadlines());
+  RawParticipant hasty(server.endpoint(), "hasty");
+  hasty.send_frames({R"({"type":"hello","participant":"soil"})"});
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(to_message(good_hello("soil")));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+  const Message answer = hasty.receive();
+  ASSERT_EQ(answer.type, "refused");
+  EXPECT_NE(answer.text("reason").find("expected an integer \"sequence\""), std::string::npos)
+      << answer.text("reason");
 }
 
 }  // namespace

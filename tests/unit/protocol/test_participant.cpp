@@ -273,7 +273,8 @@ std::string usage_error(const std::function<void(Participant&)>& body) {
     solvers.at("structure")
         ->solve_step({1, 0, 0, 0.1}, {{"wall", std::vector<double>(6, 0)}}, sent);
   });
-  EXPECT_NE(lost.find("ended before the run was finished"), std::string::npos) << lost;
+  EXPECT_NE(lost.find("ended before the run was finished, by an exception"), std::string::npos)
+      << lost;
   return end.get();
 }
 
