@@ -91,13 +91,14 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   return mesh;
 }
 
-/// Names of columns in tables.
-void require_names(const char* what, const std::vector<std::string>& names) {
+/// Names of columns in tables. @param more  characters that are allowed beside those of plain names
+void require_names(const char* what, const std::vector<std::string>& names,
+                   const std::string& more) {
   std::set<std::string> before;
   for (const std::string& name : names) {
-    require<ProtocolError>(is_plain_name(name, ". "), [&] {
-      return fmt::format("{}: found {}, allowed: letters, digits, spaces, \"_\", \"-\" and \".\"",
-                         what, shortened(Json(name)));
+    require<ProtocolError>(is_plain_name(name, more), [&] {
+      return fmt::format("{}: found {}, allowed: letters, digits and one of \"_-{}\"", what,
+                         shortened(Json(name)), more);
     });
     require<ProtocolError>(before.insert(name).second, "{}: found \"{}\" twice, allowed: once",
                            what, name);
@@ -178,7 +179,7 @@ Hello read_hello(const Message& message) {
   hello.sends = read_quantity(message, "sends");
   hello.convention = message.text("convention");
   hello.probe_names = read_texts(message, "probe_names");
-  require_names("probe_names", hello.probe_names);
+  require_names("probe_names", hello.probe_names, ". ");
   hello.probes = message.reals("probes", {static_cast<std::int64_t>(hello.probe_names.size())});
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
@@ -186,7 +187,7 @@ Hello read_hello(const Message& message) {
   const std::vector<Message> descriptions = nested_list(message, "interfaces");
   std::vector<std::string> names;
   for (const Message& description : descriptions) names.push_back(description.text("name"));
-  require_names("names of interfaces", names);
+  require_names("names of interfaces", names, ".");
   for (const Message& description : descriptions) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
   }

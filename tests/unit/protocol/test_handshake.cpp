@@ -187,7 +187,7 @@ TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
     hello.probes.resize(names.size());
     return to_message(hello);
   };
-  const std::string allowed = "allowed: letters, digits, \"_\", \"-\" and \".\"";
+  const std::string allowed = "allowed: letters, digits and one of \"_-. \"";
   expect_refused(with_probes({"u", "a,b"}), {"probe_names: found \"a,b\"", allowed});
   expect_refused(with_probes({"c\"d"}), {"probe_names: found \"c\\\"d\"", allowed});
   expect_refused(with_probes({""}), {"probe_names: found \"\"", allowed});
@@ -195,14 +195,14 @@ TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
                  {"probe_names: found \"A.ux\" twice, allowed: once"});
   Hello hello = good_hello("soil");
   hello.interfaces[0].name = "my wall";
-  expect_refused(to_message(hello), {"names of interfaces: found \"my wall\"", allowed});
+  expect_refused(to_message(hello), {"names of interfaces: found \"my wall\"", "one of \"_-.\""});
   // Twice in the list, with one array of coordinates.
   Message twice = to_message(good_hello("soil"));
   twice.fields["interfaces"].push_back(twice.fields["interfaces"][0]);
   expect_refused(twice, {"names of interfaces: found \"wall\" twice"});
   const std::string told = outcome_of(twice, {expected("soil")}).coupler;
   EXPECT_NE(told.find("participant \"soil\" was refused"), std::string::npos) << told;
-  EXPECT_EQ(read_hello(with_probes({"A.ux", "v-1", "w_2"})).probe_names.size(), 3u);
+  EXPECT_EQ(read_hello(with_probes({"A.ux", "v-1", "left wall.fx"})).probe_names.size(), 3u);
 }
 
 TEST(Handshake, ParticipantsErrorNamesBothValues) {
