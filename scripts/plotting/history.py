@@ -22,11 +22,6 @@ ITERATIONS = {
 COMPONENTS = ("ux", "uy", "uz")
 
 
-def direction(component: str, dim: int) -> str:
-    """Of "ux", "fy", ...: in 3D which of the axes points up is the scene's choice."""
-    return {"x": "horizontal", "y": "vertical"}[component[-1]] if dim == 2 else component[-1]
-
-
 def probe_points(table: Table) -> list[str]:
     """Names of the points whose displacement is recorded, such as "structure.A"."""
     names = [name.rpartition(".") for name in table.names]

@@ -5,6 +5,7 @@ import csv
 import json
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
@@ -146,13 +147,13 @@ class Results:
         """Of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]
 
-    @property
+    @cached_property
     def dim(self) -> int:
         tables = (self.table("probes.csv"), self.table("steps.csv"))
         names = [name for table in tables if table for name in table.names]
         return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
 
-    @property
+    @cached_property
     def gravity(self) -> list[float] | None:
         """Of the first resolved settings that have it [m/s^2]; None without."""
         places = (self.folder / "resolved_config.json", *sorted(self.folder.glob("*/resolved_config.json")))

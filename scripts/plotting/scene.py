@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from plotting.results import Frame, Results, ResultsError, Series
 from plotting.style import STRUCTURE, new_figure, plt, save
-from plotting.view import view_of
+from plotting.view import once, view_of
 
 UNITS = {
     "displacement": "m",
@@ -151,9 +151,7 @@ class ScenePlot:
 
 def _outline(cells: np.ndarray) -> np.ndarray:
     """Edges that belong to one cell (or face) only, num_edges x 2."""
-    edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
-    _, index, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    return edges[index[count == 1]]
+    return once(np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])]))
 
 
 def plot_scene(results: Results, times: list[float] | None, field: str | None, out: Path) -> Path:

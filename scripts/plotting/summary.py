@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from plotting.history import FORCES, direction, displacement_columns, probe_points
+from plotting.history import FORCES, displacement_columns, probe_points
 from plotting.results import Results
 
 
@@ -61,6 +61,11 @@ def _probe_lines(results: Results) -> list[str]:
     return lines
 
 
+def _direction(component: str, dim: int) -> str:
+    """Of "ux", "fy", ...: in 3D which of the axes points up is the scene's choice."""
+    return {"x": "horizontal", "y": "vertical"}[component[-1]] if dim == 2 else component[-1]
+
+
 def _force_lines(results: Results) -> list[str]:
     table = results.table("steps.csv")
     if table is None or not table.num_rows or "fx" not in table:
@@ -70,7 +75,7 @@ def _force_lines(results: Results) -> list[str]:
     force, unit = table[strongest], results.per_metre
     peak = int(np.nanargmax(np.abs(force)))
     return [
-        f"{direction(strongest, results.dim)} force on the structure: largest {force[peak]:.4g} N{unit} "
+        f"{_direction(strongest, results.dim)} force on the structure: largest {force[peak]:.4g} N{unit} "
         f"at t = {table['time'][peak]:.4g} s, "
         f"impulse {float(np.sum(force * table['dt'])):.5g} N s{unit}"
     ]

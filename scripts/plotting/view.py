@@ -82,6 +82,10 @@ def view_of(dim: int, gravity: list[float] | None, extent: np.ndarray) -> View:
 
 def outer_faces(cells: np.ndarray) -> np.ndarray:
     """Faces of cells in space that belong to one cell only, num_faces x corners."""
-    faces = np.concatenate([cells[:, corners] for corners in FACES[cells.shape[1]]])
-    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[index[count == 1]]
+    return once(np.concatenate([cells[:, corners] for corners in FACES[cells.shape[1]]]))
+
+
+def once(facets: np.ndarray) -> np.ndarray:
+    """Those rows of node numbers that are there once, whatever the order of their nodes."""
+    _, index, count = np.unique(np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True)
+    return facets[index[count == 1]]

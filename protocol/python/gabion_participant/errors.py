@@ -18,9 +18,14 @@ class UsageError(ParticipantError):
     """A call in the wrong order, or with values that do not fit. The message says what is allowed."""
 
 
+def says_all(problem: BaseException) -> bool:
+    """The errors of this package do in their text, but for the one that a solver raises."""
+    return isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError)
+
+
 def text_of(problem: BaseException) -> str:
-    """For the coupler: `KeyError: 'wall'`. The errors of this package say all in their text."""
+    """For the coupler: `KeyError: 'wall'`, or the text alone where it says all."""
     kind, text = type(problem).__name__, str(problem)
-    if text and isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError):
+    if text and says_all(problem):
         return text
     return f"{kind}: {text}" if text else kind

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from .connection import Connection
-from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageError, text_of
+from .errors import ConvergenceError, ProtocolError, UsageError, says_all, text_of
 from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded, plain, put_values,
                         read_state, read_step_request, read_values, saved, solved)
 from .message import Message
@@ -134,8 +134,9 @@ def introduce(solver: Solver, connection: Connection) -> None:
 
 def reason(problem: BaseException, under_way: str) -> str:
     """`KeyError: 'wall' (in solve_step)`; errors of this package name the function where that matters."""
-    known = isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError)
-    return text_of(problem) if known or not under_way else f"{text_of(problem)} (in {under_way})"
+    if says_all(problem) or not under_way:
+        return text_of(problem)
+    return f"{text_of(problem)} (in {under_way})"
 
 
 def serve_over(solver: Solver, connection: Connection) -> None:
