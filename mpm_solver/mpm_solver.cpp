@@ -50,6 +50,15 @@ MaterialPoints<dim> lay_all_points(MPI_Comm comm, MpmSettings<dim>& settings) {
   return points;
 }
 
+// Over all ranks [m].
+template <int dim>
+double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
+  double sums[] = {0, static_cast<double>(points.size())};
+  for (const double volume : points.V0) sums[0] += volume;
+  sum_over_ranks(comm, std::span<double>(sums));
+  return std::pow(sums[0] / sums[1], 1.0 / dim);
+}
+
 }  // namespace
 
 template <int dim>
@@ -85,7 +94,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
                      settings_.phases)) {
     ghost_.emplace(grid_.mesh, settings_.bodies, settings_.small_cuts.ghost_factor);
   }
-  if (!boundaries_.empty()) soil_reach_ = 0.5 * mean_point_size();
+  if (!boundaries_.empty()) soil_reach_ = 0.5 * mean_point_size(comm_, points_);
   find_probe_points();
   locate_at_start();
   prepare_averages();

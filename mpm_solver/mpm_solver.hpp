@@ -81,7 +81,6 @@ class MpmSolver final : public Solver {
   void locate_at_start();
   void prepare_averages();
   void log_grid() const;
-  double mean_point_size() const;
   std::vector<std::int32_t> occupied_cells() const;
   /// Numbers of the step that was just accepted. @param cell_n  of each point before the step
   Json accepted_details(std::span<const std::int32_t> cell_n) const;

@@ -37,14 +37,6 @@ std::vector<std::int32_t> MpmSolver<dim>::occupied_cells() const {
   return occupied;
 }
 
-template <int dim>
-double MpmSolver<dim>::mean_point_size() const {
-  double sums[] = {0, static_cast<double>(points_.size())};
-  for (const double volume : points_.V0) sums[0] += volume;
-  sum_over_ranks(comm_, std::span<double>(sums));
-  return std::pow(sums[0] / sums[1], 1.0 / dim);
-}
-
 // Nodal forces of the body acceleration at a time, empty when there is none.
 template <int dim>
 std::vector<double> MpmSolver<dim>::body_forces(double time) const {
@@ -274,8 +266,6 @@ NodalMotion<dim> MpmSolver<dim>::nodal_motion() const {
   return motion;
 }
 
-template double MpmSolver<2>::mean_point_size() const;
-template double MpmSolver<3>::mean_point_size() const;
 template std::vector<std::int32_t> MpmSolver<2>::occupied_cells() const;
 template std::vector<std::int32_t> MpmSolver<3>::occupied_cells() const;
 template std::vector<double> MpmSolver<2>::body_forces(double time) const;
