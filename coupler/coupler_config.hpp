@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "common/base/scene.hpp"
-#include "common/base/time_steps.hpp"
 #include "common/checkpoint/checkpoints.hpp"
+#include "common/run/time_steps.hpp"
+#include "common/settings/scene.hpp"
 #include "coupler/acceleration/acceleration.hpp"
-#include "coupler/convergence.hpp"
-#include "coupler/interface_map.hpp"
+#include "coupler/mapping/interface_map.hpp"
+#include "coupler/step/convergence.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion {

@@ -9,7 +9,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/base/scene.hpp"
+#include "common/settings/scene.hpp"
 
 namespace gabion {
 

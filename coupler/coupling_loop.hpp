@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "common/base/loop_checkpoints.hpp"
-#include "common/base/progress.hpp"
-#include "common/base/run_record.hpp"
-#include "common/base/solver.hpp"
-#include "common/base/time_steps.hpp"
 #include "common/base/timer.hpp"
-#include "coupler/contact_watch.hpp"
-#include "coupler/convergence.hpp"
+#include "common/run/loop_checkpoints.hpp"
+#include "common/run/progress.hpp"
+#include "common/run/run_record.hpp"
+#include "common/run/solver.hpp"
+#include "common/run/time_steps.hpp"
 #include "coupler/coupler_config.hpp"
-#include "coupler/coupling_counts.hpp"
-#include "coupler/coupling_record.hpp"
-#include "coupler/interface_map.hpp"
-#include "coupler/interface_work.hpp"
-#include "coupler/predictor.hpp"
-#include "coupler/side.hpp"
+#include "coupler/mapping/interface_map.hpp"
+#include "coupler/report/coupling_counts.hpp"
+#include "coupler/report/coupling_record.hpp"
+#include "coupler/step/contact_watch.hpp"
+#include "coupler/step/convergence.hpp"
+#include "coupler/step/interface_work.hpp"
+#include "coupler/step/predictor.hpp"
+#include "coupler/step/side.hpp"
 
 namespace gabion {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/base/program.hpp"
+#include "common/program/program.hpp"
 #include "coupler/coupler_config.hpp"
 #include "protocol/handshake.hpp"
 

@@ -114,8 +114,8 @@ TractionSettings<dim> read_traction(ConfigReader in) {
   return t;
 }
 
-InterfaceSettings read_interface(ConfigReader in) {
-  InterfaceSettings s;
+WetSurfaceSettings read_interface(ConfigReader in) {
+  WetSurfaceSettings s;
   s.name = in.name("name");
   s.groups = in.texts("groups");
   s.where = in.where("groups");

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
-#include "common/base/scene.hpp"
 #include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
-#include "fem_solver/time_function.hpp"
+#include "common/settings/config_reader.hpp"
+#include "common/settings/scene.hpp"
+#include "fem_solver/supports/time_function.hpp"
 
 namespace gabion::fem {
 
@@ -52,7 +52,7 @@ struct TractionSettings {
 };
 
 /// A coupled wet surface: the facets of these groups.
-struct InterfaceSettings {
+struct WetSurfaceSettings {
   std::string name;
   std::vector<std::string> groups;
   std::string where;
@@ -81,7 +81,7 @@ struct FemSettings {
   std::vector<PrescribedSettings> prescribed;
   std::vector<LoadSettings<dim>> loads;
   std::vector<TractionSettings<dim>> tractions;
-  std::vector<InterfaceSettings> interfaces;
+  std::vector<WetSurfaceSettings> interfaces;
   std::vector<ProbeSettings<dim>> probes;
   NewtonSettings newton{.reuse_matrix = true};
   LinearSolverSettings linear_solver;

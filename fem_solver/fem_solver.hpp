@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
-#include "common/solver_program/solver_program.hpp"
-#include "fem_solver/coupling_boundary.hpp"
+#include "common/run/solver.hpp"
 #include "fem_solver/fem_config.hpp"
-#include "fem_solver/fem_output.hpp"
-#include "fem_solver/fem_probes.hpp"
-#include "fem_solver/fem_step.hpp"
+#include "fem_solver/interface/wet_surfaces.hpp"
+#include "fem_solver/report/fem_output.hpp"
+#include "fem_solver/report/fem_probes.hpp"
+#include "fem_solver/step/fem_step.hpp"
+#include "solver_program/solver_program.hpp"
 
 namespace gabion::fem {
 
@@ -48,7 +48,7 @@ class FemSolver final : public Solver {
 
  private:
   FemSettings<dim> settings_;
-  CouplingBoundary<dim> boundary_;
+  WetSurfaces<dim> boundary_;
   FemProbes<dim> probes_;
   FemStep<dim> step_;
   FemState state_;

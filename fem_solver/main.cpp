@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/base/program.hpp"
+#include "common/program/program.hpp"
 #include "fem_solver/run_fem.hpp"
 
 int main(int argc, char** argv) {

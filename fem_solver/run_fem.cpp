@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/run_fem.hpp"
 
-#include "common/solver_program/solver_program.hpp"
 #include "fem_solver/fem_solver.hpp"
+#include "solver_program/solver_program.hpp"
 
 namespace gabion {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/base/mpi_session.hpp"
-#include "common/base/program.hpp"
+#include "common/program/mpi_session.hpp"
+#include "common/program/program.hpp"
 
 namespace gabion {
 

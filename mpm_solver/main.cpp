@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/base/program.hpp"
+#include "common/program/program.hpp"
 #include "mpm_solver/run_mpm.hpp"
 
 int main(int argc, char** argv) {

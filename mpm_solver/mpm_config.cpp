@@ -8,8 +8,8 @@
 #include <map>
 
 #include "common/mechanics/elements/shape_functions.hpp"
-#include "mpm_solver/basis.hpp"
-#include "mpm_solver/surface_config.hpp"
+#include "mpm_solver/contact/surface_config.hpp"
+#include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
 
@@ -160,12 +160,11 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
 
 // The keys that interfaces and rigid walls have in common.
 template <int dim>
-CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
-                                            double penalty_unit) {
+ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
-  CouplingBoundarySettings<dim> boundary;
+  ContactSettings<dim> boundary;
   boundary.name = in.name("name");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
@@ -198,8 +197,7 @@ CouplingBoundarySettings<dim> read_boundary(const Scene& scene, ConfigReader& in
 }
 
 template <int dim>
-CouplingBoundarySettings<dim> read_interface(const Scene& scene, ConfigReader& in,
-                                             double penalty_unit) {
+ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
   in.choice_or("method", {"boundary_points"}, "boundary_points");
   auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();

@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "common/base/scene.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
-#include "common/solver_program/solver_program.hpp"
-#include "mpm_solver/coupling_boundary.hpp"
-#include "mpm_solver/grid_exits.hpp"
-#include "mpm_solver/initial_stress.hpp"
-#include "mpm_solver/locking.hpp"
-#include "mpm_solver/material_points.hpp"
-#include "mpm_solver/phases.hpp"
-#include "mpm_solver/rigid_motion.hpp"
-#include "mpm_solver/small_cuts.hpp"
-#include "mpm_solver/step_control.hpp"
+#include "common/settings/scene.hpp"
+#include "mpm_solver/contact/boundary_points.hpp"
+#include "mpm_solver/contact/rigid_motion.hpp"
+#include "mpm_solver/grid/grid_exits.hpp"
+#include "mpm_solver/points/initial_stress.hpp"
+#include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/small_cuts/small_cuts.hpp"
+#include "mpm_solver/step/phases.hpp"
+#include "mpm_solver/step/step_control.hpp"
+#include "mpm_solver/stress/locking.hpp"
+#include "solver_program/solver_program.hpp"
 
 namespace gabion::mpm {
 
@@ -33,7 +33,7 @@ struct PointProbe {
 template <int dim>
 struct RigidWallSettings {
   std::string name;
-  CouplingBoundarySettings<dim> boundary;
+  ContactSettings<dim> boundary;
   RigidMotion<dim> motion;
 };
 
@@ -59,7 +59,7 @@ struct MpmSettings {
   NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
   StepControlSettings step_control;
   LinearSolverSettings linear_solver;
-  std::vector<CouplingBoundarySettings<dim>> interfaces;
+  std::vector<ContactSettings<dim>> interfaces;
   std::vector<RigidWallSettings<dim>> rigid_walls;
   std::vector<PointProbe<dim>> probes;
   Outside outside = Outside::error;

@@ -14,9 +14,9 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/mechanics/tensor_functions.hpp"
-#include "mpm_solver/light_nodes.hpp"
-#include "mpm_solver/point_domains.hpp"
-#include "mpm_solver/shared_groups.hpp"
+#include "mpm_solver/grid/point_domains.hpp"
+#include "mpm_solver/grid/shared_groups.hpp"
+#include "mpm_solver/small_cuts/light_nodes.hpp"
 
 namespace gabion::mpm {
 

@@ -7,14 +7,14 @@
 #include <optional>
 #include <span>
 
-#include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
-#include "mpm_solver/equilibrium.hpp"
-#include "mpm_solver/ledger.hpp"
+#include "common/run/solver.hpp"
+#include "mpm_solver/grid/transfer.hpp"
 #include "mpm_solver/mpm_config.hpp"
-#include "mpm_solver/mpm_output.hpp"
-#include "mpm_solver/newton_counts.hpp"
-#include "mpm_solver/transfer.hpp"
+#include "mpm_solver/report/ledger.hpp"
+#include "mpm_solver/report/mpm_output.hpp"
+#include "mpm_solver/step/equilibrium.hpp"
+#include "mpm_solver/step/newton_counts.hpp"
 
 namespace gabion::mpm {
 
@@ -99,8 +99,8 @@ class MpmSolver final : public Solver {
   double soil_reach_ = 0;  // half the mean size of a material point [m]
   GridExits<dim> exits_;
   MaterialPoints<dim> points_;
-  std::vector<CouplingBoundary<dim>> boundaries_;  // of the interfaces, then the rigid walls
-  std::optional<GhostStiffness<dim>> ghost_;       // when a phase has it
+  std::vector<BoundaryPoints<dim>> boundaries_;  // of the interfaces, then the rigid walls
+  std::optional<GhostStiffness<dim>> ghost_;     // when a phase has it
   LinearSolver<dim> linear_;
   MpmOutput<dim> output_;
   Ledger<dim> ledger_;

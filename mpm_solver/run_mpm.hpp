@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/solver_program/solver_program.hpp"
+#include "solver_program/solver_program.hpp"
 
 namespace gabion {
 

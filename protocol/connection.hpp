@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/heartbeat.hpp"
 #include "protocol/message.hpp"

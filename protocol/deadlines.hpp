@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/base/config_reader.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/message.hpp"
 #include "protocol/process.hpp"

@@ -6,10 +6,11 @@ set(gabion_participant_package ${CMAKE_INSTALL_LIBDIR}/cmake/gabion_participant)
 
 install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_participant
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT gabion_participant)
-install(FILES ${PROJECT_SOURCE_DIR}/common/base/config_reader.hpp ${PROJECT_SOURCE_DIR}/common/base/error.hpp
-  ${PROJECT_SOURCE_DIR}/common/base/solver.hpp ${PROJECT_SOURCE_DIR}/common/base/state.hpp
-  ${PROJECT_SOURCE_DIR}/common/base/timer.hpp
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/base COMPONENT gabion_participant)
+foreach(header base/error.hpp base/timer.hpp settings/config_reader.hpp run/solver.hpp run/state.hpp)
+  cmake_path(GET header PARENT_PATH room)
+  install(FILES ${PROJECT_SOURCE_DIR}/common/${header}
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
+endforeach()
 install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
   process.hpp serve.hpp socket.hpp step_order.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
 #include "common/base/error.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

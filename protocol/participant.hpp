@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/connection.hpp"
 #include "protocol/step_order.hpp"
 

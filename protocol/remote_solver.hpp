@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
 #include "common/base/timer.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/switchboard.hpp"
 

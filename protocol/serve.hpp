@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/connection.hpp"
 
 namespace gabion {

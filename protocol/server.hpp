@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/remote_solver.hpp"

@@ -15,8 +15,8 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/base/run_record.hpp"
 #include "common/checkpoint/state_file.hpp"
+#include "common/run/run_record.hpp"
 
 namespace gabion {
 

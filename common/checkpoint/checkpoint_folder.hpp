@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "common/base/run_keeper.hpp"
+#include "common/run/run_keeper.hpp"
 
 namespace gabion {
 

@@ -8,8 +8,8 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/base/run_record.hpp"
-#include "common/base/scene_identity.hpp"
+#include "common/run/run_record.hpp"
+#include "common/settings/scene_identity.hpp"
 
 namespace gabion {
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
-#include "common/base/run_keeper.hpp"
-#include "common/base/scene.hpp"
 #include "common/base/timer.hpp"
 #include "common/checkpoint/checkpoint_folder.hpp"
+#include "common/run/run_keeper.hpp"
+#include "common/settings/config_reader.hpp"
+#include "common/settings/scene.hpp"
 
 namespace gabion {
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/output/hdf5_file.hpp"
-#include "common/mechanics/output/hdf5_reader.hpp"
+#include "common/hdf5/hdf5_file.hpp"
+#include "common/hdf5/hdf5_reader.hpp"
 
 namespace gabion {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/base/state.hpp"
+#include "common/run/state.hpp"
 
 namespace gabion {
 

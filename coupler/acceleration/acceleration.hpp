@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
-#include "common/base/state.hpp"
+#include "common/run/state.hpp"
+#include "common/settings/config_reader.hpp"
 #include "coupler/acceleration/filter.hpp"
 
 namespace gabion {

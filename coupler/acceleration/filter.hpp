@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

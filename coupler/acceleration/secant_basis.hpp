@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/base/state.hpp"
+#include "common/run/state.hpp"
 
 namespace gabion {
 

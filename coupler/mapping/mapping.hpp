@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
+#include "common/settings/config_reader.hpp"
 #include "coupler/mapping/radial_basis.hpp"
 #include "coupler/mapping/surface.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 #include "coupler/mapping/closest_point.hpp"
 
 namespace gabion {

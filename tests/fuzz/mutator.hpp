@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion::fuzz {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion::test {
 

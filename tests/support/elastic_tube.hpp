@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion::test {
 

@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "common/base/log.hpp"
-#include "common/base/mpi_session.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/program/mpi_session.hpp"
 
 namespace gabion::test {
 

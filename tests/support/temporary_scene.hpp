@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "common/base/scene.hpp"
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
+#include "common/settings/scene.hpp"
 
 namespace gabion::test {
 

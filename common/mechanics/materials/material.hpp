@@ -4,11 +4,11 @@
 #include <string>
 #include <variant>
 
-#include "common/base/config_reader.hpp"
 #include "common/mechanics/materials/drucker_prager.hpp"
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
 #include "common/mechanics/materials/tresca.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
-#include "common/base/scene.hpp"
 #include "common/mechanics/elements/cell_type.hpp"
 #include "common/mechanics/tensor.hpp"
+#include "common/settings/config_reader.hpp"
+#include "common/settings/scene.hpp"
 
 namespace gabion {
 

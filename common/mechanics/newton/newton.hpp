@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/config_reader.hpp"
 #include "common/base/timer.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
+#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

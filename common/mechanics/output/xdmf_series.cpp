@@ -13,7 +13,7 @@
 
 #include "common/base/names.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/output/hdf5_file.hpp"
+#include "common/hdf5/hdf5_file.hpp"
 
 namespace gabion {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion {
 

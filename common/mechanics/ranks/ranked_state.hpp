@@ -3,7 +3,7 @@
 
 #include <mpi.h>
 
-#include "common/base/state.hpp"
+#include "common/run/state.hpp"
 
 namespace gabion {
 

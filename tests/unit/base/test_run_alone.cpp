@@ -6,9 +6,9 @@
 #include <fstream>
 #include <functional>
 
-#include "common/base/progress.hpp"
-#include "common/base/run_alone.hpp"
-#include "common/base/run_record.hpp"
+#include "common/run/progress.hpp"
+#include "common/run/run_alone.hpp"
+#include "common/run/run_record.hpp"
 
 namespace gabion {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "common/base/error.hpp"
-#include "common/base/state.hpp"
-#include "common/base/time_steps.hpp"
+#include "common/run/state.hpp"
+#include "common/run/time_steps.hpp"
 
 namespace gabion {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/base/time_steps.hpp"
+#include "common/run/time_steps.hpp"
 
 namespace gabion {
 namespace {

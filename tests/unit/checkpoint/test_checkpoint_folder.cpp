@@ -7,10 +7,10 @@
 #include <fstream>
 
 #include "common/base/error.hpp"
-#include "common/base/scene.hpp"
 #include "common/checkpoint/checkpoint_folder.hpp"
 #include "common/checkpoint/checkpoints.hpp"
 #include "common/checkpoint/state_file.hpp"
+#include "common/settings/scene.hpp"
 
 namespace gabion {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/solver.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion::test {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/solver.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion::test {
 

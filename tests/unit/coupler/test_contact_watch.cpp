@@ -2,7 +2,7 @@
 // When secants are worthless because contact changed; before and after a restart.
 #include <gtest/gtest.h>
 
-#include "coupler/contact_watch.hpp"
+#include "coupler/step/contact_watch.hpp"
 
 namespace gabion {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "coupler/convergence.hpp"
-#include "coupler/predictor.hpp"
+#include "coupler/step/convergence.hpp"
+#include "coupler/step/predictor.hpp"
 
 namespace gabion {
 namespace {

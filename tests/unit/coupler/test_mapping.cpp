@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "coupler/interface_map.hpp"
+#include "coupler/mapping/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
 #include "tests/unit/coupler/sequence.hpp"
 #include "tests/unit/coupler/surface_meshes.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
-#include "coupler/participant_check.hpp"
+#include "coupler/checks/participant_check.hpp"
 
 namespace gabion {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "coupler/interface_map.hpp"
+#include "coupler/mapping/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
 #include "tests/support/convergence_rate.hpp"
 #include "tests/unit/coupler/sequence.hpp"

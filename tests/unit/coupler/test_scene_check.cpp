@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "coupler/run_check.hpp"
-#include "coupler/scene_check.hpp"
+#include "coupler/checks/run_check.hpp"
+#include "coupler/checks/scene_check.hpp"
 #include "tests/support/temporary_scene.hpp"
 #include "tests/unit/coupler/good_coupler.hpp"
 

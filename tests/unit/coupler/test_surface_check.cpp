@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "coupler/surface_check.hpp"
+#include "coupler/checks/surface_check.hpp"
 
 namespace gabion {
 namespace {

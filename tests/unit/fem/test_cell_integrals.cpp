@@ -5,7 +5,7 @@
 #include <random>
 #include <variant>
 
-#include "fem_solver/cell_integrals.hpp"
+#include "fem_solver/stress/cell_integrals.hpp"
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 

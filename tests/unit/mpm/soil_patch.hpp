@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "mpm_solver/grid_nodes.hpp"
-#include "mpm_solver/transfer.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/grid/transfer.hpp"
 #include "tests/support/mpi_main.hpp"
 
 namespace gabion::test {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <optional>
 
-#include "mpm_solver/internal_forces.hpp"
+#include "mpm_solver/stress/internal_forces.hpp"
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "mpm_solver/axis_basis.hpp"
-#include "mpm_solver/point_domains.hpp"
+#include "mpm_solver/grid/axis_basis.hpp"
+#include "mpm_solver/grid/point_domains.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "mpm_solver/patch_basis.hpp"
+#include "mpm_solver/grid/patch_basis.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {

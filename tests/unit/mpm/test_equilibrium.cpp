@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "mpm_solver/equilibrium.hpp"
+#include "mpm_solver/step/equilibrium.hpp"
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 template <int dim>
 struct Balance {
   SoilPatch<dim> soil;
-  std::vector<mpm::CouplingBoundary<dim>> boundaries;
+  std::vector<mpm::BoundaryPoints<dim>> boundaries;
   mpm::TrialPoints<dim> trial;
   NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
   std::optional<mpm::WallConditions<dim>> walls;
@@ -43,7 +43,8 @@ struct Balance {
     soil.to_grid();
     walls.emplace(soil.grid.mesh, wall_settings);
     walls->select(soil.nodes);
-    for (auto& boundary : boundaries) boundary.begin_step(soil.grid, soil.nodes, soil.occupied(), 0);
+    for (auto& boundary : boundaries)
+      boundary.begin_step(soil.grid, soil.nodes, soil.occupied(), 0);
     if (ghost) ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
     const typename mpm::Equilibrium<dim>::Parts parts{comm(),
                                                       soil.grid,
@@ -286,8 +287,8 @@ TEST(EquilibriumTangent, inclined_slip_wall) {
 
 /// A surface across the soil that looks upwards and was pushed up by `push`.
 template <int dim>
-mpm::CouplingBoundarySettings<dim> level_surface(double height) {
-  mpm::CouplingBoundarySettings<dim> settings;
+mpm::ContactSettings<dim> level_surface(double height) {
+  mpm::ContactSettings<dim> settings;
   settings.name = "plate";
   settings.penalty = 1e5;
   if constexpr (dim == 2) {

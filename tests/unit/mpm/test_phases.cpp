@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "common/base/time_steps.hpp"
+#include "common/run/time_steps.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {

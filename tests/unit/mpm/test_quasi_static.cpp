@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "mpm_solver/light_nodes.hpp"
+#include "mpm_solver/small_cuts/light_nodes.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mpm_solver/rigid_motion.hpp"
+#include "mpm_solver/contact/rigid_motion.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "mpm_solver/ghost_stiffness.hpp"
+#include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "common/base/time_steps.hpp"
-#include "mpm_solver/newton_counts.hpp"
-#include "mpm_solver/step_control.hpp"
+#include "common/run/time_steps.hpp"
+#include "mpm_solver/step/newton_counts.hpp"
+#include "mpm_solver/step/step_control.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <random>
 
-#include "common/mechanics/output/hdf5_file.hpp"
+#include "common/hdf5/hdf5_file.hpp"
 #include "tests/unit/output/output_folder.hpp"
 
 namespace gabion {

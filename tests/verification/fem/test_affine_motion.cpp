@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "fem_solver/cell_integrals.hpp"
+#include "fem_solver/stress/cell_integrals.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 #include "tests/verification/elastic_laws.hpp"

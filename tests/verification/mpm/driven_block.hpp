@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/base/require.hpp"
-#include "mpm_solver/internal_forces.hpp"
+#include "mpm_solver/stress/internal_forces.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/program/mpi_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+
+#include "common/base/require.hpp"
+
+namespace gabion {
+
+namespace {
+constexpr int name_length = 32;
+
+/// Open MPI listens on all network interfaces even when its processes share one machine, which then
+/// need no network. A user's own choice of transports stands.
+void stay_off_the_network() {
+  const char* all = std::getenv("OMPI_COMM_WORLD_SIZE");
+  const char* here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+  const bool alone = all == nullptr && here == nullptr;
+  if (alone || (all != nullptr && here != nullptr && std::strcmp(all, here) == 0)) {
+    setenv("OMPI_MCA_btl", "^tcp,ofi", /*overwrite=*/0);
+  }
+}
+}  // namespace
+
+MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
+  stay_off_the_network();
+  MPI_Init(&argc, &argv);
+  int world_size = 1;
+  int world_rank = 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &world_size);
+  MPI_Comm_rank(MPI_COMM_WORLD, &world_rank);
+
+  std::array<char, name_length> own{};
+  std::copy_n(program.begin(), std::min<std::size_t>(program.size(), name_length - 1), own.begin());
+  std::vector<char> all(static_cast<std::size_t>(world_size) * name_length);
+  MPI_Allgather(own.data(), name_length, MPI_CHAR, all.data(), name_length, MPI_CHAR,
+                MPI_COMM_WORLD);
+  for (int r = 0; r < world_size; ++r) programs_.emplace_back(all.data() + r * name_length);
+
+  const auto color = std::find(programs_.begin(), programs_.end(), program) - programs_.begin();
+  MPI_Comm_split(MPI_COMM_WORLD, static_cast<int>(color), world_rank, &comm_);
+  MPI_Comm_rank(comm_, &rank_);
+  MPI_Comm_size(comm_, &size_);
+}
+
+MpiSession::~MpiSession() {
+  MPI_Comm_free(&comm_);
+  MPI_Finalize();
+}
+
+bool MpiSession::launched_with(const std::string& program) const {
+  return std::find(programs_.begin(), programs_.end(), program) != programs_.end();
+}
+
+std::string MpiSession::share(const std::string& program, const std::string& text) const {
+  const auto found = std::find(programs_.begin(), programs_.end(), program);
+  require(found != programs_.end(), "the launch has no program \"" + program + "\"");
+  const int root = static_cast<int>(found - programs_.begin());
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, root, MPI_COMM_WORLD);
+  std::string result = text;
+  result.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(result.data(), length, MPI_CHAR, root, MPI_COMM_WORLD);
+  return result;
+}
+
+void MpiSession::abort(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::_Exit(exit_code);
+}
+
+void MpiSession::leave(int exit_code, double head_start) {
+  sigset_t from_launcher;
+  sigemptyset(&from_launcher);
+  sigaddset(&from_launcher, SIGTERM);
+  sigprocmask(SIG_BLOCK, &from_launcher, nullptr);
+  const timespec patience = {0, static_cast<long>(1e9 * head_start)};
+  sigtimedwait(&from_launcher, nullptr, &patience);
+  // Without MPI_Finalize, so that the launcher takes it for a failure. Many simultaneous calls of
+  // MPI_Abort make Open MPI 4.1's mpirun crash now and then.
+  std::_Exit(exit_code);
+}
+
+}  // namespace gabion

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/program/mpi_session.hpp"
+
+namespace gabion {
+
+/// What the command line of each of the three programs says.
+struct ProgramOptions {
+  std::string scene;                   ///< folder
+  std::string output;                  ///< folder of results
+  std::string restart;                 ///< results of the run to go on with; empty: from time 0
+  std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
+  bool check = false;                  ///< read and cross-check the scene, then end
+  std::string coupler;   ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
+  std::string name;      ///< of this participant, such as "soil"
+  std::string key_file;  ///< solvers: own secret key, when the coupler asks for keys
+  std::string coupler_key_file;    ///< solvers: the coupler's public key
+  std::string make_keys;           ///< coupler: write a new pair of keys to this file, then end
+  double connect_deadline = 30;    ///< [s] > 0, solvers: until the coupler has answered
+  bool list_participants = false;  ///< coupler: print who takes part and how, then end
+  std::string check_participant;   ///< coupler: drive this participant through a check, then end
+  double amplitude = 0;            ///< of that check's values [N or m]; 0 = not given
+};
+
+/// Frame of a program: options, log, MPI, and errors as exit codes.
+///
+///     int main(int argc, char** argv) {
+///       return gabion::run_program(argc, argv, "fem_solver", run_fem_solver);
+///     }
+///
+/// Options are read before MPI starts, so --help needs no launch. An Error ends the program with
+/// its exit_code(), any other exception with 1; other programs of the launch are taken down.
+/// Without --output, results go to results/<scene>, or results/<scene>_<program> for a solver that
+/// runs without coupler.
+///
+/// @param program  "coupler", "mpm_solver" or "fem_solver"
+/// @returns exit code
+int run_program(int argc, char** argv, const std::string& program,
+                const std::function<void(const ProgramOptions&, const MpiSession&)>& body);
+
+}  // namespace gabion

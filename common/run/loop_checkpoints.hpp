@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+#include "common/base/timer.hpp"
+#include "common/run/run_keeper.hpp"
+#include "common/run/time_steps.hpp"
+
+namespace gabion {
+
+/// What a time loop does about checkpoints: it goes on from one, and writes them when due, at a
+/// signal and at the end.
+/// @note  Collective where the loop is.
+class LoopCheckpoints {
+ public:
+  /// @param keeper       null: no checkpoints
+  /// @param visit_state  the loop's state, `steps` included
+  /// @param phases       gets the time of writing as "checkpoint"
+  LoopCheckpoints(RunKeeper* keeper, const TimeSteps& steps,
+                  std::function<void(StateVisitor&)> visit_state, PhaseTimes& phases);
+  ~LoopCheckpoints() = default;
+  LoopCheckpoints(const LoopCheckpoints&) = delete;  // it points into its loop
+  LoopCheckpoints& operator=(const LoopCheckpoints&) = delete;
+  LoopCheckpoints(LoopCheckpoints&&) = delete;
+  LoopCheckpoints& operator=(LoopCheckpoints&&) = delete;
+
+  /// Load the state of the loop.
+  /// @returns false  the run starts at time 0
+  /// @throws ConfigError  the checkpoint is not before the end
+  bool go_on();
+  /// Call after each accepted step.
+  /// @throws Interrupted  the keeper has got a signal; after a checkpoint
+  void after_step();
+  void at_end();
+
+  /// "steps" of this run, and "restart" where it goes on from a checkpoint.
+  Json summary() const;
+
+ private:
+  const RestartPoint* start() const { return keeper_ == nullptr ? nullptr : keeper_->start(); }
+  void save();
+
+  RunKeeper* keeper_;
+  const TimeSteps& steps_;
+  std::function<void(StateVisitor&)> visit_state_;
+  PhaseTimes& phases_;
+  std::int64_t first_step_ = 1;  // of this run
+  std::int64_t saved_ = 0;       // step under way at the last checkpoint
+};
+
+}  // namespace gabion

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/run/state.hpp"
+#include "common/settings/config_reader.hpp"
+
+namespace gabion {
+
+/// The surface of a solver through which it is coupled, in its reference configuration.
+struct InterfaceMesh {
+  std::string name;                 ///< of the interface, such as "wall"; equal on both sides
+  int dim = 0;                      ///< 2 or 3
+  std::vector<double> coordinates;  ///< [m], num_vertices x dim, row-major
+  int vertices_per_facet = 0;       ///< 2 (segments), 3 or 4; 0 for bare points
+  std::vector<std::int64_t>
+      facets;  ///< num_facets x vertices_per_facet; normals point out of the structure
+  std::int64_t num_vertices() const { return static_cast<std::int64_t>(coordinates.size()) / dim; }
+};
+
+/// Interface name -> values at its vertices, num_vertices x dim, row-major.
+/// Displacement [m] is total, measured from the reference configuration.
+/// Force [N] is the nodal force that the soil exerts on the structure (2D: per metre of thickness).
+using InterfaceValues = std::map<std::string, std::vector<double>>;
+
+/// One solution of one step: from the accepted state at `time` to `time + dt`.
+struct StepRequest {
+  std::int64_t step = 0;  ///< 1, 2, 3, ...
+  int iteration = 0;      ///< of the coupling, 0 = first solution of this step
+  double time = 0;        ///< [s] of the accepted state
+  double dt = 0;          ///< [s]
+};
+
+/// What a solver says about one solution.
+struct StepReport {
+  int newton_iterations = 0;
+  std::int64_t linear_iterations = 0;
+  /// False when the interface values cannot change this solution, whatever they are
+  /// (no soil near the structure): the coupler then needs one pass only.
+  bool interface_active = true;
+  Json details = Json::object();  ///< numbers for the log, by name
+};
+
+/// What a solver says when a step was accepted.
+struct AcceptReport {
+  std::vector<double> probes;  ///< values in the order of probe_names()
+  bool at_rest = false;  ///< nothing moves and the load is balanced: the next step without new load
+                         ///< may be skipped
+  double proposed_dt = 0;         ///< [s], 0 = no opinion
+  Json details = Json::object();  ///< numbers of the accepted step for the log, by name
+};
+
+/// A time-stepping solver as seen from outside. A step is a function of the accepted state:
+/// repeating `solve_step` with the same request gives the same bits, so that iterating, cutting dt
+/// and restarting need no special cases.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  virtual std::vector<InterfaceMesh> interfaces() const = 0;
+  virtual std::vector<std::string> probe_names() const = 0;
+
+  /// Solve from the accepted state. `received` holds the values given to this solver at the end of
+  /// the step; `sent` is filled with what it answers. An empty `received` means free interfaces.
+  /// @throws ConvergenceError  the accepted state is untouched; try a smaller dt
+  virtual StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                                InterfaceValues& sent) = 0;
+
+  /// Make the last solution the accepted state. When the coupler skipped this solver in this step
+  /// (`solved` false), only time goes on.
+  virtual AcceptReport accept_step(const StepRequest& request, bool solved) = 0;
+
+  /// Forget the last solution.
+  virtual void reject_step() = 0;
+
+  /// Write the accepted state to disk. Called at time 0 too.
+  virtual void write_output(double time) = 0;
+
+  /// Values of the probes in the accepted state.
+  virtual std::vector<double> probes() const = 0;
+
+  /// Whether this solver has save_state() and load_state().
+  virtual bool keeps_state() const { return false; }
+
+  /// Everything of the accepted state that later steps depend on, and nothing else.
+  /// @note  Solvers on several ranks: the part of this rank.
+  virtual State save_state() { throw Error("this solver does not save its state"); }
+
+  /// Go on from a state that a solver with the same settings saved: every later step gives the bits
+  /// that it would have given there. Forgets the last solution.
+  /// @throws Error  the state is not one of this solver
+  virtual void load_state(const State&) { throw Error("this solver does not load a state"); }
+
+  /// Methods that ran ("linear_solver", ...), counts, and wall seconds by phase, for summary.json.
+  virtual Json summary() const = 0;
+
+  /// [s] wall time that the last call kept the solver busy, by its own clock. Empty for a solver of
+  /// this process, which is busy as long as the call lasts.
+  virtual std::optional<double> last_busy_seconds() const { return std::nullopt; }
+};
+
+/// A solver that computes while its caller does something else, such as one of another process.
+class AsynchronousSolver : public Solver {
+ public:
+  /// Begin solve_step; nothing else may be asked before finish_solve.
+  virtual void start_solve(const StepRequest& request, const InterfaceValues& received) = 0;
+  /// Wait for the solution. @throws ConvergenceError  as solve_step; nothing is under way then
+  virtual StepReport finish_solve(InterfaceValues& sent) = 0;
+};
+
+}  // namespace gabion

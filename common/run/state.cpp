@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/run/state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/require.hpp"
+
+namespace gabion {
+
+namespace {
+
+template <class Value>
+const std::vector<Value>& entry(const std::map<std::string, std::vector<Value>>& entries,
+                                const std::string& name) {
+  const auto found = entries.find(name);
+  require(found != entries.end(), "saved state: \"{}\" is missing", name);
+  return found->second;
+}
+
+template <class Value>
+void take(const std::map<std::string, std::vector<Value>>& entries, const std::string& name,
+          std::span<Value> values) {
+  const auto& saved = entry(entries, name);
+  require(saved.size() == values.size(), "saved state: \"{}\" has {} values, expected {}", name,
+          saved.size(), values.size());
+  std::copy(saved.begin(), saved.end(), values.begin());
+}
+
+}  // namespace
+
+void StateVisitor::integer(const std::string& name, int& value) {
+  std::int64_t wide = value;
+  integer(name, wide);
+  value = static_cast<int>(wide);
+}
+
+void StateVisitor::flag(const std::string& name, bool& value) {
+  std::int64_t wide = value ? 1 : 0;
+  integer(name, wide);
+  value = wide != 0;
+}
+
+void StateVisitor::integers(const std::string& name, std::span<std::int32_t> values) {
+  std::vector<std::int64_t> wide(values.begin(), values.end());
+  integers(name, std::span<std::int64_t>(wide));
+  std::transform(wide.begin(), wide.end(), values.begin(),
+                 [](std::int64_t value) { return static_cast<std::int32_t>(value); });
+}
+
+StateWriter::StateWriter(State& state, std::string prefix)
+    : state_(state), prefix_(std::move(prefix)) {}
+
+void StateWriter::reals(const std::string& name, std::span<double> values) {
+  state_.reals[prefix_ + name].assign(values.begin(), values.end());
+}
+
+void StateWriter::integers(const std::string& name, std::span<std::int64_t> values) {
+  state_.integers[prefix_ + name].assign(values.begin(), values.end());
+}
+
+void StateWriter::list(const std::string& name, std::vector<double>& values) {
+  state_.reals[prefix_ + name] = values;
+}
+
+void StateWriter::list(const std::string& name, std::vector<std::int64_t>& values) {
+  state_.integers[prefix_ + name] = values;
+}
+
+void StateWriter::fact(const std::string& name, Json& value) {
+  state_.facts[prefix_ + name] = value;
+}
+
+StateReader::StateReader(const State& state, std::string prefix)
+    : state_(state), prefix_(std::move(prefix)) {}
+
+void StateReader::reals(const std::string& name, std::span<double> values) {
+  take(state_.reals, prefix_ + name, values);
+}
+
+void StateReader::integers(const std::string& name, std::span<std::int64_t> values) {
+  take(state_.integers, prefix_ + name, values);
+}
+
+void StateReader::list(const std::string& name, std::vector<double>& values) {
+  values = entry(state_.reals, prefix_ + name);
+}
+
+void StateReader::list(const std::string& name, std::vector<std::int64_t>& values) {
+  values = entry(state_.integers, prefix_ + name);
+}
+
+void StateReader::fact(const std::string& name, Json& value) {
+  require(state_.facts.contains(prefix_ + name), "saved state: \"{}\" is missing", prefix_ + name);
+  value = state_.facts.at(prefix_ + name);
+}
+
+}  // namespace gabion

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "common/settings/config_reader.hpp"
+
+namespace gabion {
+
+/// Counts of a coupled run for summary.json.
+struct CouplingCounts {
+  std::int64_t steps = 0;     ///< accepted
+  std::int64_t total = 0;     ///< iterations that were completed, those of rejected steps too
+  std::int64_t accepted = 0;  ///< iterations of accepted steps
+  std::int64_t steps_in_contact = 0;
+  std::int64_t accepted_in_contact = 0;
+  int max = 0;                            ///< iterations of one accepted solution
+  std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
+  std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
+  std::int64_t accepted_unconverged = 0;
+  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
+  std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
+
+  void add_step(int iterations, bool contact) {
+    ++steps;
+    accepted += iterations;
+    max = std::max(max, iterations);
+    if (!contact) return;
+    ++steps_in_contact;
+    accepted_in_contact += iterations;
+  }
+
+  Json json() const {
+    const auto mean = [](std::int64_t sum, std::int64_t count) {
+      return count > 0 ? Json(static_cast<double>(sum) / static_cast<double>(count)) : Json();
+    };
+    return {{"coupling_iterations",
+             {{"total", total},
+              {"rejected", total - accepted},
+              {"mean", mean(accepted, steps)},
+              {"mean_in_contact", mean(accepted_in_contact, steps_in_contact)},
+              {"max", max}}},
+            {"steps_in_contact", steps_in_contact},
+            {"skipped", {{"acceleration", skipped_acceleration}, {"structure", skipped_structure}}},
+            {"accepted_unconverged", accepted_unconverged},
+            {"history_resets", history_resets},
+            {"filter_fallbacks", filter_fallbacks}};
+  }
+};
+
+}  // namespace gabion

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "coupler/step/state_vectors.hpp"
+
+namespace gabion {
+
+/// Work of the nodal forces f on one side of the interfaces, step by step, by the trapezoidal rule
+///
+///     W = 1/2 (f_n + f_n+1) . (u_n+1 - u_n)
+///
+/// Newmark's rule with beta = 1/4 turns exactly this into the energy of a linear side; the sum over
+/// both sides vanishes when their displacements agree and the forces are mapped conservatively.
+/// Before the first step u = 0, f = 0.
+class InterfaceWork {
+ public:
+  /// @param u, f  [m], [N] at the end of an accepted step, of equal and constant size
+  /// @returns     W of this step [J] (2D: per metre of thickness)
+  double accept(const Eigen::VectorXd& u, const Eigen::VectorXd& f) {
+    const double work = u_.size() == 0 ? 0.5 * f.dot(u) : 0.5 * (f_ + f).dot(u - u_);
+    u_ = u;
+    f_ = f;
+    return work;
+  }
+
+  /// Names begin with `prefix`.
+  void visit_state(StateVisitor& visitor, const std::string& prefix) {
+    visit_vector(visitor, prefix + "u", u_);
+    visit_vector(visitor, prefix + "f", f_);
+  }
+
+ private:
+  Eigen::VectorXd u_;  // empty before the first step
+  Eigen::VectorXd f_;
+};
+
+}  // namespace gabion

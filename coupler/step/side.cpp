@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/step/side.hpp"
+
+#include <utility>
+
+namespace gabion {
+
+/// Notes how long a call to the solver takes, whether it succeeds or not.
+class Side::CallTimer {
+ public:
+  explicit CallTimer(Side& side) : side_(side) {}
+  CallTimer(Side& side, const Stopwatch& since) : side_(side), watch_(since) {}
+  ~CallTimer() {
+    const double seconds = watch_.seconds();
+    side_.call_seconds_ += seconds;
+    side_.busy_seconds_ += side_.solver_.last_busy_seconds().value_or(seconds);
+  }
+  CallTimer(const CallTimer&) = delete;
+  CallTimer& operator=(const CallTimer&) = delete;
+  CallTimer(CallTimer&&) = delete;
+  CallTimer& operator=(CallTimer&&) = delete;
+
+ private:
+  Side& side_;
+  Stopwatch watch_;
+};
+
+void Side::begin_step() {
+  call_seconds_ = 0;
+  busy_seconds_ = 0;
+}
+
+void Side::solve(const StepRequest& request, const InterfaceValues& received,
+                 InterfaceValues& sent) {
+  const CallTimer timer(*this);
+  note_solution(solver_.solve_step(request, received, sent));
+}
+
+void Side::start_solve(const StepRequest& request, const InterfaceValues& received) {
+  under_way_ = UnderWay{request, {}, Stopwatch()};
+  if (AsynchronousSolver* solver = asynchronous()) {
+    solver->start_solve(request, received);
+  } else {
+    under_way_->received = received;
+  }
+}
+
+void Side::finish_solve(InterfaceValues& sent) {
+  const UnderWay task = *std::exchange(under_way_, std::nullopt);
+  AsynchronousSolver* solver = asynchronous();
+  if (!solver) return solve(task.request, task.received, sent);
+  const CallTimer timer(*this, task.watch);
+  note_solution(solver->finish_solve(sent));
+}
+
+void Side::note_solution(const StepReport& report) {
+  report_ = report;
+  solved_ = true;
+  linear_iterations_ += report_.linear_iterations;
+}
+
+void Side::skip() {
+  report_ = {};
+  solved_ = false;
+}
+
+AcceptReport Side::accept(const StepRequest& request) {
+  const CallTimer timer(*this);
+  AcceptReport report = solver_.accept_step(request, solved_);
+  accepted_details_ = report.details;
+  return report;
+}
+
+void Side::reject() {
+  const CallTimer timer(*this);
+  solver_.reject_step();
+}
+
+void Side::add_details(double wall_seconds, Json& details) const {
+  const std::string prefix = name_ + ".";
+  for (const Json* report : {&report_.details, &accepted_details_}) {
+    for (const auto& item : report->items()) details[prefix + item.key()] = item.value();
+  }
+  details[prefix + "linear_iterations"] = linear_iterations_;
+  details[prefix + "busy_seconds"] = busy_seconds_;
+  details[prefix + "message_seconds"] = call_seconds_ - busy_seconds_;
+  details[prefix + "waiting_seconds"] = wall_seconds - call_seconds_;
+}
+
+}  // namespace gabion

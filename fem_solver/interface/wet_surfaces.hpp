@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/run/solver.hpp"
+#include "fem_solver/fem_config.hpp"
+
+namespace gabion::fem {
+
+/// The wet surfaces of a structure: facets of its mesh, vertices = nodes. Takes forces, gives
+/// displacements.
+template <int dim>
+class WetSurfaces {
+ public:
+  /// @throws ConfigError  missing group, with those that exist
+  explicit WetSurfaces(const FemSettings<dim>& settings);
+
+  /// Vertices in the order of their node numbers; facets with outward normals.
+  const std::vector<InterfaceMesh>& meshes() const { return meshes_; }
+
+  /// Nodal forces of all interfaces; a node on two of them receives both.
+  /// @returns num_nodes x dim [N]; empty when nothing was received
+  /// @throws Error  unknown or missing interface, wrong number of values
+  std::vector<double> nodal_forces(const InterfaceValues& received) const;
+
+  /// Total displacements of the vertices. @param u  num_nodes x dim [m]
+  InterfaceValues displacements(std::span<const double> u) const;
+
+ private:
+  std::size_t num_dofs_;
+  std::vector<InterfaceMesh> meshes_;
+  std::vector<std::vector<std::int32_t>> nodes_;  // node of each vertex of each interface
+};
+
+}  // namespace gabion::fem

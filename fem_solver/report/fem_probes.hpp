@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fem_solver/fem_config.hpp"
+#include "fem_solver/step/equilibrium.hpp"
+#include "fem_solver/step/fem_step.hpp"
+
+namespace gabion::fem {
+
+/// What probes.csv reports of a structure: displacements of points, then kinetic_energy,
+/// elastic_energy, external_work [J], momentum_<c> [kg m/s], then reaction_<group>_<c> [N] of the
+/// supports that ask for it (force of the support on the structure).
+template <int dim>
+class FemProbes {
+ public:
+  /// @throws ConfigError  a probe point outside the mesh
+  explicit FemProbes(const FemSettings<dim>& settings);
+
+  const std::vector<std::string>& names() const { return names_; }
+  /// @note Collective.
+  std::vector<double> values(const FemState& state, const Equilibrium<dim>& equilibrium) const;
+
+ private:
+  struct Point {
+    std::vector<std::int32_t> nodes;
+    std::vector<double> weights;  // shape functions at the point
+  };
+  static Point locate(const Mesh<dim>& mesh, const ProbeSettings<dim>& probe);
+
+  std::vector<std::string> names_;
+  std::vector<Point> points_;
+  std::vector<std::vector<std::int32_t>> reaction_nodes_;
+};
+
+}  // namespace gabion::fem

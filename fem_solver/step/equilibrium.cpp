@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/step/equilibrium.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <variant>
+
+#include "common/base/require.hpp"
+#include "common/mechanics/norm.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion::fem {
+
+bool StructureMotion::is_still() const {
+  const auto zero = [](double x) { return x == 0; };
+  return std::all_of(v.begin(), v.end(), zero) && std::all_of(a.begin(), a.end(), zero);
+}
+
+namespace {
+
+template <int dim>
+CellRange own_cells(const Mesh<dim>& mesh, MPI_Comm comm) {
+  return cells_of_rank(mesh.num_cells(), rank_of(comm), num_ranks(comm));
+}
+
+}  // namespace
+
+template <int dim>
+Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
+                              const BoundaryConditions<dim>& conditions, MPI_Comm comm)
+    : comm_(comm),
+      rank_(rank_of(comm)),
+      conditions_(conditions),
+      cells_(settings.mesh, settings.material, own_cells(settings.mesh, comm),
+             settings.lumped_mass),
+      scheme_(settings.time_integration),
+      num_dofs_(settings.mesh.nodes.size() * dim),
+      constrained_(num_dofs_, 0) {
+  for (const auto dof : conditions.constrained_dofs()) constrained_[dof] = 1;
+  std::visit(
+      [&](const auto& law) {
+        symmetric_ = law.symmetric_tangent();
+        wave_speed_ = std::sqrt(law.p_wave_modulus() / settings.material.density);
+      },
+      settings.material.law);
+  forces_.internal.assign(num_dofs_, 0.0);
+  forces_.inertia.assign(num_dofs_, 0.0);
+  u_trial_.resize(num_dofs_);
+  a_mean_.resize(num_dofs_);
+}
+
+template <int dim>
+void Equilibrium<dim>::begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
+                                  std::span<const double> f_start, double dt, bool with_inertia) {
+  motion_n_ = &motion_n;
+  f_ext_.assign(f_ext.begin(), f_ext.end());
+  for (std::size_t i = 0; i < f_start.size(); ++i) {
+    f_ext_[i] += scheme_.force_memory() * f_start[i];
+  }
+  dt_ = dt;
+  with_inertia_ = with_inertia;
+}
+
+template <int dim>
+double Equilibrium<dim>::end_acceleration(std::size_t dof, double du) const {
+  if (constrained_[dof]) return (du / dt_ - motion_n_->v[dof]) / dt_;
+  return scheme_.acceleration(du, motion_n_->v[dof], motion_n_->a[dof], dt_);
+}
+
+template <int dim>
+Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<double> r,
+                                      BlockMatrix<dim>* K) {
+  assert(motion_n_ && du.size() == num_dofs_ && r.size() == num_dofs_);
+  for (std::size_t i = 0; i < num_dofs_; ++i) u_trial_[i] = motion_n_->u[i] + du[i];
+  // One message carries internal forces, inertia, energy and the count of bad cells of all ranks.
+  buffer_.assign(2 * num_dofs_ + 3, 0.0);
+  const std::span<double> internal(buffer_.data(), num_dofs_);
+  const std::span<double> inertia(buffer_.data() + num_dofs_, num_dofs_);
+  if (K) K->set_zero();
+  const StressIntegral stresses = cells_.add_internal(u_trial_, internal, K);
+  if (with_inertia_) {
+    for (std::size_t i = 0; i < num_dofs_; ++i) {
+      a_mean_[i] = scheme_.inertia(end_acceleration(i, du[i]), motion_n_->a[i]);
+    }
+    cells_.add_mass_times(a_mean_, inertia);
+  }
+  buffer_[2 * num_dofs_] = stresses.energy;
+  if (stresses.inadmissible_cell >= 0) {
+    buffer_[2 * num_dofs_ + 1] = 1;
+    buffer_[2 * num_dofs_ + 2] = stresses.inadmissible_cell;
+  }
+  sum_over_ranks(comm_, std::span<double>(buffer_));
+
+  Evaluation result;
+  if (buffer_[2 * num_dofs_ + 1] > 0) {
+    result.admissible = false;
+    result.reason = buffer_[2 * num_dofs_ + 1] == 1
+                        ? fmt::format("det F <= 0 in cell {}", buffer_[2 * num_dofs_ + 2])
+                        : fmt::format("det F <= 0 on {} ranks", buffer_[2 * num_dofs_ + 1]);
+    return result;
+  }
+  forces_.internal.assign(internal.begin(), internal.end());
+  forces_.inertia.assign(inertia.begin(), inertia.end());
+  forces_.elastic_energy = buffer_[2 * num_dofs_];
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    r[i] = constrained_[i] ? 0.0 : f_ext_[i] - internal[i] - inertia[i];
+    if (!std::isfinite(internal[i]) || !std::isfinite(inertia[i]) || !std::isfinite(f_ext_[i])) {
+      result.admissible = false;
+      result.reason = fmt::format("force not finite at node {}", i / dim);
+      return result;
+    }
+  }
+  result.force_scale = std::max({norm_of(internal), norm_of(inertia), norm_of(f_ext_)});
+  if (K) {
+    last_tangent_ = {u_trial_, dt_, with_inertia_};
+    finish_tangent(dt_, with_inertia_, *K);
+  }
+  return result;
+}
+
+template <int dim>
+void Equilibrium<dim>::finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K) {
+  if (with_inertia) cells_.add_mass(scheme_.inertia_slope(dt), K);
+  K.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
+}
+
+template <int dim>
+void Equilibrium<dim>::assemble_tangent(std::span<const double> u, double dt, bool with_inertia,
+                                        BlockMatrix<dim>& K) {
+  K.set_zero();
+  buffer_.assign(num_dofs_, 0.0);
+  cells_.add_internal(u, std::span<double>(buffer_), &K);
+  last_tangent_ = {{u.begin(), u.end()}, dt, with_inertia};
+  finish_tangent(dt, with_inertia, K);
+}
+
+template <int dim>
+StructureMotion Equilibrium<dim>::motion_after(std::span<const double> du) const {
+  StructureMotion next;
+  next.u.resize(num_dofs_);
+  next.v.assign(num_dofs_, 0.0);
+  next.a.assign(num_dofs_, 0.0);
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    next.u[i] = motion_n_->u[i] + du[i];
+    if (!with_inertia_) continue;
+    next.a[i] = end_acceleration(i, du[i]);
+    next.v[i] = constrained_[i]
+                    ? du[i] / dt_
+                    : scheme_.velocity(next.a[i], motion_n_->v[i], motion_n_->a[i], dt_);
+  }
+  return next;
+}
+
+template <int dim>
+std::vector<double> Equilibrium<dim>::mass_times(std::span<const double> y) const {
+  std::vector<double> result(num_dofs_, 0.0);
+  cells_.add_mass_times(y, result);
+  sum_over_ranks(comm_, std::span<double>(result));
+  return result;
+}
+
+template <int dim>
+std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const double> u,
+                                                           std::span<const double> f_ext) {
+  std::vector<double> r(num_dofs_, 0.0), a(num_dofs_, 0.0);
+  const StressIntegral stresses = cells_.add_internal(u, r, nullptr);
+  require<ConvergenceError>(max_over_ranks(comm_, stresses.inadmissible_cell) < 0,
+                            "initial displacement: det F <= 0 in a cell");
+  sum_over_ranks(comm_, std::span<double>(r));
+  bool balanced = true;
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    r[i] = constrained_[i] ? 0.0 : f_ext[i] - r[i];
+    balanced = balanced && r[i] == 0;
+  }
+  if (balanced) return a;
+  BlockMatrix<dim> M;
+  cells_.set_pattern(M);
+  M.set_zero();
+  cells_.add_mass(1, M);
+  M.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
+  LinearSolverSettings settings;
+  settings.method = "lu";
+  LinearSolver<dim> solver(comm_, settings);
+  solver.set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
+  solver.set_matrix(M, true);
+  solver.solve(r, a);
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    if (constrained_[i]) a[i] = 0;
+  }
+  return a;
+}
+
+template class Equilibrium<2>;
+template class Equilibrium<3>;
+
+}  // namespace gabion::fem

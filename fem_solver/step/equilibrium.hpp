@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <span>
+#include <vector>
+
+#include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/time_integration/newmark.hpp"
+#include "fem_solver/stress/cell_integrals.hpp"
+#include "fem_solver/supports/boundary_conditions.hpp"
+
+namespace gabion::fem {
+
+/// Motion of all nodes, num_nodes x dim each, replicated on all ranks.
+struct StructureMotion {
+  std::vector<double> u;  ///< displacement [m]
+  std::vector<double> v;  ///< velocity [m/s]
+  std::vector<double> a;  ///< acceleration [m/s^2]
+  bool is_still() const;  ///< v and a are zero in every bit
+};
+
+/// Where a tangent matrix was assembled.
+struct TangentPoint {
+  std::vector<double> u;      ///< displacement [m]
+  double dt = 0;              ///< [s]
+  bool with_inertia = false;  ///< the mass matrix is part of it
+  bool operator==(const TangentPoint&) const = default;
+};
+
+/// Forces of a state, num_nodes x dim each.
+struct NodalForces {
+  std::vector<double> internal;  ///< [N]
+  std::vector<double> inertia;   ///< [N], averaged and scaled as NewmarkBossak::inertia says
+  double elastic_energy = 0;     ///< [J]
+};
+
+/// Balance of forces of one step (README.md, equation 3):
+///
+///     r(du) = f' + force_memory f - M inertia(a', a) ,   f = f_ext - f_int
+///
+/// with the weights of NewmarkBossak; in statics f' alone. Rows of constrained components are zero.
+template <int dim>
+class Equilibrium final : public NewtonProblem<dim> {
+ public:
+  Equilibrium(const FemSettings<dim>& settings, const BoundaryConditions<dim>& conditions,
+              MPI_Comm comm);
+
+  /// Set the step that `evaluate` is about. The motion must outlive its evaluations.
+  /// @param f_ext    loads at the end of the step [N]
+  /// @param f_start  loads minus internal forces at its start [N]; empty where the scheme has no
+  ///                 force_memory, and in statics
+  void begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
+                  std::span<const double> f_start, double dt, bool with_inertia);
+
+  Evaluation evaluate(std::span<const double> du, std::span<double> r,
+                      BlockMatrix<dim>* K) override;
+  double length_scale() const override { return cells_.smallest_cell_size(); }
+
+  /// Motion at the end of the step. Constrained components follow their prescribed displacement
+  /// with backward differences, so that a ramp does not ring.
+  StructureMotion motion_after(std::span<const double> du) const;
+
+  /// Forces of the last admissible evaluation.
+  const NodalForces& forces() const { return forces_; }
+
+  /// Accelerations from M a = f_ext - f_int(u), constrained components zero.
+  std::vector<double> initial_acceleration(std::span<const double> u,
+                                           std::span<const double> f_ext);
+
+  /// M y, all ranks' cells. [kg x unit of y]
+  std::vector<double> mass_times(std::span<const double> y) const;
+
+  /// -dr/du at this displacement and for this step size.
+  /// @pre the displacement is admissible
+  void assemble_tangent(std::span<const double> u, double dt, bool with_inertia,
+                        BlockMatrix<dim>& K);
+  void set_pattern(BlockMatrix<dim>& K) const { cells_.set_pattern(K); }
+
+  /// Of the last tangent that was assembled.
+  const TangentPoint& last_tangent() const { return last_tangent_; }
+
+  const CellIntegrals<dim>& cells() const { return cells_; }
+  const NewmarkBossak& scheme() const { return scheme_; }
+  std::size_t num_dofs() const { return num_dofs_; }
+  bool symmetric() const { return symmetric_; }
+  double wave_speed() const { return wave_speed_; }  ///< of P waves [m/s]
+  MPI_Comm comm() const { return comm_; }
+
+ private:
+  void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
+  double end_acceleration(std::size_t dof, double du) const;
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  const BoundaryConditions<dim>& conditions_;
+  CellIntegrals<dim> cells_;
+  NewmarkBossak scheme_;
+  std::size_t num_dofs_ = 0;
+  bool symmetric_ = true;
+  double wave_speed_ = 0;
+  std::vector<char> constrained_;  // by dof
+
+  const StructureMotion* motion_n_ = nullptr;
+  std::vector<double> f_ext_;  // with the share of the forces at the start of the step
+  double dt_ = 0;
+  bool with_inertia_ = false;
+  NodalForces forces_;
+  std::vector<double> u_trial_, a_mean_, buffer_;
+  TangentPoint last_tangent_;
+};
+
+}  // namespace gabion::fem

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/step/fem_step.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "common/base/require.hpp"
+#include "common/mechanics/petsc/linear_method.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+/// Up to this size a factor that serves many solves beats Krylov iterations in 3D too.
+constexpr std::int64_t direct_dofs = 30000;
+
+/// "auto" means a direct method here: its factor is kept over iterations and steps.
+template <int dim>
+LinearSolverSettings with_kept_factor(LinearSolverSettings settings, std::int64_t num_dofs,
+                                      MPI_Comm comm) {
+  const bool automatic = settings.method == "auto" && settings.preconditioner == "auto";
+  if (!automatic || (dim == 3 && num_dofs > direct_dofs)) return settings;
+  const bool small = choose_direct_method(dim, num_dofs, num_ranks(comm)) == SolutionMethod::lu;
+  settings.method = small ? "lu" : "mumps";
+  return settings;
+}
+
+template <int dim>
+std::vector<double> gravity_forces(const FemSettings<dim>& settings,
+                                   const Equilibrium<dim>& equilibrium) {
+  std::vector<double> g(equilibrium.num_dofs());
+  for (std::size_t i = 0; i < g.size(); ++i) g[i] = settings.gravity[i % dim];
+  return settings.gravity.isZero(0) ? std::vector<double>(g.size(), 0.0)
+                                    : equilibrium.mass_times(g);
+}
+
+}  // namespace
+
+template <int dim>
+FemStep<dim>::FemStep(const FemSettings<dim>& settings, MPI_Comm comm)
+    : dynamic_(settings.dynamic),
+      initial_equilibrium_(settings.initial_equilibrium),
+      initial_velocity_(settings.initial_velocity),
+      newton_(settings.newton),
+      conditions_(settings),
+      equilibrium_(settings, conditions_, comm),
+      linear_(comm, with_kept_factor<dim>(
+                        settings.linear_solver,
+                        static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim, comm)),
+      weight_(gravity_forces(settings, equilibrium_)) {
+  equilibrium_.set_pattern(K_);
+}
+
+template <int dim>
+std::vector<double> FemStep<dim>::external_forces(double time,
+                                                  std::span<const double> f_interface) const {
+  std::vector<double> f = weight_;
+  conditions_.add_loads(time, f);
+  assert(f_interface.empty() || f_interface.size() == f.size());
+  for (std::size_t i = 0; i < f_interface.size(); ++i) f[i] += f_interface[i];
+  return f;
+}
+
+template <int dim>
+FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
+  FemState state;
+  state.f_ext = external_forces(0, {});
+  const auto constrained_u = conditions_.displacements(0);
+  const auto dofs = conditions_.constrained_dofs();
+  for (std::size_t k = 0; k < dofs.size(); ++k) {
+    u[dofs[k]] = constrained_u[k];
+    v[dofs[k]] = 0;
+  }
+  state.motion = {std::move(u), std::move(v), {}};
+  if (dynamic_) {
+    state.motion.a = equilibrium_.initial_acceleration(state.motion.u, state.f_ext);
+    state.balanced = true;
+  } else {
+    state.motion.a.assign(equilibrium_.num_dofs(), 0.0);
+  }
+  const std::vector<double> no_increment(equilibrium_.num_dofs(), 0.0);
+  std::vector<double> r(equilibrium_.num_dofs());
+  equilibrium_.begin_step(state.motion, state.f_ext, {}, 1, /*with_inertia=*/false);
+  const Evaluation start = equilibrium_.evaluate(no_increment, r, nullptr);
+  require<ConvergenceError>(start.admissible, "initial state: " + start.reason);
+  state.reactions.assign(equilibrium_.num_dofs(), 0.0);
+  const std::vector<double> inertia = equilibrium_.mass_times(state.motion.a);
+  for (const auto dof : dofs) {
+    state.reactions[dof] = equilibrium_.forces().internal[dof] + inertia[dof] - state.f_ext[dof];
+  }
+  state.f_int = equilibrium_.forces().internal;
+  state.elastic_energy = equilibrium_.forces().elastic_energy;
+  if (!dynamic_) {
+    state.balanced = std::all_of(r.begin(), r.end(), [](double x) { return x == 0; });
+  }
+  return state;
+}
+
+template <int dim>
+FemState FemStep<dim>::initial_state() {
+  std::vector<double> u(equilibrium_.num_dofs(), 0.0), v(equilibrium_.num_dofs());
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = initial_velocity_[i % dim];
+  if (!initial_equilibrium_) return state_of(std::move(u), std::move(v));
+
+  FemState reference;
+  reference.motion = {u, u, u};
+  reference.f_int = u;
+  reference.f_ext = external_forces(0, {});
+  reference.reactions.assign(u.size(), 0.0);
+  FemState state;
+  if (nothing_changes(reference, reference.f_ext, conditions_.displacements(0)) &&
+      std::all_of(reference.f_ext.begin(), reference.f_ext.end(),
+                  [](double x) { return x == 0; })) {
+    state = reference;
+  } else {
+    std::vector<double> du = first_guess(reference, 0);
+    solve_balance(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
+    fill_trial(reference, reference.f_ext, 0, du, state);
+  }
+  state.balanced = true;
+  state.external_work = 0;
+  state.tangent.reset();
+  state.rescue.reset();
+  return state;
+}
+
+/// What the balance needs of the state at the start of the step, see NewmarkBossak.
+template <int dim>
+std::vector<double> FemStep<dim>::start_forces(const FemState& state_n, bool with_inertia) const {
+  if (!with_inertia || equilibrium_.scheme().force_memory() == 0) return {};
+  std::vector<double> f = state_n.f_ext;
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] -= state_n.f_int[i];
+  return f;
+}
+
+template <int dim>
+bool FemStep<dim>::nothing_changes(const FemState& state_n, std::span<const double> f_ext,
+                                   std::span<const double> constrained_u) const {
+  const auto dofs = conditions_.constrained_dofs();
+  for (std::size_t k = 0; k < dofs.size(); ++k) {
+    if (constrained_u[k] != state_n.motion.u[dofs[k]]) return false;
+  }
+  return state_n.motion.is_still() && std::ranges::equal(f_ext, state_n.f_ext);
+}
+
+/// Free components go on with their velocity, constrained ones reach their prescribed value.
+template <int dim>
+std::vector<double> FemStep<dim>::first_guess(const FemState& state_n, double dt) const {
+  std::vector<double> du(equilibrium_.num_dofs(), 0.0);
+  if (dynamic_) {
+    for (std::size_t i = 0; i < du.size(); ++i) du[i] = dt * state_n.motion.v[i];
+  }
+  const auto constrained_u = conditions_.displacements(state_n.time + dt);
+  const auto dofs = conditions_.constrained_dofs();
+  for (std::size_t k = 0; k < dofs.size(); ++k) {
+    du[dofs[k]] = constrained_u[k] - state_n.motion.u[dofs[k]];
+  }
+  return du;
+}
+
+/// @returns whether the linear solver holds the matrix that this solution starts with
+template <int dim>
+bool FemStep<dim>::prepare_matrix(const FemState& state_n, double dt, bool with_inertia) {
+  const double courant = with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.length_scale()
+                                      : std::numeric_limits<double>::infinity();
+  linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant}, K_.num_nodes());
+  const auto fits = [&](const std::optional<TangentPoint>& point) {
+    return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
+  };
+  if (!newton_.reuse_matrix) return false;
+  if (last_) return fits(held_tangent_);
+  if (!fits(state_n.tangent)) return false;
+  if (state_n.tangent == held_tangent_) {
+    linear_.set_rescue(state_n.rescue);
+    return true;
+  }
+  const ScopedTimer timer(times_, "restore");
+  held_tangent_ = state_n.tangent;
+  equilibrium_.assemble_tangent(held_tangent_->u, dt, with_inertia, K_);
+  linear_.set_matrix(K_, new_pattern_);
+  linear_.set_rescue(state_n.rescue);
+  new_pattern_ = false;
+  ++restored_matrices_;
+  return true;
+}
+
+template <int dim>
+NewtonReport FemStep<dim>::solve_balance(const FemState& state_n, std::span<const double> f_ext,
+                                         double dt, bool with_inertia, std::vector<double>& du) {
+  NewtonMemory memory{.matrix_is_usable = prepare_matrix(state_n, dt, with_inertia)};
+  if (!memory.matrix_is_usable) held_tangent_.reset();
+  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
+                          with_inertia);
+  try {
+    const NewtonReport report =
+        solve_newton<dim>(equilibrium_, K_, new_pattern_, linear_, newton_, du, times_, &memory);
+    new_pattern_ = new_pattern_ && report.iterations == 0;
+    if (!memory.matrix_is_usable) held_tangent_.reset();
+    if (memory.matrix_is_usable && report.matrices > 0) held_tangent_ = equilibrium_.last_tangent();
+    newton_iterations_ += report.iterations;
+    return report;
+  } catch (const ConvergenceError&) {
+    held_tangent_.reset();
+    throw;
+  }
+}
+
+template <int dim>
+void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext, double dt,
+                              std::span<const double> du, FemState& trial) {
+  // The line search may have looked at other states after this one.
+  std::vector<double> r(equilibrium_.num_dofs());
+  equilibrium_.evaluate(du, r, nullptr);
+  const NodalForces& forces = equilibrium_.forces();
+  trial.time = state_n.time + dt;
+  trial.motion = equilibrium_.motion_after(du);
+  trial.balanced = true;
+  trial.elastic_energy = forces.elastic_energy;
+  trial.f_int = forces.internal;
+  trial.reactions.assign(f_ext.size(), 0.0);
+  const bool with_inertia = dynamic_ && dt > 0;
+  const std::vector<double> f_start = start_forces(state_n, with_inertia);
+  const double memory = f_start.empty() ? 0 : equilibrium_.scheme().force_memory();
+  for (const auto dof : conditions_.constrained_dofs()) {
+    const double missing = forces.internal[dof] + forces.inertia[dof] - f_ext[dof];
+    trial.reactions[dof] =
+        f_start.empty() ? missing : (missing - memory * f_start[dof]) / (1 + memory);
+  }
+  trial.f_ext = std::move(f_ext);
+  trial.external_work = state_n.external_work + work(state_n, trial, du);
+  trial.tangent = held_tangent_;
+  trial.rescue = linear_.rescue();
+}
+
+/// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the
+/// instants that the steps balance, alpha_f dt before their ends.
+template <int dim>
+double FemStep<dim>::work(const FemState& state_n, const FemState& trial,
+                          std::span<const double> du) const {
+  const double later = 0.5 + equilibrium_.scheme().alpha_f;
+  double sum = 0;
+  for (std::size_t i = 0; i < du.size(); ++i) {
+    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + (1 - later) * state_n.reactions[i] +
+                    later * trial.reactions[i]);
+  }
+  return sum;
+}
+
+template <int dim>
+StepReport FemStep<dim>::solve(const FemState& state_n, std::span<const double> f_interface,
+                               double dt, FemState& trial) {
+  std::vector<double> f_ext = external_forces(state_n.time + dt, f_interface);
+  StepReport report;
+  report.details = {{"skipped", 0}, {"matrix_assemblies", 0}};
+  if (state_n.balanced &&
+      nothing_changes(state_n, f_ext, conditions_.displacements(state_n.time + dt))) {
+    trial = state_n;
+    trial.time = state_n.time + dt;
+    ++skipped_solves_;
+    report.details["skipped"] = 1;
+    return report;
+  }
+  if (last_ && last_->dt != dt) last_.reset();
+  if (last_ && last_->f_ext == f_ext) {
+    trial = last_->trial;
+    ++repeated_solves_;
+    return last_->report;
+  }
+  std::vector<double> du = last_ ? last_->du : first_guess(state_n, dt);
+  try {
+    const NewtonReport newton = solve_balance(state_n, f_ext, dt, dynamic_, du);
+    report.newton_iterations = newton.iterations;
+    report.linear_iterations = newton.linear_iterations;
+    report.details["matrix_assemblies"] = newton.matrices;
+  } catch (const ConvergenceError&) {
+    last_.reset();
+    throw;
+  }
+  fill_trial(state_n, f_ext, dt, du, trial);
+  last_ = Iterate{std::move(f_ext), dt, std::move(du), trial, report};
+  ++solves_;
+  return report;
+}
+
+template <int dim>
+void FemStep<dim>::forget_iterates() {
+  last_.reset();
+}
+
+template <int dim>
+bool FemStep<dim>::at_rest(const FemState& state) const {
+  return state.balanced && state.motion.is_still() && conditions_.constant_after(state.time);
+}
+
+template <int dim>
+Json FemStep<dim>::summary() const {
+  Json wall = Json::object();
+  for (const auto& [phase, seconds] : times_.seconds()) wall[phase] = seconds;
+  return {{"linear_solver", solves_ > 0 ? linear_.method_name() : "none yet"},
+          {"solves", solves_},
+          {"skipped_solves", skipped_solves_},
+          {"repeated_solves", repeated_solves_},
+          {"newton_iterations", newton_iterations_},
+          {"factorisations", linear_.factorisations()},
+          {"restored_matrices", restored_matrices_},
+          {"krylov_fallbacks", linear_.fallbacks()},
+          {"wall_seconds", wall}};
+}
+
+template class FemStep<2>;
+template class FemStep<3>;
+
+}  // namespace gabion::fem

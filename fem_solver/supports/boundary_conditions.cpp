@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/supports/boundary_conditions.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "common/mechanics/elements/shape_functions.hpp"
+
+namespace gabion::fem {
+
+template <int dim>
+std::int32_t node_at(const Mesh<dim>& mesh, const Vector<dim>& point, const std::string& where) {
+  Vector<dim> low = mesh.nodes.front(), high = low;
+  std::int32_t best = 0;
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
+    const Vector<dim>& x = mesh.nodes[i];
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+    const double distance = (x - point).norm();
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = i;
+    }
+  }
+  const double allowed = 1e-6 * (high - low).norm();
+  if (best_distance <= allowed) return best;
+  const Vector<dim>& x = mesh.nodes[best];
+  throw ConfigError(
+      fmt::format("{}: no node at [{}]; the nearest is [{}], {:.3g} m away (allowed: {:.3g} m)",
+                  where, fmt::join(point.data(), point.data() + dim, ", "),
+                  fmt::join(x.data(), x.data() + dim, ", "), best_distance, allowed));
+}
+
+namespace {
+
+/// Area of the parallelogram spanned by the columns of a dim x (dim - 1) Jacobian.
+template <int dim>
+double facet_measure(const Eigen::Matrix<double, dim, dim - 1>& jacobian) {
+  return std::sqrt((jacobian.transpose() * jacobian).determinant());
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::int32_t> facets) {
+  constexpr int facet_dim = dim - 1;
+  const CellType type = facet_type(mesh.cell_type);
+  const int n = num_nodes(type);
+  std::vector<double> weights(mesh.nodes.size(), 0.0);
+  ShapeValues<facet_dim> shape;
+  for (const auto& q : gauss_rule<facet_dim>(type, 3)) {
+    shape_functions<facet_dim>(type, q.xi, shape);
+    for (std::size_t f = 0; f + n <= facets.size(); f += n) {
+      Eigen::Matrix<double, dim, facet_dim> jacobian =
+          Eigen::Matrix<double, dim, facet_dim>::Zero();
+      for (int a = 0; a < n; ++a) {
+        jacobian += mesh.nodes[facets[f + a]] * shape.dN[a].transpose();
+      }
+      const double area = q.weight * facet_measure<dim>(jacobian);
+      for (int a = 0; a < n; ++a) weights[facets[f + a]] += shape.N[a] * area;
+    }
+  }
+  return weights;
+}
+
+template <int dim>
+BoundaryConditions<dim>::BoundaryConditions(const FemSettings<dim>& settings) {
+  collect_constraints(settings);
+  collect_loads(settings);
+}
+
+template <int dim>
+void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, std::int32_t node,
+                                             int component, int function,
+                                             const std::string& where) {
+  constexpr int free_dof = -2, fixed_dof = -1;
+  int& current = owner[static_cast<std::size_t>(node) * dim + component];
+  if (current == free_dof || (current == fixed_dof && function == fixed_dof)) {
+    current = function;
+    return;
+  }
+  throw ConfigError(fmt::format(
+      "{}: component {} of node {} is already {} by another entry; allowed: one "
+      "condition a component",
+      where, component_names[component], node, current == fixed_dof ? "fixed" : "prescribed"));
+}
+
+template <int dim>
+void BoundaryConditions<dim>::collect_constraints(const FemSettings<dim>& settings) {
+  const Mesh<dim>& mesh = settings.mesh;
+  std::vector<int> owner(mesh.nodes.size() * dim, -2);
+  for (const auto& support : settings.supports) {
+    for (const auto node : mesh.group_nodes(support.group, support.where)) {
+      for (const int c : support.components) add_constraint(owner, node, c, -1, support.where);
+    }
+  }
+  for (const auto& prescribed : settings.prescribed) {
+    const int function = static_cast<int>(functions_.size());
+    functions_.push_back(prescribed.displacement);
+    for (const auto node : mesh.group_nodes(prescribed.group, prescribed.where)) {
+      add_constraint(owner, node, prescribed.component, function, prescribed.where);
+    }
+  }
+  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
+    Matrix<dim> projector = Matrix<dim>::Identity();
+    for (int c = 0; c < dim; ++c) {
+      const int function = owner[static_cast<std::size_t>(i) * dim + c];
+      if (function == -2) continue;
+      projector(c, c) = 0;
+      dofs_.push_back(i * dim + c);
+      dof_functions_.push_back(function);
+    }
+    if (projector == Matrix<dim>::Identity()) continue;
+    nodes_.push_back(i);
+    projectors_.push_back(projector);
+  }
+}
+
+template <int dim>
+void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
+  const Mesh<dim>& mesh = settings.mesh;
+  for (const auto& load : settings.loads) {
+    const auto nodes = load.point
+                           ? std::vector<std::int32_t>{node_at(mesh, *load.point, load.where)}
+                           : mesh.group_nodes(load.group, load.where);
+    const Vector<dim> share = load.force / static_cast<double>(nodes.size());
+    loads_.push_back({nodes, std::vector<Vector<dim>>(nodes.size(), share), load.factor});
+  }
+  for (const auto& traction : settings.tractions) {
+    const auto weights = facet_weights(
+        mesh, std::span<const std::int32_t>(mesh.facets(traction.group, traction.where)));
+    Load load{{}, {}, traction.factor};
+    for (const auto node : mesh.group_nodes(traction.group, traction.where)) {
+      load.nodes.push_back(node);
+      load.forces.push_back(weights[node] * traction.traction);
+    }
+    loads_.push_back(std::move(load));
+  }
+}
+
+template <int dim>
+std::vector<double> BoundaryConditions<dim>::displacements(double time) const {
+  std::vector<double> result(dofs_.size(), 0.0);
+  for (std::size_t i = 0; i < dofs_.size(); ++i) {
+    if (dof_functions_[i] >= 0) result[i] = functions_[dof_functions_[i]].at(time);
+  }
+  return result;
+}
+
+template <int dim>
+void BoundaryConditions<dim>::add_loads(double time, std::span<double> f) const {
+  for (const auto& load : loads_) {
+    const double factor = load.factor.at(time);
+    for (std::size_t k = 0; k < load.nodes.size(); ++k) {
+      for (int c = 0; c < dim; ++c) {
+        f[static_cast<std::size_t>(load.nodes[k]) * dim + c] += factor * load.forces[k][c];
+      }
+    }
+  }
+}
+
+template <int dim>
+bool BoundaryConditions<dim>::constant_after(double time) const {
+  for (const auto& f : functions_) {
+    if (!f.constant_after(time)) return false;
+  }
+  for (const auto& load : loads_) {
+    if (!load.factor.constant_after(time)) return false;
+  }
+  return true;
+}
+
+template std::int32_t node_at<2>(const Mesh<2>&, const Vector<2>&, const std::string&);
+template std::int32_t node_at<3>(const Mesh<3>&, const Vector<3>&, const std::string&);
+template std::vector<double> facet_weights<2>(const Mesh<2>&, std::span<const std::int32_t>);
+template std::vector<double> facet_weights<3>(const Mesh<3>&, std::span<const std::int32_t>);
+template class BoundaryConditions<2>;
+template class BoundaryConditions<3>;
+
+}  // namespace gabion::fem

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/surface_config.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace gabion::mpm {
+
+namespace {
+
+// Facets of a mesh, with only the vertices that they use.
+template <int dim>
+ContactSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std::string>& groups,
+                                    const std::string& where) {
+  ContactSurface<dim> surface;
+  surface.facet_type = facet_type(mesh.cell_type);
+  std::map<std::int32_t, std::int32_t> vertex_of_node;
+  for (const auto& group : groups) {
+    for (const std::int32_t node : mesh.facets(group, where)) {
+      const auto [entry, is_new] =
+          vertex_of_node.try_emplace(node, static_cast<std::int32_t>(surface.vertices.size()));
+      if (is_new) surface.vertices.push_back(mesh.nodes[node]);
+      surface.facets.push_back(entry->second);
+    }
+  }
+  return surface;
+}
+
+// Pieces of an edge; not an int, which too small a spacing would overflow.
+double pieces_of_edge(double length, double spacing) {
+  return std::max(1.0, std::ceil(length / spacing - 1e-9));
+}
+
+// Refuse a corner that equals the one before, and more pieces in all than anyone can mean.
+void check_polyline(const ConfigReader& in, const std::vector<std::vector<double>>& corners,
+                    double spacing) {
+  double pieces = 0;
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    const double length =
+        std::hypot(corners[k][0] - corners[k - 1][0], corners[k][1] - corners[k - 1][1]);
+    if (!(length > 0)) {
+      in.fail(fmt::format("polyline/{}", k),
+              fmt::format("found ({}, {}), the point before it, allowed: points that differ",
+                          corners[k][0], corners[k][1]));
+    }
+    pieces += pieces_of_edge(length, spacing);
+  }
+  if (pieces <= max_surface_points) return;
+  in.fail("spacing", fmt::format("found {}, which makes {:.0f} segments, allowed: at most {}",
+                                 spacing, pieces, max_surface_points));
+}
+
+// Segments of at most `spacing` along a line through the given corners.
+ContactSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& corners,
+                                      double spacing) {
+  ContactSurface<2> surface;
+  surface.facet_type = CellType::line2;
+  surface.vertices.push_back({corners[0][0], corners[0][1]});
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
+    const Vector<2> to(corners[k][0], corners[k][1]);
+    const int pieces = static_cast<int>(pieces_of_edge((to - from).norm(), spacing));
+    for (int i = 1; i <= pieces; ++i) {
+      const auto last = static_cast<std::int32_t>(surface.vertices.size()) - 1;
+      surface.vertices.push_back(from + (to - from) * (static_cast<double>(i) / pieces));
+      surface.facets.insert(surface.facets.end(), {last, last + 1});
+    }
+  }
+  return surface;
+}
+
+}  // namespace
+
+template <int dim>
+ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
+  ContactSurface<dim> surface;
+  if (in.has("polyline")) {
+    if constexpr (dim == 2) {
+      const auto corners = in.rows("polyline", 2);
+      if (corners.size() < 2) in.fail("polyline", "allowed: at least two points");
+      const double spacing = in.number("spacing", positive());
+      check_polyline(in, corners, spacing);
+      surface = surface_of_polyline(corners, spacing);
+    } else {
+      in.fail("polyline", "allowed in 2D only; in 3D give \"mesh\" and \"groups\"");
+    }
+  } else {
+    surface = surface_of_mesh(read_mesh<dim>(scene, in.object("mesh")), in.texts("groups"),
+                              in.where("groups"));
+  }
+  in.finish();
+  return surface;
+}
+
+template <int dim>
+void check_point_count(const ConfigReader& in, const ContactSurface<dim>& surface,
+                       int points_per_facet) {
+  const auto facets =
+      static_cast<std::int64_t>(surface.facets.size()) / num_nodes(surface.facet_type);
+  const std::int64_t points = facets * points_per_facet;
+  if (points <= max_surface_points) return;
+  in.fail("points_per_facet",
+          fmt::format("found {} on {} facets, which makes {} boundary points, allowed: at most {}",
+                      points_per_facet, facets, points, max_surface_points));
+}
+
+template <int dim>
+void require_new_facets(const ConfigReader& in, const ContactSurface<dim>& surface,
+                        SeenFacets<dim>& seen) {
+  const std::size_t n = num_nodes(surface.facet_type);
+  for (std::size_t f = 0; f < surface.facets.size(); f += n) {
+    const std::span facet = std::span(surface.facets).subspan(f, n);
+    if (seen.add(surface.vertices, facet)) continue;
+    const Vector<dim>& x = surface.vertices[facet.front()];
+    in.fail("surface",
+            fmt::format("found the facet at ({}) a second time, allowed: each facet in one surface "
+                        "and once, else its penalty would act twice",
+                        fmt::join(x.data(), x.data() + dim, ", ")));
+  }
+}
+
+template ContactSurface<2> read_surface<2>(const Scene&, ConfigReader);
+template void check_point_count<2>(const ConfigReader&, const ContactSurface<2>&, int);
+template void require_new_facets<2>(const ConfigReader&, const ContactSurface<2>&, SeenFacets<2>&);
+template ContactSurface<3> read_surface<3>(const Scene&, ConfigReader);
+template void check_point_count<3>(const ConfigReader&, const ContactSurface<3>&, int);
+template void require_new_facets<3>(const ConfigReader&, const ContactSurface<3>&, SeenFacets<3>&);
+
+}  // namespace gabion::mpm

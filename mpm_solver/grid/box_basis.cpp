@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/grid/box_basis.hpp"
+
+#include <algorithm>
+
+#include "mpm_solver/grid/axis_basis.hpp"
+#include "mpm_solver/grid/point_domains.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr double widest_domain = 0.5;  // half length by the spacing
+constexpr double rounding = 1e-12;     // a domain as wide as a cell is not cut
+constexpr int unused = 255;
+
+// The nodes of a cell and those one step around it, of which at most max_group_nodes act.
+template <int dim>
+struct Neighbourhood {
+  typename BoxGrid<dim>::Index corner;  // lattice place of number 0; may lie outside the grid
+  std::uint8_t local[max_group_nodes<dim>];
+
+  explicit Neighbourhood(const typename BoxGrid<dim>::Index& cell)
+      : corner(cell - BoxGrid<dim>::Index::Ones()) {
+    std::fill(std::begin(local), std::end(local), std::uint8_t{unused});
+  }
+};
+
+// Half lengths of the point's domain by the spacing, cut to one cell.
+template <int dim>
+Vector<dim> domain_of(const BoxGrid<dim>& box, const MaterialPoints<dim>& points, std::int32_t p,
+                      std::int32_t& num_capped) {
+  const Vector<dim> length = points.half_length[p]
+                                 .cwiseProduct(axis_stretches<dim>(points.F[p]))
+                                 .cwiseQuotient(box.spacing);
+  if (length.maxCoeff() > widest_domain * (1 + rounding)) ++num_capped;
+  return length.cwiseMin(widest_domain);
+}
+
+// Append the products of the values along the axes; `local` gets numbers in the neighbourhood.
+template <int dim>
+void append_products(const AxisValues* axes, const BoxGrid<dim>& box, Neighbourhood<dim>& around,
+                     PointWeights<dim>& weights) {
+  const int layers = dim == 3 ? axes[dim - 1].count : 1;
+  for (int k = 0; k < layers; ++k) {
+    for (int j = 0; j < axes[1].count; ++j) {
+      for (int i = 0; i < axes[0].count; ++i) {
+        const int at[3] = {i, j, k};
+        double N = 1;
+        int number = 0;
+        for (int d = dim - 1; d >= 0; --d) {
+          N *= axes[d].N[at[d]];
+          number = 4 * number + axes[d].first + at[d] - around.corner[d];
+        }
+        Vector<dim> grad;
+        for (int d = 0; d < dim; ++d) {
+          grad[d] = axes[d].dN[at[d]] / box.spacing[d];
+          for (int other = 0; other < dim; ++other) {
+            if (other != d) grad[d] *= axes[other].N[at[other]];
+          }
+        }
+        around.local[number] = 0;
+        weights.local.push_back(static_cast<std::uint8_t>(number));
+        weights.N.push_back(N);
+        weights.grad_N.push_back(grad);
+      }
+    }
+  }
+}
+
+// Number the nodes that act on the group and list them.
+template <int dim>
+void number_nodes(const BoxGrid<dim>& box, Neighbourhood<dim>& around, CellGroup& group,
+                  PointWeights<dim>& weights) {
+  group.first_node = static_cast<std::int32_t>(weights.group_nodes.size());
+  group.num_nodes = 0;
+  for (int number = 0; number < max_group_nodes<dim>; ++number) {
+    if (around.local[number] == unused) continue;
+    around.local[number] = static_cast<std::uint8_t>(group.num_nodes++);
+    typename BoxGrid<dim>::Index at = around.corner;
+    for (int d = 0, rest = number; d < dim; ++d, rest /= 4) at[d] += rest % 4;
+    weights.group_nodes.push_back(box.node(at));
+  }
+  for (std::int32_t k = weights.starts[group.first]; k < weights.starts[group.last]; ++k) {
+    weights.local[k] = around.local[weights.local[k]];
+  }
+}
+
+}  // namespace
+
+template <int dim>
+void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
+                        PointWeights<dim>& weights) {
+  const BoxGrid<dim>& box = *grid.box;
+  weights.constant_gradient = false;
+  weights.num_capped = 0;
+  weights.starts.assign(1, 0);
+  weights.local.clear();
+  weights.N.clear();
+  weights.grad_N.clear();
+  weights.group_nodes.clear();
+  for (CellGroup& group : weights.groups) {
+    const auto cell = box.cell_index(group.cell);
+    Neighbourhood<dim> around(cell);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const Vector<dim> t = box.lattice_position(points.x[p]);
+      AxisValues axes[dim];
+      if (grid.basis == Basis::gimp) {
+        const Vector<dim> l = domain_of(box, points, p, weights.num_capped);
+        for (int d = 0; d < dim; ++d) axes[d] = gimp_values(t[d], l[d], cell[d], box.num_cells[d]);
+      } else {
+        for (int d = 0; d < dim; ++d) axes[d] = bspline_values(t[d], cell[d], box.num_cells[d]);
+      }
+      append_products<dim>(axes, box, around, weights);
+      weights.starts.push_back(static_cast<std::int32_t>(weights.N.size()));
+    }
+    number_nodes(box, around, group, weights);
+  }
+}
+
+template void evaluate_box_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
+                                    PointWeights<2>&);
+template void evaluate_box_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,
+                                    PointWeights<3>&);
+
+}  // namespace gabion::mpm

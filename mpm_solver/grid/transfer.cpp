@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/grid/transfer.hpp"
+
+#include <Eigen/LU>
+
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Below this share of the mean nodal mass a mapped velocity is a quotient of rounding errors.
+constexpr double weightless = 1e-14;
+
+// Velocity of a point continued to a node at the distance `arm`.
+template <int dim>
+Vector<dim> velocity_at(const MaterialPoints<dim>& points, std::int32_t p, const Vector<dim>& arm) {
+  return points.v[p] + points.grad_v[p] * arm;
+}
+
+template <int dim>
+Vector<dim> acceleration_at(const MaterialPoints<dim>& points, std::int32_t p,
+                            const Vector<dim>& arm) {
+  return points.a[p] + points.grad_a[p] * arm;
+}
+
+// Mean velocity and acceleration of the points of the adjacent cells, for nodes without weight.
+template <int dim>
+void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
+                           const PointWeights<dim>& weights, double limit, GridNodes<dim>& nodes) {
+  std::vector<double> count(nodes.m.size(), 0);
+  std::vector<Vector<dim>> v(nodes.m.size(), Vector<dim>::Zero());
+  std::vector<Vector<dim>> a(nodes.m.size(), Vector<dim>::Zero());
+  for (const CellGroup& group : weights.groups) {
+    for (const std::int32_t grid_node : weights.nodes_of(group)) {
+      const std::int32_t i = nodes.active[grid_node];
+      if (nodes.m[i] > limit) continue;
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        const std::int32_t p = weights.point[e];
+        count[i] += 1;
+        if (points.has_gradients()) {
+          v[i] += velocity_at<dim>(points, p, nodes.x[i] - points.x[p]);
+          a[i] += acceleration_at<dim>(points, p, nodes.x[i] - points.x[p]);
+        } else {
+          v[i] += points.v[p];
+          a[i] += points.a[p];
+        }
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(count));
+  sum_over_ranks<dim>(comm, v);
+  sum_over_ranks<dim>(comm, a);
+  for (std::size_t i = 0; i < count.size(); ++i) {
+    if (nodes.m[i] > limit) continue;
+    nodes.v[i] = v[i] / count[i];
+    nodes.a[i] = a[i] / count[i];
+  }
+}
+
+// What the motion of a point adds to the momenta of its nodes beyond m_p v_p and m_p a_p.
+template <int dim>
+void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                           std::int32_t entry, const std::int32_t* active, GridNodes<dim>& nodes) {
+  const std::int32_t p = weights.point[entry];
+  const double* N = weights.N_of(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::int32_t node = active[local[i]];
+    const Vector<dim> moment = N[i] * points.m[p] * (nodes.x[node] - points.x[p]);
+    nodes.v[node] += points.grad_v[p] * moment;
+    nodes.a[node] += points.grad_a[p] * moment;
+  }
+}
+
+// Gradients of velocity and acceleration at the new position of a point.
+template <int dim>
+void update_gradients(const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
+                      const CellGroup& group, std::int32_t entry, const std::int32_t* active,
+                      MaterialPoints<dim>& points) {
+  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  Matrix<dim> F = Matrix<dim>::Identity();
+  Matrix<dim> grad_v = Matrix<dim>::Zero();
+  Matrix<dim> grad_a = Matrix<dim>::Zero();
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::int32_t node = active[local[i]];
+    F += motion.du[node] * grad[i].transpose();
+    grad_v += motion.v_new[node] * grad[i].transpose();
+    grad_a += motion.a_new[node] * grad[i].transpose();
+  }
+  const std::int32_t p = weights.point[entry];
+  const Matrix<dim> F_inverse = F.inverse();
+  points.grad_v[p] = grad_v * F_inverse;
+  points.grad_a[p] = grad_a * F_inverse;
+}
+
+}  // namespace
+
+template <int dim>
+void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
+                    const PointWeights<dim>& weights, GridNodes<dim>& nodes) {
+  std::int32_t active[max_group_nodes<dim>];
+  nodes.m.assign(nodes.grid_node.size(), 0);
+  nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
+  nodes.a.assign(nodes.m.size(), Vector<dim>::Zero());
+  for (const CellGroup& group : weights.groups) {
+    nodes.list_active(weights.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const int n = weights.num_nodes(e);
+      const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
+      for (int i = 0; i < n; ++i) {
+        const double weight = N[i] * points.m[p];
+        nodes.m[active[local[i]]] += weight;
+        nodes.v[active[local[i]]] += weight * points.v[p];
+        nodes.a[active[local[i]]] += weight * points.a[p];
+      }
+      if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(nodes.m));
+  sum_over_ranks<dim>(comm, nodes.v);
+  sum_over_ranks<dim>(comm, nodes.a);
+
+  double total = 0;
+  for (const double mass : nodes.m) total += mass;
+  const double limit = weightless * total / static_cast<double>(nodes.m.size());
+  bool any_weightless = false;
+  for (std::size_t i = 0; i < nodes.m.size(); ++i) {
+    if (nodes.m[i] > limit) {
+      nodes.v[i] /= nodes.m[i];
+      nodes.a[i] /= nodes.m[i];
+    } else {
+      any_weightless = true;
+    }
+  }
+  if (any_weightless) fill_weightless_nodes(comm, points, weights, limit, nodes);
+}
+
+template <int dim>
+std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
+                                 const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                 std::span<const Vector<dim>> b) {
+  std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    nodes.list_active(weights.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{active[local[i]]} * dim);
+        f_i += N[i] * points.m[p] * b[p];
+      }
+    }
+  }
+  sum_over_ranks(comm, std::span<double>(f));
+  return f;
+}
+
+template <int dim>
+void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
+                    const PointWeights<dim>& weights, double pic_share,
+                    MaterialPoints<dim>& points) {
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    nodes.list_active(weights.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      const int n = weights.num_nodes(e);
+      const double* N = weights.N_of(e);
+      const std::uint8_t* local = weights.local_of(e);
+      Vector<dim> du = Vector<dim>::Zero();
+      Vector<dim> dv = Vector<dim>::Zero();
+      Vector<dim> v_grid = Vector<dim>::Zero();
+      Vector<dim> a_grid = Vector<dim>::Zero();
+      for (int i = 0; i < n; ++i) {
+        du += N[i] * motion.du[active[local[i]]];
+        dv += N[i] * (motion.v_new[active[local[i]]] - nodes.v[active[local[i]]]);
+        v_grid += N[i] * motion.v_new[active[local[i]]];
+        a_grid += N[i] * motion.a_new[active[local[i]]];
+      }
+      if (points.has_gradients()) update_gradients(motion, weights, group, e, active, points);
+      points.x[p] += du;
+      points.u[p] += du;
+      points.v[p] = (1 - pic_share) * (points.v[p] + dv) + pic_share * v_grid;
+      points.a[p] = a_grid;
+    }
+  }
+}
+
+template void points_to_grid<2>(MPI_Comm, const MaterialPoints<2>&, const PointWeights<2>&,
+                                GridNodes<2>&);
+template void points_to_grid<3>(MPI_Comm, const MaterialPoints<3>&, const PointWeights<3>&,
+                                GridNodes<3>&);
+template std::vector<double> point_forces<2>(MPI_Comm, const MaterialPoints<2>&,
+                                             const PointWeights<2>&, const GridNodes<2>&,
+                                             std::span<const Vector<2>>);
+template std::vector<double> point_forces<3>(MPI_Comm, const MaterialPoints<3>&,
+                                             const PointWeights<3>&, const GridNodes<3>&,
+                                             std::span<const Vector<3>>);
+template void grid_to_points<2>(const GridNodes<2>&, const NodalMotion<2>&, const PointWeights<2>&,
+                                double, MaterialPoints<2>&);
+template void grid_to_points<3>(const GridNodes<3>&, const NodalMotion<3>&, const PointWeights<3>&,
+                                double, MaterialPoints<3>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <optional>
+#include <string>
+
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
+struct InitialStress {
+  double k0 = 0;                   ///< >= 0
+  double surface = 0;              ///< [m] height of the surface, without pressure on it
+  double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
+  std::string where;               ///< file and pointer, for messages
+};
+
+/// Read {"k0": number | "elastic" | "jaky", "surface", "ocr", "max_displacement"}.
+///
+///     elastic: K0 = nu / (1 - nu)      jaky: K0 = 1 - sin phi
+///
+/// With an over-consolidation ratio, unloading is elastic:
+/// K0 = OCR K0_nc - (OCR - 1) nu / (1 - nu).
+/// @throws ConfigError  also for a law without Hencky's or linear elasticity, or without phi
+/// @see Jaky (1948); Wroth (1975) for the unloading
+template <int dim>
+InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material);
+
+/// Put the points of one body under geostatic stress. Their positions are those of the stressed
+/// body, so with the volume V that a point was laid out with
+///
+///     V0 = V / J ,   m = rho V0 ,   s + s^2 / (2 C) = rho g d ,   tau_v = -s ,  tau_h = -K0 s ,
+///
+/// d the depth, C = (3 lambda + 2 mu) / (1 + 2 K0) and J = exp(-s / C): the exact solution of
+/// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
+/// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
+///
+/// @param gravity  downwards along the last axis [m/s^2]
+/// @throws ConfigError  point above the surface, other direction of gravity, or stress that the law
+///                      does not bear; names the point and what it would bear
+/// @note Collective on comm.
+template <int dim>
+void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const Body<dim>& body,
+                        std::int32_t body_number, const Vector<dim>& gravity,
+                        MaterialPoints<dim>& points);
+
+}  // namespace gabion::mpm

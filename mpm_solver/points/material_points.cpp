@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/points/material_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gabion::mpm {
+
+template <int dim>
+Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
+  const Vector<dim> reach = jacobian.cwiseAbs().rowwise().sum();
+  return reach * (0.5 * std::pow(volume / reach.prod(), 1.0 / dim));
+}
+
+template <int dim>
+std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
+                        int part, int num_parts, MaterialPoints<dim>& points) {
+  const Mesh<dim>& mesh = layout.mesh;
+  const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell, layout.placement);
+  const auto rule_size = static_cast<std::int64_t>(rule.size());
+  const std::int64_t total = mesh.num_cells() * rule_size;
+  const std::int64_t first = total * part / num_parts;
+  const std::int64_t last = total * (part + 1) / num_parts;
+  if (points.body_starts.empty()) points.body_starts.push_back(0);
+
+  Vector<dim> corners[max_cell_nodes];
+  ShapeValues<dim> shape;
+  for (std::int64_t k = first; k < last; ++k) {
+    const auto nodes = mesh.cell(static_cast<std::int32_t>(k / rule_size));
+    const auto& q = rule[k % rule_size];
+    for (std::size_t i = 0; i < nodes.size(); ++i) corners[i] = mesh.nodes[nodes[i]];
+    shape_functions<dim>(mesh.cell_type, q.xi, shape);
+    Vector<dim> x = Vector<dim>::Zero();
+    Matrix<dim> jacobian = Matrix<dim>::Zero();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      x += shape.N[i] * corners[i];
+      jacobian += corners[i] * shape.dN[i].transpose();
+    }
+    const double volume = q.weight * map_gradients<dim>(mesh.cell_type, corners, shape);
+
+    points.x.push_back(x);
+    points.u.push_back(Vector<dim>::Zero());
+    points.v.push_back(layout.velocity);
+    points.a.push_back(Vector<dim>::Zero());
+    points.m.push_back(density * volume);
+    points.V0.push_back(volume);
+    points.J.push_back(1);
+    points.energy.push_back(0);
+    points.tau.push_back(Symmetric<dim>::Zero());
+    points.history.emplace_back();
+    points.cell.push_back(-1);
+    points.id.push_back(first_id + k);
+    if (!layout.with_domains) continue;
+    points.half_length.push_back(point_domain<dim>(jacobian, volume));
+    points.F.push_back(Matrix<dim>::Identity());
+  }
+  points.body_starts.push_back(points.size());
+  return total;
+}
+
+template Vector<2> point_domain<2>(const Matrix<2>&, double);
+template Vector<3> point_domain<3>(const Matrix<3>&, double);
+template <int dim>
+void add_gradients(MaterialPoints<dim>& points) {
+  points.grad_v.assign(points.x.size(), Matrix<dim>::Zero());
+  points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
+}
+
+namespace {
+
+// Close the gaps that the given places leave; fields that the points do not have are empty.
+template <class Value>
+void take_out(std::span<const std::int32_t> which, std::vector<Value>& values) {
+  if (values.empty()) return;
+  std::size_t kept = 0, next = 0;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    if (next < which.size() && static_cast<std::size_t>(which[next]) == p) {
+      ++next;
+    } else {
+      values[kept++] = values[p];
+    }
+  }
+  values.resize(kept);
+}
+
+}  // namespace
+
+template <int dim>
+void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& points) {
+  for (std::int32_t& start : points.body_starts) {
+    start -= static_cast<std::int32_t>(std::lower_bound(which.begin(), which.end(), start) -
+                                       which.begin());
+  }
+  const auto all = [&](auto&... fields) { (take_out(which, fields), ...); };
+  all(points.x, points.u, points.v, points.a, points.grad_v, points.grad_a, points.m, points.V0,
+      points.J, points.energy, points.tau, points.history, points.cell, points.id,
+      points.half_length, points.F);
+}
+
+template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&);
+template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
+template void add_gradients<2>(MaterialPoints<2>&);
+template void add_gradients<3>(MaterialPoints<3>&);
+template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,
+                                    MaterialPoints<2>&);
+template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,
+                                    MaterialPoints<3>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mpm_solver/grid/transfer.hpp"
+#include "mpm_solver/report/mpm_output.hpp"
+#include "mpm_solver/step/equilibrium.hpp"
+
+namespace gabion::mpm {
+
+/// What one solved step does to energy and momentum of the grid, summed over nodes and ranks.
+/// Forces are those of the instant that the scheme balances.
+template <int dim>
+struct StepBalance {
+  double kinetic_before = 0;  ///< of the velocity mapped from the points, before the walls act [J]
+  double kinetic_after = 0;   ///< of v' [J]
+  double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
+  double time_damping = 0;    ///< see README.md, (9) [J]
+  double body_work = 0;       ///< of gravity and other body forces [J]
+  double boundary_work = 0;   ///< of interfaces, trapezoidal rule, and of moving walls [J]
+  Vector<dim> body_force = Vector<dim>::Zero();      ///< [N]
+  Vector<dim> boundary_force = Vector<dim>::Zero();  ///< [N]
+  Vector<dim> wall_force = Vector<dim>::Zero();      ///< from the residual before projection [N]
+  Vector<dim> wall_kick = Vector<dim>::Zero();  ///< impulse that stops the mapped velocity [kg m/s]
+  Vector<dim> wall_hold = Vector<dim>::Zero();  ///< force that stops the mapped acceleration [N]
+};
+
+/// @param equilibrium  with the stresses of exactly this du (InternalForces::finish)
+/// @pre   the points have not moved yet
+/// @note  Collective.
+template <int dim>
+StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
+                              const NodalMotion<dim>& motion);
+
+/// Where energy and momentum went since the start (README.md, section "Energy and momentum").
+template <int dim>
+class Ledger {
+ public:
+  explicit Ledger(MPI_Comm comm) : comm_(comm) {}
+
+  /// Begin at this state, with nothing spent.
+  void start(const MaterialPoints<dim>& points);
+
+  /// @param dissipated  plastic work of this rank's points in the step [J]
+  /// @param points      at the end of the step
+  void add_step(const StepBalance<dim>& step, const NewmarkBossak& scheme, double dt,
+                double dissipated, const MaterialPoints<dim>& points);
+
+  /// Points were taken out of the accepted state; they keep what they had, as if it were still
+  /// here.
+  /// @param points  without them
+  void remove(const MaterialPoints<dim>& points);
+  double removed_mass() const { return removed_.mass; }  ///< [kg]
+
+  /// Of the accepted state.
+  const PointTotals<dim>& totals() const { return totals_; }
+
+  /// Columns of probes.csv.
+  static std::vector<std::string> names();
+  std::vector<double> values() const;
+
+  void visit_state(StateVisitor& visitor);
+
+ private:
+  /// An external force as the scheme sees it: what it gave to M a, and its impulse so far.
+  struct Force {
+    Vector<dim> inertia = Vector<dim>::Zero();  // [N]
+    Vector<dim> impulse = Vector<dim>::Zero();  // [kg m/s]
+    void add_step(const Vector<dim>& mean, const NewmarkBossak& scheme, double dt);
+  };
+  /// Kinetic, elastic and dissipated energy, that of removed points included, minus the work that
+  /// came in.
+  double own_energy() const;
+
+  MPI_Comm comm_;
+  PointTotals<dim> totals_, totals_start_;
+  Force body_, boundary_, walls_;
+  PointTotals<dim> removed_;  // front has no meaning
+  double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;
+  double body_work_ = 0, boundary_work_ = 0;
+  double lowest_energy_ = 0, created_ = 0;
+};
+
+}  // namespace gabion::mpm

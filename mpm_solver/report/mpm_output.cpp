@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/report/mpm_output.hpp"
+
+#include "common/mechanics/flat.hpp"
+#include "common/mechanics/ranks/gather.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+using Values = std::span<const double>;
+
+template <int dim>
+std::vector<OutputField> frame_fields(Values u, Values v, Values stress, Values pressure,
+                                      Values plastic_strain, Values J, Values body) {
+  return {{"displacement", dim, u},
+          {"velocity", dim, v},
+          {"stress", symmetric_size<dim>, stress},
+          {"pressure", 1, pressure},
+          {"plastic_strain", 1, plastic_strain},
+          {"volume_ratio", 1, J},
+          {"body", 1, body}};
+}
+
+}  // namespace
+
+template <int dim>
+std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
+  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
+                                 frame_fields<dim>({}, {}, {}, {}, {}, {}, {}));
+}
+
+template <int dim>
+MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder)
+    : comm_(comm), writes_(!folder.empty()) {
+  if (writes_ && rank_of(comm) == 0) series_ = std::make_unique<XdmfSeries>(folder, "soil");
+}
+
+template <int dim>
+void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
+  if (!writes_) return;
+  const std::size_t n = points.x.size();
+  std::vector<double> body(n), pressure(n), plastic(n), stress;
+  stress.reserve(n * symmetric_size<dim>);
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) body[p] = b;
+  }
+  for (std::size_t p = 0; p < n; ++p) {
+    const Symmetric<dim> sigma = points.tau[p] / points.J[p];
+    stress.insert(stress.end(), sigma.data(), sigma.data() + sigma.size());
+    pressure[p] = -(sigma[0] + sigma[1] + sigma[2]) / 3;
+    plastic[p] = points.history[p].plastic_strain;
+  }
+  const auto x = gather<double>(comm_, flat(points.x));
+  const auto u = gather<double>(comm_, flat(points.u));
+  const auto v = gather<double>(comm_, flat(points.v));
+  body = gather<double>(comm_, body);
+  pressure = gather<double>(comm_, pressure);
+  plastic = gather<double>(comm_, plastic);
+  stress = gather<double>(comm_, stress);
+  const auto J = gather<double>(comm_, points.J);
+  if (!series_) return;
+  series_->write(time, dim, x, CellType::point1, {},
+                 frame_fields<dim>(u, v, stress, pressure, plastic, J, body));
+}
+
+template <int dim>
+PointTotals<dim> point_totals(MPI_Comm comm, const MaterialPoints<dim>& points) {
+  std::vector<double> sums(3 + dim, 0.0);  // mass, kinetic, elastic, momentum
+  PointTotals<dim> totals;
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    double front = -std::numeric_limits<double>::infinity();
+    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+      sums[0] += points.m[p];
+      sums[1] += 0.5 * points.m[p] * points.v[p].squaredNorm();
+      sums[2] += points.V0[p] * points.energy[p];
+      for (int d = 0; d < dim; ++d) sums[3 + d] += points.m[p] * points.v[p][d];
+      front = std::max(front, points.x[p][0]);
+    }
+    totals.front.push_back(max_over_ranks(comm, front));
+  }
+  sum_over_ranks(comm, std::span<double>(sums));
+  totals.mass = sums[0];
+  totals.kinetic_energy = sums[1];
+  totals.elastic_energy = sums[2];
+  for (int d = 0; d < dim; ++d) totals.momentum[d] = sums[3 + d];
+  return totals;
+}
+
+template class MpmOutput<2>;
+template class MpmOutput<3>;
+template PointTotals<2> point_totals<2>(MPI_Comm, const MaterialPoints<2>&);
+template PointTotals<3> point_totals<3>(MPI_Comm, const MaterialPoints<3>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+
+#include <algorithm>
+#include <array>
+#include <variant>
+
+#include "common/mechanics/elements/cell_facets.hpp"
+#include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+template <int dim>
+double young_modulus(const MaterialLaw<dim>& law) {
+  return std::visit(
+      [](const auto& model) {
+        const double mu = model.shear_modulus();
+        const double M = model.p_wave_modulus();
+        return mu * (3 * M - 4 * mu) / (M - mu);
+      },
+      law);
+}
+
+/// dN/dn of a cell's nodes at x.
+template <int dim>
+std::array<double, max_cell_nodes> normal_slopes(const BackgroundGrid<dim>& grid, std::int32_t cell,
+                                                 const Vector<dim>& x, const Vector<dim>& n) {
+  Vector<dim> corners[max_cell_nodes];
+  const auto nodes = grid.mesh.cell(cell);
+  for (std::size_t a = 0; a < nodes.size(); ++a) corners[a] = grid.mesh.nodes[nodes[a]];
+  ShapeValues<dim> shape;
+  shape_functions<dim>(grid.mesh.cell_type, grid.locator.local_coordinates(cell, x), shape);
+  map_gradients<dim>(grid.mesh.cell_type, corners, shape);
+  std::array<double, max_cell_nodes> slopes{};
+  for (std::size_t a = 0; a < nodes.size(); ++a) slopes[a] = shape.dN[a].dot(n);
+  return slopes;
+}
+
+}  // namespace
+
+template <int dim>
+GhostStiffness<dim>::GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies,
+                                    double factor)
+    : factor_(factor), starts_(1, 0) {
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) cell_volumes_.push_back(cell_volume(mesh, c));
+  for (const auto& body : bodies) young_modulus_.push_back(young_modulus<dim>(body.material.law));
+}
+
+template <int dim>
+void GhostStiffness<dim>::measure_cells(MPI_Comm comm, const MaterialPoints<dim>& points,
+                                        const PointWeights<dim>& weights) {
+  volume_.assign(cell_volumes_.size(), 0);
+  stiffness_.assign(cell_volumes_.size(), 0);
+  for (const CellGroup& group : weights.groups) {
+    double volume = 0;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      volume += points.V0[p] * points.J[p];
+    }
+    volume_[group.cell] += volume;
+    stiffness_[group.cell] += young_modulus_[group.body] * volume;
+  }
+  sum_over_ranks(comm, std::span<double>(volume_));
+  sum_over_ranks(comm, std::span<double>(stiffness_));
+}
+
+template <int dim>
+void GhostStiffness<dim>::begin_step(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                                     const MaterialPoints<dim>& points,
+                                     const PointWeights<dim>& weights,
+                                     const GridNodes<dim>& nodes) {
+  measure_cells(comm, points, weights);
+  num_facets_ = 0;
+  starts_.assign(1, 0);
+  nodes_.clear();
+  k_.clear();
+  for (std::int32_t c = 0; c < grid.mesh.num_cells(); ++c) {
+    if (!is_small(c)) continue;
+    const auto neighbours = grid.locator.neighbours(c);
+    for (std::size_t f = 0; f < neighbours.size(); ++f) {
+      const std::int32_t other = neighbours[f];
+      if (other < 0 || volume_[other] == 0) continue;
+      if (other < c && is_small(other)) continue;  // came from the other side
+      if (num_facets_++ % num_ranks(comm) != rank_of(comm)) continue;
+      add_facet(grid, nodes, c, static_cast<int>(f), other);
+    }
+  }
+}
+
+template <int dim>
+void GhostStiffness<dim>::add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
+                                    std::int32_t cell, int facet, std::int32_t neighbour) {
+  const Mesh<dim>& mesh = grid.mesh;
+  const CellType type = facet_type(mesh.cell_type);
+  const bool simplex = mesh.nodes_per_cell() == dim + 1;
+  const auto corners = cell_facet(mesh, cell, facet);
+  const std::span<const std::int32_t> corner_list(corners.data(),
+                                                  static_cast<std::size_t>(num_nodes(type)));
+  const auto geometry = facet_geometry<dim>(mesh.nodes, type, corner_list).front();
+  const double height =
+      (simplex ? dim : 1) * (cell_volumes_[cell] + cell_volumes_[neighbour]) / (2 * geometry.area);
+  const double E =
+      (stiffness_[cell] + stiffness_[neighbour]) / (volume_[cell] + volume_[neighbour]);
+
+  const auto own = mesh.cell(cell), others = mesh.cell(neighbour);
+  std::vector<std::int32_t> list(own.begin(), own.end());
+  std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
+  for (std::size_t a = 0; a < others.size(); ++a) {
+    place[a] =
+        static_cast<std::size_t>(std::find(list.begin(), list.end(), others[a]) - list.begin());
+    if (place[a] == list.size()) list.push_back(others[a]);
+  }
+
+  const std::size_t n = list.size(), first = k_.size();
+  k_.resize(first + n * n, 0.0);
+  const auto rule = gauss_rule<dim - 1>(type, simplex ? 0 : 2);
+  double total = 0;
+  for (const auto& q : rule) total += q.weight;
+  ShapeValues<dim - 1> shape;
+  for (const auto& q : rule) {
+    shape_functions<dim - 1>(type, q.xi, shape);
+    Vector<dim> x = Vector<dim>::Zero();
+    for (int a = 0; a < num_nodes(type); ++a) x += shape.N[a] * mesh.nodes[corners[a]];
+    std::array<double, 2 * max_cell_nodes> jump{};
+    const auto slopes = normal_slopes(grid, cell, x, geometry.normal);
+    const auto other_slopes = normal_slopes(grid, neighbour, x, geometry.normal);
+    for (std::size_t a = 0; a < own.size(); ++a) {
+      jump[a] += slopes[a];
+      jump[place[a]] -= other_slopes[a];
+    }
+    const double weight = factor_ * E * height / 3 * geometry.area * q.weight / total;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) k_[first + i * n + j] += weight * jump[i] * jump[j];
+    }
+  }
+  for (const std::int32_t node : list) nodes_.push_back(nodes.active[node]);
+  starts_.push_back(static_cast<std::int32_t>(nodes_.size()));
+}
+
+template <int dim>
+void GhostStiffness<dim>::append_cells(std::vector<std::int32_t>& offsets,
+                                       std::vector<std::int32_t>& nodes) const {
+  for (std::size_t f = 0; f + 1 < starts_.size(); ++f) {
+    nodes.insert(nodes.end(), nodes_.begin() + starts_[f], nodes_.begin() + starts_[f + 1]);
+    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+}
+
+template <int dim>
+void GhostStiffness<dim>::add_forces(std::span<const double> du, std::span<double> r,
+                                     BlockMatrix<dim>* K) const {
+  const double* k = k_.data();
+  for (std::size_t f = 0; f + 1 < starts_.size(); ++f) {
+    const std::int32_t n = starts_[f + 1] - starts_[f];
+    const std::int32_t* node = nodes_.data() + starts_[f];
+    for (std::int32_t i = 0; i < n; ++i) {
+      Eigen::Map<Vector<dim>> r_i(r.data() + static_cast<std::ptrdiff_t>(node[i]) * dim);
+      for (std::int32_t j = 0; j < n; ++j, ++k) {
+        r_i -= *k * Eigen::Map<const Vector<dim>>(du.data() +
+                                                  static_cast<std::ptrdiff_t>(node[j]) * dim);
+        if (K) K->add_block(node[i], node[j], *k * Matrix<dim>::Identity());
+      }
+    }
+  }
+}
+
+template class GhostStiffness<2>;
+template class GhostStiffness<3>;
+
+}  // namespace gabion::mpm

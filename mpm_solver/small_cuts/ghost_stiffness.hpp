@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+
+namespace gabion::mpm {
+
+/// Share of its volume below which a cell with points counts as a small cut.
+inline constexpr double small_cut_fill = 0.6;
+
+/// Ghost stiffness for cells that hold little soil: their nodes are tied to the smooth continuation
+/// of the motion of the neighbour cells. On each facet F between a small cut and any other cell
+/// with points,
+///
+///     f_i = -sum_k k_ik du_k ,   k_ik = factor E h / 3 int_F [[dN_i/dn]] [[dN_k/dn]] dA
+///
+/// with E Young's modulus of the soil in the two cells and h their mean height over F. The integral
+/// of (s [[du/dn]])^2 over a cell of height h, s the distance from F, is h^3 / 3 int_F [[du/dn]]^2
+/// dA; a stiffness has two derivatives more, hence the factor 1/h^2 beside it.
+///
+/// It acts on the increment du of the step, so it is a viscosity of about factor E dt for gradients
+/// that jump: it does not resist deformation that took place, stores no energy and takes
+/// du . k du >= 0 of it in a step. Linear fields have no jump and k is symmetric and isotropic:
+/// linear momentum, and angular momentum about the positions at start and end, are kept.
+///
+/// @see Burman (2010); Sticko, Ludvigsson, Kreiss (2020); Coombs (2023) for material points
+template <int dim>
+class GhostStiffness {
+ public:
+  /// @param factor  of Young's modulus, > 0
+  GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies, double factor);
+
+  /// Find the facets of this step. @note Collective.
+  void begin_step(MPI_Comm comm, const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
+                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes);
+  /// Of all ranks; 0: no cell needs it in this step.
+  std::int64_t num_facets() const { return num_facets_; }
+
+  /// Facets of this rank as lists of active nodes (for the matrix pattern).
+  void append_cells(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
+  /// Add the forces of this rank's facets to r and their stiffness to K (may be null).
+  void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
+
+ private:
+  bool is_small(std::int32_t cell) const {
+    return volume_[cell] > 0 && volume_[cell] < small_cut_fill * cell_volumes_[cell];
+  }
+  void measure_cells(MPI_Comm comm, const MaterialPoints<dim>& points,
+                     const PointWeights<dim>& weights);
+  void add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes, std::int32_t cell,
+                 int facet, std::int32_t neighbour);
+
+  double factor_;
+  std::vector<double> cell_volumes_;
+  std::vector<double> young_modulus_;  // of each body
+
+  // of the step under way
+  std::vector<double> volume_;     // of the soil in each cell
+  std::vector<double> stiffness_;  // its volume times Young's modulus
+  std::int64_t num_facets_ = 0;
+  std::vector<std::int32_t> starts_;  // of each facet in nodes_, and their number
+  std::vector<std::int32_t> nodes_;   // active numbers
+  std::vector<double> k_;             // n x n of each facet, one after the other
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// Without inertia nothing but the gradient of a shape function keeps a node in its place, and a
+/// node that its points hardly weigh on,
+///
+///     m_i < share sum_p m_p   over the points with N_ip among their values,
+///
+/// makes the stiffness nearly singular. It is not solved for: it takes the number of the nearest
+/// heavier node of its grid cells and moves with it, so that mass, weight and every force on it act
+/// there. Nodes that a wall holds neither join nor are joined; without a partner a node stays.
+///
+/// @param[in,out] nodes  active, with their mass; numbered anew where a node joined, mass and
+/// motion
+///                       are then to be mapped again
+/// @returns number of nodes that joined another
+/// @note Collective on comm; the same on all ranks.
+template <int dim>
+std::int32_t join_light_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                              const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                              const WallConditions<dim>& walls, double share,
+                              GridNodes<dim>& nodes);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+#include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/time_integration/newmark.hpp"
+#include "mpm_solver/contact/boundary_points.hpp"
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+#include "mpm_solver/stress/internal_forces.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// Balance of momentum of the active nodes at the end of a step,
+///
+///     r_i = f'_i + force_memory f_i - m_i inertia(a'_i, a_i) ,
+///     f'_i = m_i g + f_body,i - sum_p V0_p P_p grad N_ip + f_contact,i +
+///            f_ghost,i
+///
+/// with the weights of NewmarkBossak and P the first Piola-Kirchhoff stress relative to the
+/// configuration at the start of the step. f_i is that of the accepted stresses on the nodes of
+/// this step; it is evaluated only where it has a weight. In quasi-static analysis inertia is left
+/// out: r_i = f'_i. Refers to the parts of a solver; valid for one step.
+template <int dim>
+class Equilibrium final : public NewtonProblem<dim> {
+ public:
+  struct Parts {
+    MPI_Comm comm;
+    const BackgroundGrid<dim>& grid;
+    const std::vector<Body<dim>>& bodies;
+    const MaterialPoints<dim>& points;
+    const PointWeights<dim>& weights;
+    const GridNodes<dim>& nodes;
+    const WallConditions<dim>& walls;
+    std::vector<BoundaryPoints<dim>>& boundaries;
+    TrialPoints<dim>& trial;
+    const NewmarkBossak& scheme;
+    Vector<dim> gravity;        ///< at the end of the step [m/s^2]
+    Vector<dim> gravity_start;  ///< at its start
+    double cell_size;
+    double same_strain;  ///< see InternalForces
+    double dt;
+    bool with_inertia = true;             ///< false: quasi-static
+    std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
+    std::span<const double> f_body_start = {};   ///< the same at the start of the step
+    bool average_volumes = false;                ///< F-bar, see AveragedForces
+    const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
+  };
+  explicit Equilibrium(const Parts& parts);
+
+  Evaluation evaluate(std::span<const double> du, std::span<double> r,
+                      BlockMatrix<dim>* K) override;
+  /// The balance linearised at du = 0, for a guess that spreads the motion of walls over the soil
+  /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
+  /// @param wall_step  w, zero but for the held directions of wall nodes
+  Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
+  double length_scale() const override { return parts_.cell_size; }
+  std::string describe_node(std::size_t i) const override;
+  /// Number, body, position, strain increment, volume ratio and yield region of the material point
+  /// with the largest |E| (point_motion.hpp).
+  std::string describe_worst_point(std::span<const double> du) const override;
+
+  InternalForces<dim>& internal_forces() { return internal_; }
+  const InternalForces<dim>& internal_forces() const { return internal_; }
+  const Parts& parts() const { return parts_; }
+  /// Mass that inertia and gravity act on [kg], num_nodes: the lumped one with the floor.
+  const std::vector<double>& inertia_mass() const { return m_; }
+
+  /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
+  /// the cells of boundary points, then the facets of the ghost stiffness.
+  void pattern(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
+
+  /// Nodal velocity at the start of the step with the wall conditions, num_nodes x dim.
+  const std::vector<double>& start_velocity() const { return v_; }
+  const std::vector<double>& start_acceleration() const { return a_; }
+
+  /// Force of the soil on each wall in the state of the last evaluation [N].
+  std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
+
+ private:
+  void remember_start_forces();
+  std::string describe_point(std::int32_t p) const;
+  void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
+  double add_weight(std::span<double> r) const;
+  double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
+
+  Parts parts_;
+  InternalForces<dim> internal_;
+  std::vector<double> v_, a_;          // walls applied
+  std::vector<double> m_;              // nodal mass; with inertia not below the floor
+  std::span<const double> wall_step_;  // see linearise(); empty otherwise
+  std::vector<double> r_before_walls_;
+  std::vector<double> f_sum_;    // internal forces of all ranks
+  std::vector<double> f_start_;  // force_memory f, empty where it is 0
+};
+
+}  // namespace gabion::mpm

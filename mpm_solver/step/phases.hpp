@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "common/mechanics/time_integration/newmark.hpp"
+#include "common/settings/config_reader.hpp"
+#include "mpm_solver/step/load_ramp.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// A part of the run with its own kind of analysis and its own walls. Which phase a step belongs to
+/// follows from the time at which it starts and from nothing else.
+struct Phase {
+  double start = 0;                                        ///< [s]
+  double until = std::numeric_limits<double>::infinity();  ///< [s], end of the phase
+  double dt = 0;        ///< [s] largest step of the phase; 0: whatever the owner of time says
+  bool dynamic = true;  ///< false: quasi-static, inertia is left out
+  NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
+  std::vector<WallSettings> walls;
+  LoadRamp gravity_ramp;
+};
+
+/// Read "analysis", "time_integration", "walls" and "gravity_ramp" as the base, and "phases" if
+/// there are any: each takes the base and replaces what it names. A ramp counts from the start of
+/// the phase that names it and goes on in the phases after it.
+/// @returns at least one, in the order of time, the last one without end
+/// @throws ConfigError
+std::vector<Phase> read_phases(ConfigReader& in, int dim);
+
+/// Number of the phase of a step that starts at `time` [s].
+std::size_t phase_at(const std::vector<Phase>& phases, double time);
+
+/// Whether a step that starts at `time` is the first one of the phase.
+bool begins(const Phase& phase, double time);
+
+/// Cause of the errors of require_within().
+inline constexpr const char* phase_cause = "phase";
+
+/// @throws ConvergenceError  a step of dt from `time` would pass the end of the phase or is longer
+///                           than the phase allows; half of it may fit
+void require_within(const Phase& phase, double time, double dt);
+
+/// Largest step that the phase allows from `time` on [s]; 0: any.
+double largest_step(const Phase& phase, double time);
+
+}  // namespace gabion::mpm

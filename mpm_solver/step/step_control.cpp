@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/step_control.hpp"
+
+#include <algorithm>
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr int easy_iterations = 4;
+constexpr double growth = 1.25;
+
+}  // namespace
+
+StepControlSettings read_step_control(ConfigReader in) {
+  const Range share{[](double x) { return x > 0 && x <= 1; }, "a number in (0, 1]"};
+  StepControlSettings settings;
+  settings.advective = in.number_or_null("advective", 0.3, share);
+  settings.strain = in.number_or_null("strain", 0.02, share);
+  settings.newton_target = in.number_or_null("newton_target", 8, at_least(1));
+  settings.approach = in.number_or_null("approach", 0.1, share);
+  in.finish();
+  return settings;
+}
+
+const char* limit_name(DtLimit limit) {
+  switch (limit) {
+    case DtLimit::phase:
+      return "the phase";
+    case DtLimit::advective:
+      return "the speed of the soil";
+    case DtLimit::strain:
+      return "the strain of a step";
+    case DtLimit::newton:
+      return "the number of Newton iterations";
+    case DtLimit::failure:
+      return "a failed step";
+    case DtLimit::approach:
+      return "a surface that comes near";
+    default:
+      return "nothing";
+  }
+}
+
+void StepControl::fail(double dt) {
+  newton_dt_ = dt / 2;
+  failed_dt_ = dt;
+}
+
+void StepControl::visit_state(StateVisitor& visitor) {
+  visitor.real("step_control.newton_dt", newton_dt_);
+  visitor.real("step_control.failed_dt", failed_dt_);
+}
+
+void StepControl::follow_newton(double dt, int iterations) {
+  const double target = *settings_.newton_target;
+  if (iterations > target) {
+    newton_dt_ = dt * target / iterations;
+  } else if (iterations <= std::min<double>(easy_iterations, target)) {
+    newton_dt_ = std::min(growth * std::max(newton_dt_, dt), 2 * dt);
+  } else {
+    newton_dt_ = dt;
+  }
+  if (newton_dt_ >= failed_dt_) failed_dt_ = 0;
+}
+
+DtProposal StepControl::accept(const StepMeasures& step, double phase_dt) {
+  DtProposal result;
+  double smallest = std::numeric_limits<double>::infinity();
+  const auto bound = [&](double dt, DtLimit limit) {
+    if (!(dt < smallest)) return;
+    smallest = dt;
+    result = {dt, dt < 2 * step.dt ? limit : DtLimit::none};
+  };
+  if (phase_dt > 0) bound(phase_dt, DtLimit::phase);
+  if (settings_.advective && step.travel > 0) {
+    bound(step.dt * *settings_.advective / step.travel, DtLimit::advective);
+  }
+  if (settings_.strain && step.strain > 0) {
+    bound(step.dt * *settings_.strain / step.strain, DtLimit::strain);
+  }
+  if (settings_.approach) bound(step.approach_dt, DtLimit::approach);
+  if (settings_.newton_target) {
+    follow_newton(step.dt, step.newton_iterations);
+    bound(newton_dt_, failed_dt_ > 0 ? DtLimit::failure : DtLimit::newton);
+  }
+  return result;
+}
+
+}  // namespace gabion::mpm

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/averaged_forces.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/tensor_functions.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+AveragedForces<dim>::AveragedForces(MPI_Comm comm, const StressParts<dim>& parts)
+    : comm_(comm), parts_(parts) {
+  for (std::size_t g = 0; g < parts_.weights.shared.size(); ++g) {
+    if (parts_.weights.shared[g] >= 0) shared_.push_back(static_cast<std::int32_t>(g));
+  }
+  shared_groups_.resize(shared_.size());
+}
+
+template <int dim>
+bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
+                                     AveragedGroup<dim>& average, std::int32_t& worst) const {
+  const auto& [bodies, points, weights, nodes, trial] = parts_;
+  const CellGroup& group = weights.groups[g];
+  std::int32_t active[max_group_nodes<dim>];
+  nodes.list_active(weights.nodes_of(group), active);
+  average.start();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const std::int32_t p = weights.point[e];
+    const double V = points.V0[p] * points.J[p];
+    if (average.add_point(displacement_gradient(weights, e, active, du), V) >= min_J_ratio)
+      continue;
+    worst = p;
+    return false;
+  }
+  return true;
+}
+
+template <int dim>
+template <class Law>
+bool AveragedForces<dim>::add_stresses(const Law& law, std::int32_t g, bool with_K,
+                                       AveragedGroup<dim>& average, std::int32_t& worst) const {
+  const CellGroup& group = parts_.weights.groups[g];
+  StressUpdate<dim> stress;
+  Tangent<dim> A;
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const std::size_t k = e - group.first;
+    const Matrix<dim> H_bar = average.averaged_gradient(k);
+    if (!point_stress(parts_, law, e, H_bar, stress, with_K ? &A : nullptr, worst)) return false;
+    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    average.set_stress(k, V0, stress.P, with_K ? &A : nullptr);
+  }
+  return true;
+}
+
+template <int dim>
+void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
+                                     AveragedGroup<dim>& average, BlockMatrix<dim>* K,
+                                     std::span<double> f) const {
+  const CellGroup& group = parts_.weights.groups[g];
+  std::int32_t active[max_group_nodes<dim>];
+  parts_.nodes.list_active(parts_.weights.nodes_of(group), active);
+  CellForces<dim> sum;
+  sum.set_zero(group.num_nodes, K != nullptr);
+  average.add_forces(parts_.weights, group, gradient, sum);
+  sum.scatter(group.num_nodes, active, f.data());
+  if (K) K->add_cell(g, sum.K);
+}
+
+template <int dim>
+bool AveragedForces<dim>::private_forces(std::span<const double> du, BlockMatrix<dim>* K,
+                                         std::span<double> f, std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  const bool with_K = K != nullptr;
+  double gradient[CellForces<dim>::max_dofs];
+  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
+    const bool admissible = std::visit(
+        [&](const auto& law) {
+          for (std::int32_t g = weights.body_groups[b]; g < weights.body_groups[b + 1]; ++g) {
+            if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
+            const CellGroup& group = weights.groups[g];
+            if (!add_points(g, du, own_, worst)) return false;
+            if (!add_stresses(law, g, with_K, own_, worst)) return false;
+            if (with_K) {
+              std::fill_n(gradient, group.num_nodes * dim, 0.0);
+              own_.add_volume_gradient(weights, group, gradient);
+            }
+            add_forces(g, with_K ? gradient : nullptr, own_, K, f);
+          }
+          return true;
+        },
+        parts_.bodies[b].material.law);
+    if (!admissible) return false;
+  }
+  return true;
+}
+
+// Sum the groups' volumes over the ranks. Returns false when a rank's state is inadmissible.
+template <int dim>
+bool AveragedForces<dim>::share_volumes(bool admissible) {
+  sums_.assign(2 * static_cast<std::size_t>(parts_.weights.num_shared) + 1, 0);
+  sums_.back() = admissible ? 0 : 1;
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    double* sums = sums_.data() + 2 * static_cast<std::size_t>(parts_.weights.shared[shared_[s]]);
+    sums[0] = shared_groups_[s].volumes.before;
+    sums[1] = shared_groups_[s].volumes.change;
+  }
+  sum_over_ranks(comm_, std::span<double>(sums_));
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    const double* sums =
+        sums_.data() + 2 * static_cast<std::size_t>(parts_.weights.shared[shared_[s]]);
+    shared_groups_[s].volumes = {sums[0], sums[1]};
+  }
+  return sums_.back() == 0;
+}
+
+// Sum the groups' pressures and volume gradients over the ranks; leaves the latter in sums_.
+template <int dim>
+bool AveragedForces<dim>::share_pressures(bool admissible, bool with_K) {
+  const auto& weights = parts_.weights;
+  const std::size_t width = 1 + (with_K ? CellForces<dim>::max_dofs : 0);
+  sums_.assign(width * weights.num_shared + 1, 0);
+  sums_.back() = admissible ? 0 : 1;
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    double* sums = sums_.data() + width * weights.shared[shared_[s]];
+    sums[0] = shared_groups_[s].pressure;
+    if (with_K) {
+      shared_groups_[s].add_volume_gradient(weights, weights.groups[shared_[s]], sums + 1);
+    }
+  }
+  sum_over_ranks(comm_, std::span<double>(sums_));
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    shared_groups_[s].pressure = sums_[width * weights.shared[shared_[s]]];
+  }
+  return sums_.back() == 0;
+}
+
+template <int dim>
+bool AveragedForces<dim>::shared_forces(std::span<const double> du, BlockMatrix<dim>* K,
+                                        std::span<double> f, std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  bool admissible = true;
+  for (std::size_t s = 0; admissible && s < shared_.size(); ++s) {
+    admissible = add_points(shared_[s], du, shared_groups_[s], worst);
+  }
+  if (!share_volumes(admissible)) return false;
+  for (std::size_t s = 0; admissible && s < shared_.size(); ++s) {
+    admissible = std::visit(
+        [&](const auto& law) {
+          return add_stresses(law, shared_[s], K != nullptr, shared_groups_[s], worst);
+        },
+        parts_.bodies[weights.groups[shared_[s]].body].material.law);
+  }
+  if (!share_pressures(admissible, K != nullptr)) return false;
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    const std::size_t width = 1 + CellForces<dim>::max_dofs;
+    const double* gradient = K ? sums_.data() + width * weights.shared[shared_[s]] + 1 : nullptr;
+    add_forces(shared_[s], gradient, shared_groups_[s], K, f);
+  }
+  return true;
+}
+
+template <int dim>
+bool AveragedForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
+                                   std::span<double> f, std::int32_t& worst) {
+  const bool shared = parts_.weights.num_shared == 0 || shared_forces(du, K, f, worst);
+  const bool admissible = shared && private_forces(du, K, f, worst);
+  return max_over_ranks(comm_, admissible ? 0 : 1) == 0;
+}
+
+template <int dim>
+void AveragedForces<dim>::add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const {
+  const auto& points = parts_.points;
+  const CellGroup& group = parts_.weights.groups[g];
+  average.start();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const std::int32_t p = parts_.weights.point[e];
+    average.add_point(Matrix<dim>::Zero(), points.V0[p] * points.J[p]);
+    average.set_stress(e - group.first, points.V0[p], in_plane<dim>(points.tau[p]), nullptr);
+  }
+}
+
+template <int dim>
+void AveragedForces<dim>::add_start_forces(std::span<double> f) {
+  const auto& weights = parts_.weights;
+  for (std::size_t g = 0; g < weights.groups.size(); ++g) {
+    if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
+    add_accepted_stresses(static_cast<std::int32_t>(g), own_);
+    add_forces(static_cast<std::int32_t>(g), nullptr, own_, nullptr, f);
+  }
+  if (weights.num_shared == 0) return;
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    add_accepted_stresses(shared_[s], shared_groups_[s]);
+  }
+  share_volumes(true);
+  share_pressures(true, false);
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    add_forces(shared_[s], nullptr, shared_groups_[s], nullptr, f);
+  }
+}
+
+template <int dim>
+std::vector<double> AveragedForces<dim>::start_forces(std::size_t num_values) const {
+  std::vector<double> f(num_values, 0.0);
+  AveragedForces(comm_, parts_).add_start_forces(f);
+  return f;
+}
+
+template class AveragedForces<2>;
+template class AveragedForces<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/internal_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "common/base/require.hpp"
+#include "common/mechanics/tensor_functions.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// A first evaluation takes the tangent of the stresses from a state where no component of du
+// differs by more than this share of a cell.
+constexpr double same_tangent = 1e-4;
+
+bool is_near(std::span<const double> x, const std::vector<double>& y, double distance) {
+  if (x.size() != y.size()) return false;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (std::abs(x[k] - y[k]) > distance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+template <int dim>
+InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
+                                    double same_strain, std::optional<MPI_Comm> average_over)
+    : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain) {
+  if (average_over) averaged_.emplace(*average_over, parts);
+  f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
+  parts_.trial.resize(parts_.points.size());
+  forget();
+}
+
+template <int dim>
+void InternalForces<dim>::forget() {
+  du_known_.clear();
+  du_K_.clear();
+  known_.assign(averaged_ ? 0 : parts_.weights.groups.size(), {});
+  same_strain_ = given_same_strain_;
+}
+
+// V0 P and V0 dP/dH summed over the points of a cell that share one gradient.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H,
+                                       bool with_A, GroupStress& known, std::int32_t& worst) {
+  StressUpdate<dim> stress;
+  Tangent<dim> A;
+  known.is_known = false;
+  known.H = H;
+  known.P.setZero();
+  known.A.setZero();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    if (!point_stress(parts_, law, e, H, stress, with_A ? &A : nullptr, worst)) return false;
+    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    known.P += V0 * stress.P;
+    if (with_A) known.A += V0 * A;
+  }
+  known.is_known = true;
+  known.has_A = with_A;
+  return true;
+}
+
+// Forces and stiffness of a triangle or tetrahedron.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& request) {
+  const CellGroup& group = parts_.weights.groups[request.number];
+  const std::uint8_t* local = parts_.weights.local_of(group.first);
+  const Vector<dim>* grad = parts_.weights.grad_of(group.first);
+  const int n = group.num_nodes;
+  const Matrix<dim> H = gradient_of(request, group.first);
+  GroupStress& known = known_[request.number];
+  const Matrix<dim> change = H - known.H;
+  const double size = change.cwiseAbs().maxCoeff();
+  const bool near =
+      known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !request.with_K);
+  if (!near && !group_stress(law, group, H, request.with_K, known, request.worst)) return false;
+  request.sum.add_stress(n, local, known.P, grad);
+  if (near && size > 0) {
+    Matrix<dim> P_change;
+    for (int aJ = 0; aJ < dim * dim; ++aJ) {
+      double value = 0;
+      for (int bL = 0; bL < dim * dim; ++bL) value += known.A(aJ, bL) * change(bL / dim, bL % dim);
+      P_change(aJ / dim, aJ % dim) = value;
+    }
+    request.sum.add_stress(n, local, P_change, grad);
+  }
+  if (request.with_K) request.sum.add_tangent(n, local, n, known.A, grad);
+  return true;
+}
+
+// Forces and stiffness of a cell whose points have gradients of their own.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::general_forces(const Law& law, const GroupRequest& request) {
+  const CellGroup& group = parts_.weights.groups[request.number];
+  StressUpdate<dim> stress;
+  Tangent<dim> A;
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const int n = parts_.weights.num_nodes(e);
+    const std::uint8_t* local = parts_.weights.local_of(e);
+    const Vector<dim>* grad = parts_.weights.grad_of(e);
+    const Matrix<dim> H = gradient_of(request, e);
+    if (!point_stress(parts_, law, e, H, stress, request.with_K ? &A : nullptr, request.worst))
+      return false;
+    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    request.sum.add_stress(n, local, V0 * stress.P, grad);
+    if (request.with_K) request.sum.add_tangent(n, local, group.num_nodes, V0 * A, grad);
+  }
+  return true;
+}
+
+// f_int and its derivative of the cells that hold points of one body.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::span<const double> du,
+                                      BlockMatrix<dim>* K, std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  CellForces<dim> sum;
+  std::int32_t active[max_group_nodes<dim>];
+  for (std::int32_t g = weights.body_groups[body]; g < weights.body_groups[body + 1]; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    sum.set_zero(group.num_nodes, K != nullptr);
+    const GroupRequest request{g, active, du, K != nullptr, sum, worst};
+    const bool admissible =
+        weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
+    if (!admissible) return false;
+    sum.scatter(group.num_nodes, active, f_int_.data());
+    if (K) K->add_cell(g, sum.K);
+  }
+  return true;
+}
+
+template <int dim>
+bool InternalForces<dim>::all_forces(std::span<const double> du, BlockMatrix<dim>* K,
+                                     std::int32_t& worst) {
+  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
+    const bool admissible =
+        std::visit([&](const auto& law) { return body_forces(law, b, du, K, worst); },
+                   parts_.bodies[b].material.law);
+    if (!admissible) return false;
+  }
+  return true;
+}
+
+template <int dim>
+bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
+                                   std::int32_t& worst) {
+  const bool stress_known = std::equal(du.begin(), du.end(), du_known_.begin(), du_known_.end());
+  const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
+  first_evaluation_ = false;
+  if (stress_known && (!K || is_near(du, du_K_, near))) {
+    if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
+    return true;
+  }
+  du_known_.clear();
+  std::fill(f_int_.begin(), f_int_.end(), 0.0);
+  if (K) K->set_zero();
+  if (!(averaged_ ? averaged_->evaluate(du, K, f_int_, worst) : all_forces(du, K, worst))) {
+    return false;
+  }
+  du_known_.assign(du.begin(), du.end());
+  if (K) {
+    du_K_ = du_known_;
+    K_int_.assign(K->values().begin(), K->values().end());
+  }
+  return true;
+}
+
+template <int dim>
+std::vector<double> InternalForces<dim>::start_forces() const {
+  if (averaged_) return averaged_->start_forces(f_int_.size());
+  const auto& weights = parts_.weights;
+  std::vector<double> f(f_int_.size(), 0.0);
+  CellForces<dim> sum;
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    sum.set_zero(group.num_nodes, false);
+    Matrix<dim> P = Matrix<dim>::Zero();
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      P += parts_.points.V0[p] * in_plane<dim>(parts_.points.tau[p]);
+      if (weights.constant_gradient && e + 1 < group.last) continue;
+      const std::int32_t row = weights.constant_gradient ? group.first : e;
+      sum.add_stress(weights.num_nodes(row), weights.local_of(row), P, weights.grad_of(row));
+      P.setZero();
+    }
+    sum.scatter(group.num_nodes, active, f.data());
+  }
+  return f;
+}
+
+template <int dim>
+void InternalForces<dim>::finish(std::span<const double> du) {
+  if (!averaged_ && parts_.weights.constant_gradient) {
+    same_strain_ = 0;  // where stresses followed from their tangent, they are evaluated now
+    du_known_.clear();
+  }
+  std::int32_t worst = -1;
+  require(evaluate(du, nullptr, worst), "mpm_solver: an inadmissible state was accepted");
+}
+
+template class InternalForces<2>;
+template class InternalForces<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/stress/averaged_forces.hpp"
+#include "mpm_solver/stress/cell_forces.hpp"
+#include "mpm_solver/stress/point_stress.hpp"
+
+namespace gabion::mpm {
+
+/// Internal forces of one rank's material points on the active nodes during one step,
+///
+///     f_int,i = sum_p V0_p P_p(H_p) grad N_ip ,   H_p = sum_i du_i (x) grad N_ip
+///
+/// and their derivative. Most soil hardly notices a coupling iteration, so stresses that are known
+/// are not evaluated again: where H of a triangle or tetrahedron differs from the last evaluated
+/// one by at most `same_strain`, P follows from its tangent (not under F-bar). `finish` brings the
+/// trial state of all points to the accepted du.
+template <int dim>
+class InternalForces {
+ public:
+  /// @param same_strain   largest difference of a component of H that the tangent may bridge
+  /// @param average_over  empty, or for F-bar (AveragedForces) the ranks that share the points;
+  ///                      `evaluate` and `finish` are then collective
+  InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
+                 std::optional<MPI_Comm> average_over = {});
+
+  /// @param K      null, or set to the derivative of the internal forces
+  /// @param worst  set to the point that made the state inadmissible
+  /// @returns false when a point would be squeezed below min_J_ratio of its volume
+  bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
+  const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
+  /// Forces of the accepted stresses on the nodes of this step, those of du = 0: num_nodes x dim
+  /// [N].
+  std::vector<double> start_forces() const;
+
+  /// A new solution with other interface values begins: its first evaluation may take the matrix
+  /// from the neighbouring state where the last solution left it.
+  void begin_solution() { first_evaluation_ = true; }
+  /// Forget what earlier solutions of this step knew, so that repeated requests give the same bits.
+  void forget();
+  /// Bring the trial state of the points to exactly this du.
+  void finish(std::span<const double> du);
+
+ private:
+  struct GroupStress {
+    bool is_known = false;
+    bool has_A = false;
+    Matrix<dim> H = Matrix<dim>::Zero();
+    Matrix<dim> P = Matrix<dim>::Zero();    // sum of V0 P
+    Tangent<dim> A = Tangent<dim>::Zero();  // sum of V0 dP/dH
+  };
+
+  /// A group of points under evaluation.
+  struct GroupRequest {
+    std::int32_t number;         // of the group
+    const std::int32_t* active;  // active numbers of its nodes
+    std::span<const double> du;
+    bool with_K;
+    CellForces<dim>& sum;
+    std::int32_t& worst;
+  };
+
+  bool all_forces(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
+  template <class Law>
+  bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
+                   BlockMatrix<dim>* K, std::int32_t& worst);
+  template <class Law>
+  bool simplex_forces(const Law& law, const GroupRequest& request);
+  template <class Law>
+  bool general_forces(const Law& law, const GroupRequest& request);
+  template <class Law>
+  bool group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H, bool with_A,
+                    GroupStress& known, std::int32_t& worst);
+  Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
+    return displacement_gradient(parts_.weights, entry, request.active, request.du);
+  }
+
+  StressParts<dim> parts_;
+  std::optional<AveragedForces<dim>> averaged_;  // none: each point sees its own volume change
+  double cell_size_;
+  double given_same_strain_;
+  double same_strain_ = 0;
+  std::vector<double> f_int_;
+  std::vector<GroupStress> known_;  // of each group
+  std::vector<double> du_known_;    // where the forces were last evaluated; empty: nowhere
+  std::vector<double> du_K_;        // where K_int_ was evaluated; empty: nowhere
+  std::vector<double> K_int_;       // values of the matrix
+  bool first_evaluation_ = true;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+
+namespace gabion::mpm {
+
+/// State of the material points at the end of a step that is being solved, by entry of
+/// PointWeights.
+template <int dim>
+struct TrialPoints {
+  std::vector<MaterialState<dim>> history;
+  std::vector<Symmetric<dim>> tau;
+  std::vector<double> J_ratio;  ///< volume ratio of the step
+  std::vector<double> energy;
+  std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
+  void resize(std::size_t n) {
+    history.resize(n);
+    tau.resize(n);
+    J_ratio.resize(n);
+    energy.resize(n);
+    plastic_increment.resize(n);
+  }
+};
+
+/// A step that squeezes a point below this share of its volume is inadmissible.
+inline constexpr double min_J_ratio = 0.1;
+
+/// What the stresses of one rank's material points depend on, and where they go.
+template <int dim>
+struct StressParts {
+  const std::vector<Body<dim>>& bodies;
+  const MaterialPoints<dim>& points;
+  const PointWeights<dim>& weights;
+  const GridNodes<dim>& nodes;
+  TrialPoints<dim>& trial;
+};
+
+/// H of one entry of a group, sum_i du_i (x) grad N_ip.
+/// @param active  active numbers of the group's nodes
+template <int dim>
+Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t entry,
+                                  const std::int32_t* active, std::span<const double> du) {
+  const int n = weights.num_nodes(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  const Vector<dim>* grad = weights.grad_of(entry);
+  Matrix<dim> H = Matrix<dim>::Zero();
+  for (int i = 0; i < n; ++i) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(active[local[i]]) * dim;
+    H += Eigen::Map<const Vector<dim>>(du.data() + row) * grad[i].transpose();
+  }
+  return H;
+}
+
+/// Stress of one point at the end of the step, into `stress` and the trial state.
+/// @param A      null, or set to dP/dH
+/// @param worst  set to the point when it makes the state inadmissible
+/// @returns false when the point would be squeezed below min_J_ratio of its volume
+template <int dim, class Law>
+bool point_stress(const StressParts<dim>& parts, const Law& law, std::int32_t entry,
+                  const Matrix<dim>& H, StressUpdate<dim>& stress, Tangent<dim>* A,
+                  std::int32_t& worst) {
+  const std::int32_t p = parts.weights.point[entry];
+  if (!law.update(H, parts.points.history[p], stress, A) || stress.J < min_J_ratio) {
+    worst = p;
+    return false;
+  }
+  parts.trial.history[entry] = stress.state;
+  parts.trial.tau[entry] = stress.tau;
+  parts.trial.J_ratio[entry] = stress.J;
+  parts.trial.energy[entry] = stress.energy;
+  parts.trial.plastic_increment[entry] = stress.plastic_increment;
+  return true;
+}
+
+}  // namespace gabion::mpm

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/walls/wall_motion.hpp"
+
+namespace gabion::mpm {
+
+/// A rigid wall along facets of the background grid.
+struct WallSettings {
+  std::string group;  ///< facet group of the grid
+  bool fixed = true;  ///< all components; otherwise slip: the normal component only
+  std::string where;  ///< file and pointer, for messages
+  WallMotion motion;  ///< prescribed; the facets stay where the grid has them
+};
+
+/// What walls do to a grid node: the directions in which it may move, the range of the projector Q,
+/// and its displacement w in the other ones.
+template <int dim>
+class WallConditions {
+ public:
+  /// Where walls meet, fixed ones come first, then those listed first: a later wall adds only the
+  /// directions that are still free.
+  WallConditions(const Mesh<dim>& grid, const std::vector<WallSettings>& walls);
+
+  /// Whether a wall holds this node of the grid.
+  bool holds(std::int32_t grid_node) const;
+
+  /// Take the motion of the walls from time to time + dt.
+  /// @throws ConfigError  walls that share a node move it to different places; names both
+  void begin_step(double time, double dt);
+  /// Whether any wall moves in the step under way.
+  bool move() const { return move_; }
+  /// Collect the constrained nodes among the active ones.
+  void select(const GridNodes<dim>& nodes);
+
+  const std::vector<std::int32_t>& constrained() const { return constrained_; }  ///< active numbers
+  const std::vector<Matrix<dim>>& projectors() const { return projectors_; }
+
+  /// Remove the constrained components: x_i <- Q_i x_i, num_nodes x dim.
+  void project(std::span<double> x) const;
+  /// Set the constrained components to those of the walls: x_i <- Q_i x_i + scale w_i.
+  /// @param scale  1 for displacements, 1 / dt for velocities
+  void impose(std::span<double> x, double scale) const;
+
+  /// Force of the soil on each wall [N], in the order of the settings. What a node cannot do is
+  /// shared by the walls that hold it, along the direction that each of them holds.
+  /// @param r  residual before it was projected, num_nodes x dim
+  std::vector<Vector<dim>> forces(std::span<const double> r) const;
+
+ private:
+  struct Hold {
+    std::int32_t wall = 0;
+    Vector<dim> n = Vector<dim>::Zero();  // unit
+  };
+  struct Node {
+    std::int32_t grid_node = 0;
+    int num_holds = 0;  // independent directions
+    Hold holds[dim];
+    Matrix<dim> Q = Matrix<dim>::Identity();
+    Vector<dim> w = Vector<dim>::Zero();  // of the step under way [m]
+  };
+  struct Repetition {  // a direction that other walls hold already
+    std::size_t node = 0;
+    Hold hold;
+  };
+
+  std::size_t index_of(std::int32_t grid_node) const;
+  void add(std::size_t k, const Hold& hold);
+  void require_agreement(const Repetition& repetition, double tolerance) const;
+  static Eigen::Matrix<double, dim, Eigen::Dynamic, 0, dim, dim> directions(const Node& node);
+
+  std::vector<WallSettings> walls_;
+  std::vector<Node> nodes_;  // ascending grid nodes
+  std::vector<Repetition> repetitions_;
+  bool move_ = false;
+  std::vector<Vector<dim>> steps_;     // displacement of each wall in the step
+  std::vector<std::size_t> selected_;  // active ones of nodes_
+  std::vector<std::int32_t> constrained_;
+  std::vector<Matrix<dim>> projectors_;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/walls/wall_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace gabion::mpm {
+
+template <int dim>
+Vector<dim> WallMotion::displacement(double time) const {
+  if (!velocity.empty()) return time * Eigen::Map<const Vector<dim>>(velocity.data());
+  if (table.empty()) return Vector<dim>::Zero();
+  const auto value = [](const std::vector<double>& row) {
+    return Vector<dim>(Eigen::Map<const Vector<dim>>(row.data() + 1));
+  };
+  if (time <= table.front()[0]) return value(table.front());
+  if (time >= table.back()[0]) return value(table.back());
+  const auto after = std::upper_bound(table.begin(), table.end(), time,
+                                      [](double t, const auto& row) { return t < row[0]; });
+  const auto& before = *(after - 1);
+  const double s = (time - before[0]) / ((*after)[0] - before[0]);
+  return (1 - s) * value(before) + s * value(*after);
+}
+
+template Vector<2> WallMotion::displacement<2>(double) const;
+template Vector<3> WallMotion::displacement<3>(double) const;
+
+WallMotion read_wall_motion(ConfigReader in, int dim) {
+  WallMotion motion;
+  if (in.has("velocity") == in.has("table")) {
+    in.fail("velocity", "allowed: exactly one of \"velocity\" and \"table\"");
+  }
+  if (in.has("velocity")) {
+    motion.velocity = in.numbers("velocity", dim);
+  } else {
+    motion.table = in.rows("table", dim + 1);
+    if (motion.table.empty()) in.fail("table", "found [], allowed: at least one row");
+    for (std::size_t k = 1; k < motion.table.size(); ++k) {
+      if (motion.table[k][0] > motion.table[k - 1][0]) continue;
+      in.fail(fmt::format("table/{}", k),
+              fmt::format("found time {} after {}, allowed: increasing times", motion.table[k][0],
+                          motion.table[k - 1][0]));
+    }
+  }
+  in.finish();
+  return motion;
+}
+
+}  // namespace gabion::mpm
