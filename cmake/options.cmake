@@ -18,6 +18,8 @@ add_library(gabion_options INTERFACE)
 target_include_directories(gabion_options INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR}/generated)
 # Eigen's own vector code loses on 2x2 and 3x3 tensors that are filled by components (12 % of a soil step).
 target_compile_definitions(gabion_options INTERFACE EIGEN_DONT_VECTORIZE)
+# MPI's C face only: its header brings thousands of lines of a C++ one that nobody calls.
+target_compile_definitions(gabion_options INTERFACE OMPI_SKIP_MPICXX)
 target_compile_options(gabion_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
 if(GABION_WARNINGS_AS_ERRORS)
   target_compile_options(gabion_options INTERFACE -Werror)

@@ -11,13 +11,13 @@ function(gabion_precompile name)
     <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp> ${arg_HEADERS})
 endfunction()
 
-gabion_precompile(gabion_precompiled LIBS Eigen3::Eigen MPI::MPI_CXX HEADERS <Eigen/Dense> <mpi.h>)
-# Part of a shared library too: position-independent, without Eigen and MPI.
+gabion_precompile(gabion_precompiled LIBS Eigen3::Eigen HEADERS <Eigen/Dense>)
+# Part of a shared library too: position-independent, without Eigen.
 gabion_precompile(gabion_precompiled_shared)
 set_target_properties(gabion_precompiled_shared PROPERTIES POSITION_INDEPENDENT_CODE ON)
 if(GABION_BUILD_TESTS)
-  gabion_precompile(gabion_precompiled_tests LIBS Eigen3::Eigen MPI::MPI_CXX GTest::gtest
-                    HEADERS <Eigen/Dense> <mpi.h> <gtest/gtest.h>)
+  gabion_precompile(gabion_precompiled_tests LIBS Eigen3::Eigen GTest::gtest
+                    HEADERS <Eigen/Dense> <gtest/gtest.h>)
   target_compile_options(gabion_precompiled_tests PRIVATE ${gabion_test_options})
 endif()
 
