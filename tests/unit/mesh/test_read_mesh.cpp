@@ -19,7 +19,7 @@ class ReadMesh : public testing::Test {
               (std::string("gabion_read_mesh_") +
                testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
-    std::filesystem::copy_file(std::string(MESH_DATA) + "/plate.msh", folder_ / "plate.msh",
+    std::filesystem::copy_file(std::filesystem::path(MESH_DATA) / "plate.msh", folder_ / "plate.msh",
                                std::filesystem::copy_options::overwrite_existing);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
