@@ -6,11 +6,13 @@ import os
 import platform
 import re
 import shutil
+import textwrap
 from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "measured"
+WIDTH = 120  # of lines of prose
 KEPT = "\n## What it shows\n"  # what stands in a page from here on is written by hand and stays
 
 
@@ -62,13 +64,24 @@ def machine() -> str:
     return f"{len(os.sched_getaffinity(0))} cores of {model}{size}"
 
 
+def wrapped(block: str) -> str:
+    """Prose of a block in lines of WIDTH; tables and figures as they are."""
+    def fill(line: str) -> str:
+        if len(line) <= WIDTH or line.startswith(("|", "#", "![")):
+            return line
+        return textwrap.fill(line, WIDTH, subsequent_indent="  " * line.startswith("- "), break_long_words=False,
+                             break_on_hyphens=False)
+
+    return "\n".join(map(fill, block.splitlines()))
+
+
 def write_page(path: Path, title: str, command: str, page: Page) -> None:
     """Write a page and its figures; the part "What it shows" of an earlier one stays."""
     path.parent.mkdir(parents=True, exist_ok=True)
     before = path.read_text(encoding="utf-8") if path.exists() else ""
     today = datetime.date.today().isoformat()
     source = f"`{command}`: version {version()}, {machine()}, {today}"
-    text = "\n\n".join([f"# {title}", source, *page.blocks]) + "\n"
+    text = "\n\n".join(wrapped(block) for block in [f"# {title}", source, *page.blocks]) + "\n"
     path.write_text(text + "".join(before.partition(KEPT)[1:]), encoding="utf-8")
     for figure in page.figures:
         shutil.copyfile(figure, path.parent / figure.name)

@@ -83,15 +83,17 @@ class WrittenPage(ScriptCase):
 
     def test_page_has_source_table_and_figure(self) -> None:
         self.write_page("--write", "--set", "coupler.json:/time/dt=1e-4")
-        lines = (self.pages / "mesh_convergence.md").read_text().splitlines()
-        self.assertTrue(lines[0].startswith("# A's displacement"), lines[0])
-        self.assertRegex(lines[2], r"^`scripts/bench mesh_convergence --set coupler.json:/time/dt=1e-4`: "
-                                   r"version \d+\.\d+\.\d+, \d+ cores of .+, \d{4}-\d\d-\d\d$")
-        self.assertNotIn(platform.node(), lines[2].split())
+        title, source, table, *_, last = (self.pages / "mesh_convergence.md").read_text().rstrip("\n").split("\n\n")
+        self.assertTrue(title.startswith("# A's displacement"), title)
+        self.assertRegex(source.replace("\n", " "),
+                         r"^`scripts/bench mesh_convergence --set coupler.json:/time/dt=1e-4`: "
+                         r"version \d+\.\d+\.\d+, \d+ cores of .+, \d{4}-\d\d-\d\d$")
+        self.assertNotIn(platform.node(), source.split())
         head = ["model", "peak of A [mm]", "at t [s]", "rest [mm]", "impulse [N s/m]", "run time [s]"]
-        self.assertEqual(lines[4:6], [f"| {' | '.join(head)} |", "| --- | --- | --- | --- | --- | --- |"])
-        self.assertRegex(lines[6], r"^\| h = 5 mm \| 4 \| 0\.\d+ \| \d\.\d+ \| 6 \| 12.5 \|$")
-        self.assertEqual(lines[-1], "![mesh convergence](mesh_convergence.png)")
+        lines = table.splitlines()
+        self.assertEqual(lines[:2], [f"| {' | '.join(head)} |", "| --- | --- | --- | --- | --- | --- |"])
+        self.assertRegex(lines[2], r"^\| h = 5 mm \| 4 \| 0\.\d+ \| \d\.\d+ \| 6 \| 12.5 \|$")
+        self.assertEqual(last, "![mesh convergence](mesh_convergence.png)")
         self.assertTrue((self.pages / "mesh_convergence.png").exists())
 
     def test_what_is_written_by_hand_stays(self) -> None:
@@ -100,6 +102,13 @@ class WrittenPage(ScriptCase):
         text = page.read_text()
         self.assertTrue(text.endswith(".png)\n\n## What it shows\n\nThis | stays.\n"), text)
         self.assertNotIn("old", text)
+
+    def test_prose_is_wrapped_and_tables_are_not(self) -> None:
+        words = "word " * 40
+        lines = measured.wrapped(f"| {words}|\n- {words.strip()}").splitlines()
+        self.assertEqual(lines[0], f"| {words}|")
+        self.assertTrue(all(len(line) <= 120 for line in lines[1:]), lines)
+        self.assertTrue(lines[2].startswith("  word"))
 
     def test_nothing_is_written_without_the_option(self) -> None:
         self.write_page()
