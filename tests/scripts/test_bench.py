@@ -32,6 +32,7 @@ class ProgramTest(ScriptCase):
         self.assertEqual(shown.returncode, 0, shown.stderr)
         for study in (speed, error_vs_time, acceleration, columns, run_out, coupling.coupling, stability):
             self.assertRegex(shown.stdout, rf"(?m)^  {study.__name__} +{re.escape(study.__doc__)}$")
+            self.assertTrue((measured.FOLDER / f"{study.__name__}.md").exists(), study.__name__)
 
 
 class MadeUpRunner(Runner):
