@@ -44,7 +44,8 @@ class ProgressWatch {
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
 /// Without any column x+ = x + omega r. This is IQN-ILS, and the multi-vector update that keeps
-/// what earlier steps found, N V_prev = W_prev: the two are the same (README.md section 2).
+/// what earlier steps found, N V_prev = W_prev: the two are the same (docs/theory/coupling.md,
+/// (C9)).
 /// @see Degroote, Bathe, Vierendeels (2009); Bogaers et al. (2014) for the multi-vector idea; Gay,
 ///      Schnabel (1978) for updates that keep earlier secants
 class QuasiNewton : public Acceleration {

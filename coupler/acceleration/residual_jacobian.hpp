@@ -15,7 +15,7 @@ namespace gabion {
 /// dX, V: differences of x and of r of the newest `max_columns` iterations of this step; J_prev: J
 /// of the step before, -I / omega at the start. Memory grows with the square, work with the cube of
 /// the number of unknowns; there is no filter. Take Mvqn for anything but the comparison.
-/// @see README.md section 2
+/// @see docs/theory/coupling.md, (C8)
 class ResidualJacobian : public Acceleration {
  public:
   static constexpr Eigen::Index largest = 2000;  ///< unknowns: 64 MB and some seconds an iteration

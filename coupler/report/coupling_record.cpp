@@ -8,7 +8,7 @@ namespace {
 using Columns = std::vector<std::string>;
 using Cells = std::vector<CsvValue>;
 
-constexpr int iterations_schema = 2;  // README.md section 5; a change of meaning or order adds 1
+constexpr int iterations_schema = 2;  // docs/results.md; a change of meaning or order adds 1
 
 void append(Columns& columns, const Columns& more) {
   columns.insert(columns.end(), more.begin(), more.end());

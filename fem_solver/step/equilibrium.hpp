@@ -36,7 +36,7 @@ struct NodalForces {
   double elastic_energy = 0;     ///< [J]
 };
 
-/// Balance of forces of one step (README.md, equation 3):
+/// Balance of forces of one step (docs/theory/structure.md, (T4)):
 ///
 ///     r(du) = f' + force_memory f - M inertia(a', a) ,   f = f_ext - f_int
 ///

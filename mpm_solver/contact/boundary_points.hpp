@@ -29,7 +29,7 @@ enum class ContactMode {
 /// What the penalty acts on.
 enum class GapMemory {
   accumulated,  ///< gap since soil came into the point's cell: force independent of the step size
-  step,         ///< displacement of this step only, as in the method's first implementations
+  step,         ///< displacement of this step only: the force depends on the step size
 };
 
 template <int dim>
@@ -45,7 +45,7 @@ struct ContactSettings {
 };
 
 /// Boundary points on the surface of a structure: the displacement of the grid at each point is
-/// held to the displacement of the surface by a penalty (README.md, section "Interface").
+/// held to the displacement of the surface by a penalty (docs/theory/interface.md).
 ///
 ///     g = g_n + sum_i N_i du_i - du_surface ,  t = -penalty g ,  f_i = sum_b N_i t_b A_b
 ///

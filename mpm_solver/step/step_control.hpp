@@ -20,7 +20,8 @@ struct StepControlSettings {
 };
 StepControlSettings read_step_control(ConfigReader in);
 
-/// What keeps the next step from being twice as long: the codes of column `dt_limit` (README.md).
+/// What keeps the next step from being twice as long: the codes of column `dt_limit`
+/// (docs/results.md).
 enum class DtLimit {
   none = 0,
   phase = 1,

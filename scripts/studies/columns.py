@@ -8,9 +8,9 @@ import numpy as np
 
 from plotting.column import SurfaceError, area_under, compare_surface, failure_line, read_reference, surface_of
 from plotting.results import Results, ResultsError
-from plotting.style import COLOURS, legend_beside, new_figure, save
+from plotting.style import COLOURS, legend_beside, new_figure
 from studies.measures import Measured
-from studies.runner import ROOT, Runner, report
+from studies.runner import ROOT, Runner
 
 COLLAPSE = "column_collapse"
 MEASURED = ROOT / "configs" / COLLAPSE / "data" / "bui2008_column_collapse.csv"
@@ -97,8 +97,8 @@ def compare(runner: Runner, models: dict[str, list[str]]) -> dict[str, Deposit]:
         deposits[name] = deposit_of(run.results, series)
         rows.append(row_of(name, run, deposits[name]))
     front = next(iter(deposits.values())).error.front_measured_m if deposits else float("nan")
-    report(runner.folder, HEAD, rows)
-    print(f"measured front: {front:.3g} m; errors of surface and failure line against Bui et al. (2008)")
+    runner.report(HEAD, rows)
+    runner.remark(f"measured front: {front:.3g} m; errors of surface and failure line against Bui et al. (2008)")
     return deposits
 
 
@@ -126,7 +126,7 @@ def columns(runner: Runner) -> None:
         panel.set_ylabel("height [m]")
         legend_beside(panel)
     axes[-1].set_xlabel("x [m]")
-    print(save(figure, runner.folder / "columns.png"))
+    runner.save(figure, "columns.png")
 
 
 FACTORS = {

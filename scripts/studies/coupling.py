@@ -6,7 +6,7 @@ import os
 import subprocess
 
 from plotting.results import ResultsError
-from studies.runner import ROOT, Runner, print_table, write_table
+from studies.runner import ROOT, Runner
 
 SETUP = ROOT / "scripts" / "setup"
 BINARY = ROOT / "build" / "release" / "bin" / "coupling_benchmark"
@@ -26,10 +26,10 @@ def coupling(runner: Runner) -> None:
     _table(runner, "tube", ["tube"])
     grid = _table(runner, "grid", ["grid", steps])
     failed = [row for row in grid if row[-2] == "failed"]
-    print(f"{len(failed)} of {len(grid)} settings of MVQN failed")
+    runner.remark(f"{len(failed)} of {len(grid)} settings of MVQN failed")
     rows = [[*_run(["overhead", method, str(nodes)])[0], PEER[nodes][method != "constant"]]
             for nodes in NODES for method in METHODS]
-    _show(runner, "overhead", [*HEAD, "preCICE [us]"], rows)
+    runner.report([*HEAD, "preCICE [us]"], rows, "overhead")
 
 
 def _run(words: list[str]) -> list[list[str]]:
@@ -41,14 +41,8 @@ def _run(words: list[str]) -> list[list[str]]:
 
 def _table(runner: Runner, name: str, words: list[str]) -> list[list[str]]:
     head, *rows = _run(words)
-    _show(runner, name, head, rows)
+    runner.report(head, rows, name)
     return rows
-
-
-def _show(runner: Runner, name: str, head: list[str], rows: list[list]) -> None:
-    print(f"\n{name}")
-    print_table(head, rows)
-    write_table(runner.folder / f"{name}.csv", head, rows)
 
 
 STUDIES = {coupling.__name__: coupling}

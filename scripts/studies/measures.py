@@ -53,7 +53,8 @@ class Measured:
         if self.summary is None or not self.summary.get("completed", True):
             raise ResultsError(f"{results.folder}: the run did not come to its end")
 
-    def _need(self, file: str):
+    def table(self, file: str):
+        """@raises ResultsError  not there, or empty"""
         table = self.results.table(file)
         if table is None or not table.num_rows:
             raise ResultsError(f"{self.results.folder}: no {file}, or no row in it")
@@ -61,21 +62,27 @@ class Measured:
 
     def displacement(self) -> Curve:
         """Horizontal displacement of the point [m]."""
-        table = self._need("probes.csv")
+        table = self.table("probes.csv")
         for name in probe_points(table):
             if name.rpartition(".")[2] == self.point:
                 return Curve(table["time"], table[displacement_columns(table, name)[0]])
         raise ResultsError(f"{table.path}: no displacement of a point {self.point}")
 
+    def peak(self) -> tuple[float, float]:
+        """Largest horizontal displacement of the point [m], and when [s]."""
+        a = self.displacement()
+        at = int(np.argmax(np.abs(a.values)))
+        return float(a.values[at]), float(a.time[at])
+
     def force(self) -> Curve:
         """Horizontal force of the soil on the structure [N/m]."""
-        table = self._need("steps.csv")
+        table = self.table("steps.csv")
         return Curve(table["time"], table["fx"])
 
     def impulse(self) -> Curve:
         """Integral of the force over time [N s/m]: each step's force holds through the step."""
         force = self.force()
-        return Curve(force.time, np.cumsum(force.values * self._need("steps.csv")["dt"]))
+        return Curve(force.time, np.cumsum(force.values * self.table("steps.csv")["dt"]))
 
     def seconds(self) -> float:
         """Wall time of the run [s]."""
@@ -93,7 +100,7 @@ class Measured:
 
     def iterations_in_contact(self) -> np.ndarray:
         """Coupling iterations of the steps in which soil and structure could touch."""
-        table = self._need("steps.csv")
+        table = self.table("steps.csv")
         return table["iterations"][table["skipped"] == "none"]
 
     def cuts(self) -> int:

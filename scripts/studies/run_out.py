@@ -7,10 +7,10 @@ import numpy as np
 
 from plotting.column import area_under, front_of, surface_of
 from plotting.results import ResultsError
-from plotting.style import COLOURS, legend_beside, new_figure, save
+from plotting.style import COLOURS, legend_beside, new_figure
 from studies.columns import box, setting
 from studies.measures import Measured
-from studies.runner import Runner, report
+from studies.runner import Runner
 
 SCENE = "column_run_out"
 RATIOS = [0.5, 1.0, 2.0, 5.0]  # a = height by width
@@ -73,7 +73,7 @@ def run_out(runner: Runner) -> None:
                      deposit.height, height_law(a), deposit.height / height_law(a) - 1,
                      deposit.area, run.newton_per_step(), run.cpu_seconds()])
     head = ["a", "run-out", "law", "error", "height", "law", "error", "area kept", "Newton a step", "CPU [s]"]
-    report(runner.folder, head, rows)
+    runner.report(head, rows)
     draw_laws(runner, np.array(rows))
     figure, (axes,) = new_figure(9, 2.2)
     for a, deposit in deposits.items():
@@ -82,7 +82,7 @@ def run_out(runner: Runner) -> None:
     axes.set_xlabel("x by initial width")
     axes.set_ylabel("height by initial width")
     legend_beside(axes)
-    print(save(figure, runner.folder / "deposits.png"))
+    runner.save(figure, "deposits.png")
 
 
 def draw_laws(runner: Runner, rows: np.ndarray) -> None:
@@ -99,7 +99,7 @@ def draw_laws(runner: Runner, rows: np.ndarray) -> None:
         axes.set_ylabel(name)
         legend_beside(axes)
     panels[-1].set_xlabel("a = initial height by width")
-    print(save(figure, runner.folder / "run_out.png"))
+    runner.save(figure, "run_out.png")
 
 
 STUDIES = {run_out.__name__: run_out}

@@ -5,14 +5,16 @@ import csv
 import subprocess
 from pathlib import Path
 
+from measured import Page, text_of
 from plotting.results import Results, ResultsError
+from plotting.style import Figure, save
 from studies.measures import Measured
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 class Runner:
-    """Runs scenes through scripts/run into folders of one study.
+    """Runs scenes through scripts/run into folders of one study, prints what it finds and keeps it for a page.
 
     reuse: take the results of a run with the same label that came to its end instead of running.
     settings: for all runs, such as ["coupler.json:/time/end=0.3"].
@@ -22,6 +24,7 @@ class Runner:
         self.folder = folder
         self.reuse = reuse
         self.settings = settings
+        self.page = Page()
 
     def run(self, label: str, scene: str, settings: list[str]) -> Measured:
         """Run one scene.
@@ -42,6 +45,23 @@ class Runner:
         if code not in (0, 3) or not (output / "summary.json").exists():
             raise ResultsError(f"{label}: the run failed with exit code {code}")
         return Results(output)
+
+    def report(self, head: list[str], rows: list[list], name: str = "") -> None:
+        """Print a table, write it as NAME.csv (table.csv without a name) and put it on the page."""
+        print(f"\n{name}" if name else "")
+        print_table(head, rows)
+        write_table(self.folder / f"{name or 'table'}.csv", head, rows)
+        self.page.add_table(head, rows, name)
+
+    def remark(self, text: str) -> None:
+        print(text)
+        self.page.blocks.append(text[0].upper() + text[1:] + ".")
+
+    def save(self, figure: Figure, name: str) -> None:
+        """Write a figure into the folder of the study and put it on the page."""
+        path = save(figure, self.folder / name)
+        print(path)
+        self.page.add_figure(path)
 
     def _launch(self, label: str, scene: str, settings: list[str]) -> tuple[int, Path]:
         """Exit code, 0 for results that are taken again, and the folder of the results."""
@@ -68,25 +88,13 @@ def _completed(folder: Path) -> bool:
 
 def print_table(head: list[str], rows: list[list]) -> None:
     """Right-aligned columns; numbers with four digits."""
-    cells = [head, *[[_text(value) for value in row] for row in rows]]
+    cells = [head, *[[text_of(value) for value in row] for row in rows]]
     widths = [max(len(row[i]) for row in cells) for i in range(len(head))]
     for row in cells:
         print("  ".join(text.rjust(width) for text, width in zip(row, widths)))
-
-
-def _text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def write_table(path: Path, head: list[str], rows: list[list]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
-
-
-def report(folder: Path, head: list[str], rows: list[list]) -> None:
-    """Print the table and write it as table.csv."""
-    print()
-    print_table(head, rows)
-    write_table(folder / "table.csv", head, rows)
-    print(f"\nWritten to {folder}")

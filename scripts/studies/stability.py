@@ -7,7 +7,7 @@ import numpy as np
 
 from plotting.column import front_of, surface_of
 from plotting.results import Results, ResultsError
-from studies.runner import Runner, report
+from studies.runner import Runner
 
 SCENE = "column_collapse"
 H, END, DT = 0.01, 0.3, 1e-3  # [m], [s], [s]: coarse and short, so that all runs take minutes
@@ -90,8 +90,8 @@ def stability(runner: Runner) -> None:
                      float(summary["wall_seconds"]["total"])])
     head = ["case", "ended", "steps", "cuts", "Newton mean", "front [m]", "height against base [mm]",
             "energy created [J/m]", "run time [s]"]
-    report(runner.folder, head, rows)
-    print(f"{sum(row[1] == 'end' for row in rows)} of {len(rows)} runs came to their end")
+    runner.report(head, rows)
+    runner.remark(f"{sum(row[1] == 'end' for row in rows)} of {len(rows)} runs came to their end")
 
 
 STUDIES = {stability.__name__: stability}

@@ -6,17 +6,20 @@ import contextlib
 import csv
 import io
 import json
+import platform
 import re
 import unittest
+from unittest import mock
 
 import numpy as np
 from script_case import ScriptCase
 
 import made_up_results as made_up
+import measured
 from plotting.results import Results, ResultsError
 from studies import coupling
 from studies.columns import COLLAPSE, FACTORS, columns, compare
-from studies.coupled import STUDIES, acceleration, dt_consistency, error_vs_time
+from studies.coupled import STUDIES, acceleration, error_vs_time, speed
 from studies.measures import Curve, Measured, relative_rms
 from studies.run_out import height_law, run_out, run_out_law
 from studies.runner import Runner
@@ -27,8 +30,9 @@ class ProgramTest(ScriptCase):
     def test_lists_every_study(self) -> None:
         shown = self.script("bench", "--help")
         self.assertEqual(shown.returncode, 0, shown.stderr)
-        for study in (error_vs_time, acceleration, dt_consistency, columns, run_out, coupling.coupling, stability):
+        for study in (speed, error_vs_time, acceleration, columns, run_out, coupling.coupling, stability):
             self.assertRegex(shown.stdout, rf"(?m)^  {study.__name__} +{re.escape(study.__doc__)}$")
+            self.assertTrue((measured.FOLDER / f"{study.__name__}.md").exists(), study.__name__)
 
 
 class MadeUpRunner(Runner):
@@ -57,6 +61,59 @@ class MadeUpColumn(Runner):
         summary = {"completed": True, "steps": 10, "newton_iterations": 45, "cuts": 1, "cpu_seconds": 2.5}
         (self.folder / label / "summary.json").write_text(json.dumps(summary))
         return Measured(Results(self.folder / label))
+
+
+class WrittenPage(ScriptCase):
+    """What --write makes of a study."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.pages = self.folder / "measured"
+        patch = mock.patch.object(measured, "FOLDER", self.pages)
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def write_page(self, *options: str) -> str:
+        def made_up_run(runner: Runner, label: str, scene: str, settings: list[str]) -> Measured:
+            return Measured(Results(made_up.write_results(runner.folder / label, 1)))
+
+        with mock.patch.object(Runner, "run", made_up_run):
+            result = self.python_script("bench", "mesh_convergence", "--output", self.folder / "out", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_page_has_source_table_and_figure(self) -> None:
+        self.write_page("--write", "--set", "coupler.json:/time/dt=1e-4")
+        title, source, table, *_, last = (self.pages / "mesh_convergence.md").read_text().rstrip("\n").split("\n\n")
+        self.assertTrue(title.startswith("# A's displacement"), title)
+        self.assertRegex(source.replace("\n", " "),
+                         r"^`scripts/bench mesh_convergence --set coupler.json:/time/dt=1e-4`: "
+                         r"version \d+\.\d+\.\d+, \d+ cores of .+, \d{4}-\d\d-\d\d$")
+        self.assertNotIn(platform.node(), source.split())
+        head = ["model", "peak of A [mm]", "at t [s]", "rest [mm]", "impulse [N s/m]", "run time [s]"]
+        lines = table.splitlines()
+        self.assertEqual(lines[:2], [f"| {' | '.join(head)} |", "| --- | --- | --- | --- | --- | --- |"])
+        self.assertRegex(lines[2], r"^\| h = 5 mm \| 4 \| 0\.\d+ \| \d\.\d+ \| 6 \| 12.5 \|$")
+        self.assertEqual(last, "![mesh convergence](mesh_convergence.png)")
+        self.assertTrue((self.pages / "mesh_convergence.png").exists())
+
+    def test_what_is_written_by_hand_stays(self) -> None:
+        page = self.write("measured/mesh_convergence.md", "# Old\n\nold\n\n## What it shows\n\nThis | stays.\n")
+        self.write_page("--write")
+        text = page.read_text()
+        self.assertTrue(text.endswith(".png)\n\n## What it shows\n\nThis | stays.\n"), text)
+        self.assertNotIn("old", text)
+
+    def test_prose_is_wrapped_and_tables_are_not(self) -> None:
+        words = "word " * 40
+        lines = measured.wrapped(f"| {words}|\n- {words.strip()}").splitlines()
+        self.assertEqual(lines[0], f"| {words}|")
+        self.assertTrue(all(len(line) <= 120 for line in lines[1:]), lines)
+        self.assertTrue(lines[2].startswith("  word"))
+
+    def test_nothing_is_written_without_the_option(self) -> None:
+        self.write_page()
+        self.assertFalse(self.pages.exists())
 
 
 class Measures(ScriptCase):
@@ -116,14 +173,18 @@ class Studies(ScriptCase):
 
     def test_error_vs_time(self) -> None:
         rows = self.table(error_vs_time, {"dt_0.001": 1.2, "dt_0.0005": 1.1})
-        np.testing.assert_allclose([float(row[1]) for row in rows], [0.2, 0.1, 0, 0], atol=1e-12)
-        np.testing.assert_allclose([float(row[2]) for row in rows], [0.2, 0.1, 0, 0], atol=1e-12)
+        self.assertEqual([float(row[0]) for row in rows], [1, 0.5, 0.2, 0.1, 0.05])
+        for errors in (5, 6):
+            np.testing.assert_allclose([float(row[errors]) for row in rows[:-1]], [0.2, 0.1, 0, 0], atol=1e-12)
+            self.assertEqual(rows[-1][errors], "")
+        self.assertAlmostEqual(float(rows[0][2]), 1.2 * 2e3 * made_up.AMPLITUDE, places=2)  # 1 - cos: twice
+        self.assertAlmostEqual(float(rows[1][4]), 1.1 * made_up.FORCE, places=9)
 
-    def test_dt_consistency(self) -> None:
-        rows = self.table(dt_consistency, {"dt_0.0002": 1.5})
-        self.assertAlmostEqual(float(rows[0][2]), 1.5 * made_up.FORCE, places=9)
-        self.assertAlmostEqual(float(rows[0][4]), 0.5, places=9)
-        self.assertAlmostEqual(float(rows[2][4]), 0, places=12)
+    def test_speed(self) -> None:
+        free, contact = self.table(speed, {})
+        self.assertEqual(free[:2], ["free flow", "200"])
+        np.testing.assert_allclose([float(value) for value in free[2:]], [10, 7, 0, 2, 0], atol=1e-12)
+        np.testing.assert_allclose([float(value) for value in contact[2:]], [10, 5, 1, 2, 1], atol=1e-12)
 
     def test_failed_run_stands_in_the_table(self) -> None:
         class Failing(MadeUpRunner):

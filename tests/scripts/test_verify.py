@@ -7,8 +7,11 @@ import json
 import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from script_case import ScriptCase
+
+import measured
 
 HEAD = "test,id,what,exact,computed,unit,measure,value,bound,holds,limitation,seconds"
 PERIOD = 'V7_Bar.period,V7,"period, 2D",10,10.005,"s",relative_error,5e-4,1e-3,true,"",1.25'
@@ -76,6 +79,19 @@ class Verify(ScriptCase):
         self.assertEqual(float(rows[1]["computed"]), 10.005)
         self.assertIn("| V7 | period, 2D | 10 s |", (self.folder / "out" / "table.md").read_text())
         self.assertTrue((self.folder / "out" / "V4_error_over_h.png").exists())
+
+    def test_page_of_the_table(self) -> None:
+        with mock.patch.object(measured, "FOLDER", self.folder / "pages"):
+            result = self.verify(*self.good_programs(), options=("--write",))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with self.assertRaises(SystemExit):
+                self.verify(*self.good_programs(), options=("--write", "V7"))
+        lines = (self.folder / "pages" / "verification.md").read_text().splitlines()
+        self.assertRegex(lines[2], r"^`scripts/verify`: version .+ cores of ")
+        self.assertIn("| V7 | period, 2D | 10 s | 10.005 s | relative 5.0e-04 | <= 0.001 | 1.25 | ok |", lines)
+        self.assertIn("- V4: stalls", lines)
+        self.assertEqual(lines[-1], "![V4 error over h](V4_error_over_h.png)")
+        self.assertTrue((self.folder / "pages" / "V4_error_over_h.png").exists())
 
     def test_row_beyond_its_bound_fails(self) -> None:
         program = self.program("bar", ["V7_Bar.period", "V7_Bar.energy"], [PERIOD, TOO_LARGE],

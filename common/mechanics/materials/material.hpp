@@ -40,7 +40,7 @@ bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialSta
 
 /// Read "law" ("linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca",
 /// "drucker_prager"), "density", "young_modulus", "poisson_ratio" and the strength keys of the law;
-/// angles in degrees. README.md lists them.
+/// angles in degrees. docs/keys lists them.
 template <int dim>
 Material<dim> read_material(ConfigReader in);
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Keys of CURVE, and why a coupler does not let a participant in (protocol/README.md, section 15)."""
+"""Keys of CURVE, and why a coupler does not let a participant in (protocol/README.md, section 13)."""
 
 import os
 import stat

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Participant: for codes that keep their own time loop. The picture is in protocol/README.md, section 14."""
+"""Participant: for codes that keep their own time loop. The picture is in docs/foreign_codes.md."""
 
 import atexit
 import os

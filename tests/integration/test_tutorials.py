@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The files of docs/first_scene.md and docs/first_structure.md, from their text alone, run until soil meets the wall."""
+
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+
+import launch
+from launch import IntegrationCase, Launch, free_endpoint, read_table
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+# A name in bold, and below it the whole file.
+FILE = re.compile(r"^\*\*(\S+)\*\*\n\n```(json|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SHORT = ("--set", "coupler.json:/time/end=0.18")  # the soil is there after 0.16 s
+
+
+def files_of(page: str) -> dict[str, str]:
+    """Path -> text of every file that a page shows in full."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    found = {path: content for path, _, content in FILE.findall(text)}
+    assert len(found) == text.count("```") // 2, f"{page}: found {list(found)}, and a block without its name"
+    return found
+
+
+class TutorialCase(IntegrationCase):
+    def write_files(self, page: str) -> None:
+        for path, text in files_of(page).items():
+            file = self.folder / path
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+
+    def expect_wall_moved(self) -> None:
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertIs(summary["completed"], True)
+        self.assertGreater(summary["steps_in_contact"], 20)
+        self.assertGreater(max(float(row["structure.top.ux"]) for row in read_table(self.out / "probes.csv")), 5e-4)
+
+
+class FirstScene(TutorialCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.write_files("first_scene.md")
+        self.scene = self.folder / "my_scene"
+
+    def test_check_says_what_the_page_shows(self) -> None:
+        shown = self.run_launch("--check", code=0).text
+        lines = re.findall(r"^    \[cpl\] (.+)$", (ROOT / "docs" / "first_scene.md").read_text(), re.MULTILINE)
+        self.assertGreater(len(lines), 4)
+        for line in lines:
+            line = re.sub(r"farthest .*|^my_scene", "", line)  # round-off; a path
+            self.assertIn(line, shown)
+
+    def test_soil_meets_the_wall(self) -> None:
+        self.run_launch(*SHORT, code=0)
+        self.expect_wall_moved()
+
+
+class FirstStructure(TutorialCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.write_files("first_scene.md")
+        self.write_files("first_structure.md")
+        self.scene = self.folder / "my_wall"
+        shutil.copy(self.folder / "my_scene" / "mpm.json", self.scene)
+        self.endpoint = free_endpoint()
+
+    def start_structure(self) -> Launch:
+        command = json.loads((self.scene / "coupler.json").read_text())["participants"]["structure"]["command"]
+        self.assertEqual(command, ["/usr/bin/python3", "structure.py"])
+        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
+        started = Launch([command[0], str(self.scene / command[1]), "--coupler", self.endpoint], self.folder)
+        self.addCleanup(started.end)
+        return started
+
+    def test_check_alone(self) -> None:
+        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
+                          "--check-participant", "structure", "--coupler", self.endpoint], self.folder)
+        self.addCleanup(coupler.end)
+        self.start_structure()
+        ended = coupler.wait()
+        self.assertEqual(ended.code, 0, ended.text)
+        for check in re.findall(r"^    (\S.*?)  +passed$", (ROOT / "docs" / "first_structure.md").read_text(), re.M):
+            self.assert_says(ended.text, check, "passed")
+
+    def test_soil_meets_the_wall(self) -> None:
+        run = self.start("--coupler", self.endpoint, *SHORT, programs=("coupler",))
+        soil = self.start("--coupler", self.endpoint, *SHORT, programs=("mpm_solver",))
+        for each in (self.start_structure(), run, soil):
+            ended = each.wait()
+            self.assertEqual(ended.code, 0, ended.text)
+        self.expect_wall_moved()
+
+
+if __name__ == "__main__":
+    launch.main()
