@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/fem_solver.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "common/base/require.hpp"
@@ -10,15 +8,13 @@
 namespace gabion::fem {
 
 template <int dim>
-FemSolver<dim>::FemSolver(FemSettings<dim> settings, MPI_Comm comm,
+FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
                           const std::string& output_folder)
     : settings_(std::move(settings)),
-      boundary_(settings_),
-      probes_(settings_),
+      wet_surfaces_(settings_),
       step_(settings_, comm),
-      state_(step_.initial_state()) {
-  if (!output_folder.empty()) output_.emplace(settings_.mesh, output_folder, comm);
-}
+      report_(settings_, step_, output_folder),
+      state_(step_.initial_state()) {}
 
 template <int dim>
 void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
@@ -39,9 +35,9 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
           request.time, state_.time);
   trial_.reset();
   state_.time = request.time;
-  FemState trial;
-  StepReport report = step_.solve(state_, boundary_.nodal_forces(received), request.dt, trial);
-  sent = boundary_.displacements(trial.motion.u);
+  StructureState trial;
+  StepReport report = step_.solve(state_, wet_surfaces_.nodal_forces(received), request.dt, trial);
+  sent = wet_surfaces_.displacements(trial.motion.u);
   trial_ = std::move(trial);
   return report;
 }
@@ -55,7 +51,7 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
   state_.time = request.time + request.dt;
   trial_.reset();
   step_.forget_iterates();
-  return {probes(), step_.at_rest(state_), 0};
+  return {.probes = probes(), .at_rest = step_.at_rest(state_)};
 }
 
 template <int dim>
@@ -65,49 +61,21 @@ void FemSolver<dim>::reject_step() {
 }
 
 template <int dim>
-void FemSolver<dim>::write_output(double time) {
-  if (output_) output_->write(time, state_, step_.equilibrium());
+State FemSolver<dim>::save_state() {
+  State state;
+  StateWriter writer(state);
+  state_.visit_state(writer);
+  return state;
 }
 
 template <int dim>
-std::vector<double> FemSolver<dim>::probes() const {
-  return probes_.values(state_, step_.equilibrium());
-}
-
-template <int dim>
-Json FemSolver<dim>::summary() const {
-  Json result = step_.summary();
-  result["nodes"] = settings_.mesh.nodes.size();
-  result["unknowns"] =
-      settings_.mesh.nodes.size() * dim - step_.conditions().constrained_dofs().size();
-  result["frame_bytes"] = FemOutput<dim>::frame_bytes(settings_.mesh);
-  result["cells"] = settings_.mesh.num_cells();
-  result["cell_type"] = name(settings_.mesh.cell_type);
-  result["material"] = settings_.material.law_name;
-  result["analysis"] = settings_.dynamic ? "dynamic" : "static";
-  return result;
+void FemSolver<dim>::load_state(const State& state) {
+  reject_step();
+  StateReader reader(state);
+  state_.visit_state(reader);
 }
 
 template class FemSolver<2>;
 template class FemSolver<3>;
-
-namespace {
-
-template <int dim>
-std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
-                                    const std::string& output_folder, AloneSettings* alone) {
-  auto settings = read_fem_settings<dim>(scene, in);
-  if (alone) *alone = read_alone_settings(in);
-  in.finish();
-  return std::make_unique<FemSolver<dim>>(std::move(settings), comm, output_folder);
-}
-
-}  // namespace
-
-std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
-                                        const std::string& output_folder, AloneSettings* alone) {
-  return read_dimension(in) == 2 ? make_solver<2>(scene, in, comm, output_folder, alone)
-                                 : make_solver<3>(scene, in, comm, output_folder, alone);
-}
 
 }  // namespace gabion::fem

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/program/mpi_session.hpp"
-#include "common/program/program.hpp"
+#include "solver_program/solver_program.hpp"
 
 namespace gabion {
 
-/// The program fem_solver: reads fem.json of the scene, then follows the coupler, or runs alone
-/// when the scene has no coupler.json. @note Collective over session.comm().
+/// The solver of a scene's fem.json, in the dimension it asks for.
+/// @param alone  null, or filled: the scene has no coupler
+/// @throws ConfigError
+std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
+                                        const std::string& output_folder, AloneSettings* alone);
+
+/// The program fem_solver. @note Collective over session.comm().
 void run_fem(const ProgramOptions& options, const MpiSession& session);
 
 }  // namespace gabion

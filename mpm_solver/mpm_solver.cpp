@@ -70,7 +70,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       cell_size_(mean_cell_size(grid_.mesh)),
       exits_(grid_),
       points_(lay_all_points(comm, settings_)),
-      linear_(comm, settings_.linear_solver),
+      linear_(comm, dim, settings_.linear_solver),
       output_(comm, output_folder),
       ledger_(comm),
       control_(settings_.step_control) {
@@ -172,7 +172,7 @@ void MpmSolver<dim>::check_initial_stress() {
   std::vector<double> du(n, 0.0), r(n);
   equilibrium_->evaluate(du, r, &K_);
   wall_forces_ = forces_on_walls();
-  linear_.set_matrix(K_, true);
+  linear_.set_matrix(K_);
   linear_.solve(r, du);
   double largest = 0;
   for (std::size_t i = 0; i < n; i += dim) {
@@ -203,9 +203,9 @@ StepReport MpmSolver<dim>::try_step(const StepRequest& request, const InterfaceV
     choose_guess();
   }
   equilibrium_->internal_forces().begin_solution();
-  const NewtonReport newton = solve_newton(*equilibrium_, K_, new_pattern_, linear_,
-                                           settings_.newton, std::span<double>(du_), times_);
-  new_pattern_ = false;
+  NewtonMatrix<dim> matrix{K_, linear_};
+  const NewtonReport newton =
+      solve_newton<dim>(*equilibrium_, matrix, settings_.newton, du_, times_);
   linear_iterations_ += newton.linear_iterations;
   newton_counts_.add_solution(newton.iterations);
   step_newton_ = std::max(step_newton_, newton.iterations);

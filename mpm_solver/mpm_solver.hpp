@@ -120,7 +120,6 @@ class MpmSolver final : public Solver {
   TrialPoints<dim> trial_;
   BlockMatrix<dim> K_;
   std::optional<Equilibrium<dim>> equilibrium_;
-  bool new_pattern_ = true;
   std::vector<double> du_;
   double initial_displacement_ = 0;  // that would balance the initial stress [m]
   std::int64_t joined_nodes_ = 0;    // of all steps

@@ -82,9 +82,12 @@ void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
   const QuietErrors quiet;
   Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  bool good = space.id() >= 0 && type.id() >= 0 && H5Tset_size(type.id(), text.size() + 1) >= 0;
+  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  bool good = space.id() >= 0 && type.id() >= 0 && creation.id() >= 0 &&
+              H5Tset_size(type.id(), text.size() + 1) >= 0 &&
+              H5Pset_obj_track_times(creation.id(), false) >= 0;  // equal runs, equal files
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
-  Handle data(H5Dcreate2(file_, dataset.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT,
+  Handle data(H5Dcreate2(file_, dataset.c_str(), type.id(), space.id(), H5P_DEFAULT, creation.id(),
                          H5P_DEFAULT),
               H5Dclose);
   good = data.id() >= 0 &&

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "common/base/error.hpp"
-#include "common/base/freed_memory.hpp"
 #include "common/base/log.hpp"
+#include "common/program/freed_memory.hpp"
 
 namespace gabion {
 

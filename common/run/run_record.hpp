@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/csv_writer.hpp"
+#include "common/run/csv_writer.hpp"
 #include "common/run/state.hpp"
 #include "common/settings/config_reader.hpp"
 

@@ -10,8 +10,8 @@
 
 namespace gabion::fem {
 
-/// The wet surfaces of a structure: facets of its mesh, vertices = nodes. Takes forces, gives
-/// displacements.
+/// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes. They
+/// take forces and give displacements.
 template <int dim>
 class WetSurfaces {
  public:

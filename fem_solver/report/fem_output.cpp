@@ -11,10 +11,11 @@ using Values = std::span<const double>;
 
 template <int dim>
 std::vector<OutputField> frame_fields(Values u, Values v, Values f_ext, Values stress) {
-  return {{"displacement", dim, u, false},
-          {"velocity", dim, v, false},
-          {"external_force", dim, f_ext, false},
-          {"stress", symmetric_size<dim>, stress, true}};
+  return {
+      {.name = "displacement", .components = dim, .values = u},
+      {.name = "velocity", .components = dim, .values = v},
+      {.name = "external_force", .components = dim, .values = f_ext},
+      {.name = "stress", .components = symmetric_size<dim>, .values = stress, .on_cells = true}};
 }
 
 }  // namespace
@@ -30,7 +31,7 @@ FemOutput<dim>::FemOutput(const Mesh<dim>& mesh, std::string folder, MPI_Comm co
     : mesh_(mesh), comm_(comm), folder_(std::move(folder)) {}
 
 template <int dim>
-void FemOutput<dim>::write(double time, const FemState& state,
+void FemOutput<dim>::write(double time, const StructureState& state,
                            const Equilibrium<dim>& equilibrium) {
   constexpr int size = symmetric_size<dim>;
   const CellRange own = cells_of_rank(mesh_.num_cells(), rank_of(comm_), num_ranks(comm_));
@@ -44,8 +45,13 @@ void FemOutput<dim>::write(double time, const FemState& state,
 
   std::vector<double> x(state.motion.u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh_.nodes[i / dim][i % dim];
-  series_->write(time, dim, x, mesh_.cell_type, mesh_.cells,
-                 frame_fields<dim>(state.motion.u, state.motion.v, state.f_ext, stress));
+  series_->write(
+      {.time = time,
+       .dim = dim,
+       .coordinates = x,
+       .cell_type = mesh_.cell_type,
+       .connectivity = mesh_.cells,
+       .fields = frame_fields<dim>(state.motion.u, state.motion.v, state.f_ext, stress)});
 }
 
 template class FemOutput<2>;

@@ -8,7 +8,7 @@
 
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "fem_solver/step/equilibrium.hpp"
-#include "fem_solver/step/fem_step.hpp"
+#include "fem_solver/step/structure_state.hpp"
 
 namespace gabion::fem {
 
@@ -22,7 +22,7 @@ class FemOutput {
 
   /// @throws Error  disk full, folder gone
   /// @note Collective.
-  void write(double time, const FemState& state, const Equilibrium<dim>& equilibrium);
+  void write(double time, const StructureState& state, const Equilibrium<dim>& equilibrium);
   /// Size of a frame before compression.
   static std::int64_t frame_bytes(const Mesh<dim>& mesh);
 

@@ -81,7 +81,7 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) {
 }
 
 template <int dim>
-std::vector<double> FemProbes<dim>::values(const FemState& state,
+std::vector<double> FemProbes<dim>::values(const StructureState& state,
                                            const Equilibrium<dim>& equilibrium) const {
   std::vector<double> result;
   const auto add_vector = [&](const Vector<dim>& x) {

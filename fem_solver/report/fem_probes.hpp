@@ -7,7 +7,7 @@
 
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/step/equilibrium.hpp"
-#include "fem_solver/step/fem_step.hpp"
+#include "fem_solver/step/structure_state.hpp"
 
 namespace gabion::fem {
 
@@ -22,7 +22,8 @@ class FemProbes {
 
   const std::vector<std::string>& names() const { return names_; }
   /// @note Collective.
-  std::vector<double> values(const FemState& state, const Equilibrium<dim>& equilibrium) const;
+  std::vector<double> values(const StructureState& state,
+                             const Equilibrium<dim>& equilibrium) const;
 
  private:
   struct Point {

@@ -14,11 +14,6 @@
 
 namespace gabion::fem {
 
-bool StructureMotion::is_still() const {
-  const auto zero = [](double x) { return x == 0; };
-  return std::all_of(v.begin(), v.end(), zero) && std::all_of(a.begin(), a.end(), zero);
-}
-
 namespace {
 
 template <int dim>
@@ -71,15 +66,13 @@ double Equilibrium<dim>::end_acceleration(std::size_t dof, double du) const {
 }
 
 template <int dim>
-Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<double> r,
-                                      BlockMatrix<dim>* K) {
-  assert(motion_n_ && du.size() == num_dofs_ && r.size() == num_dofs_);
-  for (std::size_t i = 0; i < num_dofs_; ++i) u_trial_[i] = motion_n_->u[i] + du[i];
+typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const double> du,
+                                                                BlockMatrix<dim>* K) {
   // One message carries internal forces, inertia, energy and the count of bad cells of all ranks.
   buffer_.assign(2 * num_dofs_ + 3, 0.0);
   const std::span<double> internal(buffer_.data(), num_dofs_);
   const std::span<double> inertia(buffer_.data() + num_dofs_, num_dofs_);
-  if (K) K->set_zero();
+  const std::span<double, 3> numbers(buffer_.data() + 2 * num_dofs_, 3);
   const StressIntegral stresses = cells_.add_internal(u_trial_, internal, K);
   if (with_inertia_) {
     for (std::size_t i = 0; i < num_dofs_; ++i) {
@@ -87,37 +80,42 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
     }
     cells_.add_mass_times(a_mean_, inertia);
   }
-  buffer_[2 * num_dofs_] = stresses.energy;
+  numbers[0] = stresses.energy;
   if (stresses.inadmissible_cell >= 0) {
-    buffer_[2 * num_dofs_ + 1] = 1;
-    buffer_[2 * num_dofs_ + 2] = stresses.inadmissible_cell;
+    numbers[1] = 1;
+    numbers[2] = stresses.inadmissible_cell;
   }
   sum_over_ranks(comm_, std::span<double>(buffer_));
+  std::string fault;
+  if (numbers[1] == 1) fault = fmt::format("det F <= 0 in cell {}", numbers[2]);
+  if (numbers[1] > 1) fault = fmt::format("det F <= 0 on {} ranks", numbers[1]);
+  return {.internal = internal, .inertia = inertia, .energy = numbers[0], .fault = fault};
+}
 
-  Evaluation result;
-  if (buffer_[2 * num_dofs_ + 1] > 0) {
-    result.admissible = false;
-    result.reason = buffer_[2 * num_dofs_ + 1] == 1
-                        ? fmt::format("det F <= 0 in cell {}", buffer_[2 * num_dofs_ + 2])
-                        : fmt::format("det F <= 0 on {} ranks", buffer_[2 * num_dofs_ + 1]);
-    return result;
-  }
-  forces_.internal.assign(internal.begin(), internal.end());
-  forces_.inertia.assign(inertia.begin(), inertia.end());
-  forces_.elastic_energy = buffer_[2 * num_dofs_];
+template <int dim>
+Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<double> r,
+                                      BlockMatrix<dim>* K) {
+  assert(motion_n_ && du.size() == num_dofs_ && r.size() == num_dofs_);
+  for (std::size_t i = 0; i < num_dofs_; ++i) u_trial_[i] = motion_n_->u[i] + du[i];
+  if (K) K->set_zero();
+  const CellSums sums = sum_cells(du, K);
+  if (!sums.fault.empty()) return {.admissible = false, .reason = sums.fault};
+  forces_.internal.assign(sums.internal.begin(), sums.internal.end());
+  forces_.inertia.assign(sums.inertia.begin(), sums.inertia.end());
+  forces_.elastic_energy = sums.energy;
   for (std::size_t i = 0; i < num_dofs_; ++i) {
-    r[i] = constrained_[i] ? 0.0 : f_ext_[i] - internal[i] - inertia[i];
-    if (!std::isfinite(internal[i]) || !std::isfinite(inertia[i]) || !std::isfinite(f_ext_[i])) {
-      result.admissible = false;
-      result.reason = fmt::format("force not finite at node {}", i / dim);
-      return result;
+    const double internal = sums.internal[i], inertia = sums.inertia[i];
+    r[i] = constrained_[i] ? 0.0 : f_ext_[i] - internal - inertia;
+    if (!std::isfinite(internal) || !std::isfinite(inertia) || !std::isfinite(f_ext_[i])) {
+      return {.admissible = false, .reason = fmt::format("force not finite at node {}", i / dim)};
     }
   }
-  result.force_scale = std::max({norm_of(internal), norm_of(inertia), norm_of(f_ext_)});
   if (K) {
-    last_tangent_ = {u_trial_, dt_, with_inertia_};
+    last_tangent_ = {.u = u_trial_, .dt = dt_, .with_inertia = with_inertia_};
     finish_tangent(dt_, with_inertia_, *K);
   }
+  Evaluation result;
+  result.force_scale = std::max({norm_of(sums.internal), norm_of(sums.inertia), norm_of(f_ext_)});
   return result;
 }
 
@@ -133,7 +131,7 @@ void Equilibrium<dim>::assemble_tangent(std::span<const double> u, double dt, bo
   K.set_zero();
   buffer_.assign(num_dofs_, 0.0);
   cells_.add_internal(u, std::span<double>(buffer_), &K);
-  last_tangent_ = {{u.begin(), u.end()}, dt, with_inertia};
+  last_tangent_ = {.u = {u.begin(), u.end()}, .dt = dt, .with_inertia = with_inertia};
   finish_tangent(dt, with_inertia, K);
 }
 
@@ -183,9 +181,9 @@ std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const doubl
   M.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
   LinearSolverSettings settings;
   settings.method = "lu";
-  LinearSolver<dim> solver(comm_, settings);
+  LinearSolver<dim> solver(comm_, dim, settings);
   solver.set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
-  solver.set_matrix(M, true);
+  solver.set_matrix(M);
   solver.solve(r, a);
   for (std::size_t i = 0; i < num_dofs_; ++i) {
     if (constrained_[i]) a[i] = 0;

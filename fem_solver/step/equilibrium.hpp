@@ -4,30 +4,16 @@
 #include <mpi.h>
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
+#include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/stress/cell_integrals.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
-
-/// Motion of all nodes, num_nodes x dim each, replicated on all ranks.
-struct StructureMotion {
-  std::vector<double> u;  ///< displacement [m]
-  std::vector<double> v;  ///< velocity [m/s]
-  std::vector<double> a;  ///< acceleration [m/s^2]
-  bool is_still() const;  ///< v and a are zero in every bit
-};
-
-/// Where a tangent matrix was assembled.
-struct TangentPoint {
-  std::vector<double> u;      ///< displacement [m]
-  double dt = 0;              ///< [s]
-  bool with_inertia = false;  ///< the mass matrix is part of it
-  bool operator==(const TangentPoint&) const = default;
-};
 
 /// Forces of a state, num_nodes x dim each.
 struct NodalForces {
@@ -56,7 +42,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
-  double length_scale() const override { return cells_.smallest_cell_size(); }
+  double increment_scale() const override { return cells_.smallest_cell_size(); }
 
   /// Motion at the end of the step. Constrained components follow their prescribed displacement
   /// with backward differences, so that a ramp does not ring.
@@ -91,6 +77,15 @@ class Equilibrium final : public NewtonProblem<dim> {
  private:
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
+
+  /// What the cells of all ranks give for a trial state.
+  struct CellSums {
+    std::span<const double> internal, inertia;  // num_nodes x dim [N], in buffer_
+    double energy = 0;                          // [J]
+    std::string fault;                          // det F <= 0, and where; empty: nowhere
+  };
+  /// @pre u_trial_ is the displacement of this increment
+  CellSums sum_cells(std::span<const double> du, BlockMatrix<dim>* K);
 
   MPI_Comm comm_;
   int rank_ = 0;

@@ -12,6 +12,13 @@
 
 namespace gabion::fem {
 
+namespace {
+
+// What rules a degree of freedom that no function of time does.
+constexpr int free_dof = -2, fixed_dof = -1;
+
+}  // namespace
+
 template <int dim>
 std::int32_t node_at(const Mesh<dim>& mesh, const Vector<dim>& point, const std::string& where) {
   Vector<dim> low = mesh.nodes.front(), high = low;
@@ -78,7 +85,6 @@ template <int dim>
 void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, std::int32_t node,
                                              int component, int function,
                                              const std::string& where) {
-  constexpr int free_dof = -2, fixed_dof = -1;
   int& current = owner[static_cast<std::size_t>(node) * dim + component];
   if (current == free_dof || (current == fixed_dof && function == fixed_dof)) {
     current = function;
@@ -93,10 +99,11 @@ void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, std::int32
 template <int dim>
 void BoundaryConditions<dim>::collect_constraints(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
-  std::vector<int> owner(mesh.nodes.size() * dim, -2);
+  std::vector<int> owner(mesh.nodes.size() * dim, free_dof);
   for (const auto& support : settings.supports) {
     for (const auto node : mesh.group_nodes(support.group, support.where)) {
-      for (const int c : support.components) add_constraint(owner, node, c, -1, support.where);
+      for (const int c : support.components)
+        add_constraint(owner, node, c, fixed_dof, support.where);
     }
   }
   for (const auto& prescribed : settings.prescribed) {
@@ -110,7 +117,7 @@ void BoundaryConditions<dim>::collect_constraints(const FemSettings<dim>& settin
     Matrix<dim> projector = Matrix<dim>::Identity();
     for (int c = 0; c < dim; ++c) {
       const int function = owner[static_cast<std::size_t>(i) * dim + c];
-      if (function == -2) continue;
+      if (function == free_dof) continue;
       projector(c, c) = 0;
       dofs_.push_back(i * dim + c);
       dof_functions_.push_back(function);
@@ -129,12 +136,14 @@ void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
                            ? std::vector<std::int32_t>{node_at(mesh, *load.point, load.where)}
                            : mesh.group_nodes(load.group, load.where);
     const Vector<dim> share = load.force / static_cast<double>(nodes.size());
-    loads_.push_back({nodes, std::vector<Vector<dim>>(nodes.size(), share), load.factor});
+    loads_.push_back({.nodes = nodes,
+                      .forces = std::vector<Vector<dim>>(nodes.size(), share),
+                      .factor = load.factor});
   }
   for (const auto& traction : settings.tractions) {
     const auto weights = facet_weights(
         mesh, std::span<const std::int32_t>(mesh.facets(traction.group, traction.where)));
-    Load load{{}, {}, traction.factor};
+    Load load{.nodes = {}, .forces = {}, .factor = traction.factor};
     for (const auto node : mesh.group_nodes(traction.group, traction.where)) {
       load.nodes.push_back(node);
       load.forces.push_back(weights[node] * traction.traction);

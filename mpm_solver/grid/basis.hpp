@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "common/mechanics/mesh/box_grid.hpp"
-#include "common/mechanics/mesh/cell_locator.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
+#include "mpm_solver/grid/box_grid.hpp"
+#include "mpm_solver/grid/cell_locator.hpp"
 #include "mpm_solver/grid/cell_patches.hpp"
 #include "mpm_solver/points/material_points.hpp"
 

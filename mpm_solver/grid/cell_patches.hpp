@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/mechanics/mesh/cell_locator.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
+#include "mpm_solver/grid/cell_locator.hpp"
 
 namespace gabion::mpm {
 

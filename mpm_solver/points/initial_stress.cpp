@@ -20,15 +20,7 @@ constexpr double same_stress = 1e-9;
 
 template <int dim>
 double shear_modulus(const MaterialLaw<dim>& law) {
-  return std::visit(
-      [](const auto& model) {
-        if constexpr (requires { model.parameters(); }) {
-          return model.parameters().mu;
-        } else {
-          return model.mu;
-        }
-      },
-      law);
+  return std::visit([](const auto& model) { return model.shear_modulus(); }, law);
 }
 
 template <int dim>

@@ -60,8 +60,10 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   stress = gather<double>(comm_, stress);
   const auto J = gather<double>(comm_, points.J);
   if (!series_) return;
-  series_->write(time, dim, x, CellType::point1, {},
-                 frame_fields<dim>(u, v, stress, pressure, plastic, J, body));
+  series_->write({.time = time,
+                  .dim = dim,
+                  .coordinates = x,
+                  .fields = frame_fields<dim>(u, v, stress, pressure, plastic, J, body)});
 }
 
 template <int dim>

@@ -59,7 +59,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
   /// @param wall_step  w, zero but for the held directions of wall nodes
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
-  double length_scale() const override { return parts_.cell_size; }
+  double increment_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
   /// Number, body, position, strain increment, volume ratio and yield region of the material point
   /// with the largest |E| (point_motion.hpp).

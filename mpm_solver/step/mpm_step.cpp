@@ -159,7 +159,6 @@ void MpmSolver<dim>::make_equilibrium(double load_factor_n, double load_factor, 
   std::vector<std::int32_t> offsets, cell_nodes;
   equilibrium_->pattern(offsets, cell_nodes);
   K_.set_pattern(nodes_.size(), offsets, cell_nodes);
-  new_pattern_ = true;
   linear_.set_regime(regime(), nodes_.size());
 }
 
@@ -193,8 +192,7 @@ void MpmSolver<dim>::spread_wall_step() {
   const ScopedTimer timer(times_, "guess");
   std::vector<double> r(du_.size()), step(du_.size());
   if (!equilibrium_->linearise(du_, r, K_).admissible) return;  // Newton's method says why
-  linear_.set_matrix(K_, new_pattern_);
-  new_pattern_ = false;
+  linear_.set_matrix(K_);
   linear_iterations_ += linear_.solve(r, step);
   for (std::size_t k = 0; k < du_.size(); ++k) du_[k] += step[k];
 }

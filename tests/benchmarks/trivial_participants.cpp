@@ -11,9 +11,9 @@
 #include <sstream>
 #include <vector>
 
-#include "common/base/freed_memory.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/program/freed_memory.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "coupler/run_coupler.hpp"
 #include "protocol/serve.hpp"

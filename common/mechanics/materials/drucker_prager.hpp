@@ -41,6 +41,7 @@ PrincipalDruckerPrager cone_constants(const DruckerPragerParameters& parameters)
 template <int dim>
 class DruckerPrager {
  public:
+  static constexpr bool is_elastic = false;
   explicit DruckerPrager(const DruckerPragerParameters& parameters)
       : parameters_(parameters), cone_(cone_constants(parameters)) {}
 

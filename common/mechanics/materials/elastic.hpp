@@ -8,6 +8,7 @@ namespace gabion {
 /// Small strain, sigma = lambda tr(eps) 1 + 2 mu eps, no change of geometry.
 template <int dim>
 struct LinearElastic {
+  static constexpr bool is_elastic = true;
   double lambda = 0;  ///< [Pa]
   double mu = 0;      ///< [Pa]
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
@@ -20,6 +21,7 @@ struct LinearElastic {
 /// tau = lambda ln(J) 1 + mu (b - 1).
 template <int dim>
 struct NeoHookean {
+  static constexpr bool is_elastic = true;
   double lambda = 0;  ///< [Pa]
   double mu = 0;      ///< [Pa]
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
@@ -32,6 +34,7 @@ struct NeoHookean {
 /// tau = lambda tr(eps) 1 + 2 mu eps with the Hencky strain eps = ln(b) / 2.
 template <int dim>
 struct HenckyElastic {
+  static constexpr bool is_elastic = true;
   double lambda = 0;  ///< [Pa]
   double mu = 0;      ///< [Pa]
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 #include "common/mechanics/materials/drucker_prager.hpp"
@@ -12,9 +14,36 @@
 
 namespace gabion {
 
+/// What a law of a material can do; a value. Stress and tangent are those of `update`, whose
+/// H = du_i / dX_J is the displacement gradient of the step and X the position in the accepted
+/// state `state_n`. For a total Lagrangian solver that is the virgin state, and H the total
+/// gradient.
+template <class Law, int dim>
+concept ConstitutiveLaw = std::copyable<Law> &&
+    requires(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,
+             StressUpdate<dim>& out, Tangent<dim>* A) {
+  // Fills out and, unless it is null, A with the exact consistent dP/dH.
+  // False when det(1 + H) <= 0; out is then undefined.
+  { law.update(H, state_n, out, A) } -> std::same_as<bool>;
+  // A(iJ, kL) == A(kL, iJ) for every state.
+  { law.symmetric_tangent() } -> std::same_as<bool>;
+  // lambda + 2 mu and mu at zero strain [Pa].
+  { law.p_wave_modulus() } -> std::same_as<double>;
+  { law.shear_modulus() } -> std::same_as<double>;
+  // The stress depends on the present deformation only, not on the way to it.
+  requires std::same_as<decltype(Law::is_elastic), const bool>;
+};
+
 template <int dim>
 using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
                                  MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>>;
+
+template <int dim, class... Laws>
+constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {
+  return (ConstitutiveLaw<Laws, dim> && ...);
+}
+static_assert(are_laws<2>(std::type_identity<MaterialLaw<2>>{}));
+static_assert(are_laws<3>(std::type_identity<MaterialLaw<3>>{}));
 
 template <int dim>
 struct Material {
@@ -23,12 +52,9 @@ struct Material {
   MaterialLaw<dim> law;
 };
 
-/// Whether the stress depends on the present deformation only, not on the way to it.
 template <int dim>
 bool is_elastic(const MaterialLaw<dim>& law) {
-  return std::holds_alternative<LinearElastic<dim>>(law) ||
-         std::holds_alternative<NeoHookean<dim>>(law) ||
-         std::holds_alternative<HenckyElastic<dim>>(law);
+  return std::visit([](const auto& model) { return model.is_elastic; }, law);
 }
 
 /// Stress update of whichever law it is; loops over many points dispatch once and call the law.

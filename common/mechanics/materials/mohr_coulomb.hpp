@@ -23,6 +23,7 @@ struct MohrCoulombParameters {
 template <int dim>
 class MohrCoulomb {
  public:
+  static constexpr bool is_elastic = false;
   explicit MohrCoulomb(const MohrCoulombParameters& parameters);
   MohrCoulomb(double lambda, double mu, double friction_angle, double dilation_angle,
               double cohesion)

@@ -62,19 +62,4 @@ struct StressUpdate {
   bool plastic() const { return region != YieldRegion::elastic; }
 };
 
-// Contract of a material law (a value: parameters and one const update):
-//
-//   /// @param H        displacement gradient of the step, du_i / dX_J, X at state_n
-//   /// @param state_n  accepted history
-//   /// @param out      filled
-//   /// @param A        null, or filled with the exact consistent dP/dH
-//   /// @returns false when det(1 + H) <= 0 (out is then undefined)
-//   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
-//               Tangent<dim>* A) const;
-//   bool symmetric_tangent() const;      // A(iJ,kL) == A(kL,iJ) for every state
-//   double p_wave_modulus() const;       // M = lambda + 2 mu at zero strain [Pa]
-//   double shear_modulus() const;        // mu at zero strain [Pa]
-//
-// For a total Lagrangian solver state_n is the virgin state and H the total displacement gradient.
-
 }  // namespace gabion

@@ -21,6 +21,7 @@ struct TrescaParameters {
 template <int dim>
 class Tresca {
  public:
+  static constexpr bool is_elastic = false;
   explicit Tresca(const TrescaParameters& parameters)
       : parameters_(parameters),
         principal_{parameters.lambda, parameters.mu, 1, 1, 2 * parameters.cohesion} {}

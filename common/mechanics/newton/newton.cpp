@@ -29,14 +29,14 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 struct WorstNode {
   std::size_t node = 0;
-  double size = 0;  // |value| there
+  double size = 0;  // norm of its values
 };
 
-template <int dim>
+template <int block_size>
 WorstNode worst_node(std::span<const double> values) {
   WorstNode worst;
-  for (std::size_t i = 0; i * dim < values.size(); ++i) {
-    const double size = norm_of(values.subspan(i * dim, dim));
+  for (std::size_t i = 0; i * block_size < values.size(); ++i) {
+    const double size = norm_of(values.subspan(i * block_size, block_size));
     if (size <= worst.size) continue;
     worst = {i, size};
     if (!std::isfinite(size)) break;
@@ -44,8 +44,8 @@ WorstNode worst_node(std::span<const double> values) {
   return worst;
 }
 
-// A full Newton step below this share of the length scale cannot improve the solution: what is left
-// of r is round-off (forces that cancel, as in a free body that moves without strain).
+// A full Newton step below this share of the increment scale cannot improve the solution: what is
+// left of r is round-off (forces that cancel, as in a free body that moves without strain).
 constexpr double round_off = 1e-14;
 
 // Share of the forces that their own rounding may leave in |r|: some thousand terms of either sign.
@@ -53,20 +53,16 @@ constexpr double likely_round_off = 1e-13;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// State of one solve.
-template <int dim>
+template <int block_size>
 class Newton {
  public:
-  Newton(NewtonProblem<dim>& problem, BlockMatrix<dim>& K, bool new_pattern,
-         LinearSolver<dim>& linear, const NewtonSettings& settings, std::span<double> du,
-         PhaseTimes& times, NewtonMemory& memory)
+  Newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,
+         const NewtonSettings& settings, std::span<double> du, PhaseTimes& times)
       : problem_(problem),
-        K_(K),
-        new_pattern_(new_pattern),
-        linear_(linear),
+        matrix_(matrix),
         settings_(settings),
         du_(du),
         times_(times),
-        memory_(memory),
         r_(du.size()),
         step_(du.size()),
         trial_(du.size()),
@@ -93,29 +89,27 @@ class Newton {
   bool sufficient(const Iterate& next, double energy) const;
   [[noreturn]] void fail(const std::string& reason, const std::string& cause) const;
 
-  NewtonProblem<dim>& problem_;
-  BlockMatrix<dim>& K_;
-  bool new_pattern_;
-  LinearSolver<dim>& linear_;
+  NewtonProblem<block_size>& problem_;
+  NewtonMatrix<block_size>& matrix_;
   const NewtonSettings& settings_;
   std::span<double> du_;
   PhaseTimes& times_;
-  NewtonMemory& memory_;
 
   std::vector<double> r_, step_, trial_, trial_r_;
   Iterate current_;
   std::string rejection_;       // why the last trial state was refused
-  double step_size_ = 0;        // largest nodal |step| before any cut
+  double step_size_ = 0;        // largest |step| of a node before any cut
   double cut_ = 1;              // s of the last line search
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
   NewtonReport report_;
 };
 
-template <int dim>
-typename Newton<dim>::Iterate Newton<dim>::evaluate(std::span<const double> du, std::span<double> r,
-                                                    bool with_matrix) {
+template <int block_size>
+typename Newton<block_size>::Iterate Newton<block_size>::evaluate(std::span<const double> du,
+                                                                  std::span<double> r,
+                                                                  bool with_matrix) {
   const ScopedTimer timer(times_, "assembly");
-  const Evaluation evaluation = problem_.evaluate(du, r, with_matrix ? &K_ : nullptr);
+  const Evaluation evaluation = problem_.evaluate(du, r, with_matrix ? &matrix_.K : nullptr);
   report_.matrices += with_matrix;
   rejection_.clear();
   Iterate next;
@@ -125,7 +119,7 @@ typename Newton<dim>::Iterate Newton<dim>::evaluate(std::span<const double> du, 
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
   } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
     rejection_ = fmt::format("residual not finite, worst {}",
-                             problem_.describe_node(worst_node<dim>(r).node));
+                             problem_.describe_node(worst_node<block_size>(r).node));
   }
   const double scale = evaluation.force_scale;
   next.small_residual = next.norm <= settings_.residual_tolerance * scale;
@@ -133,15 +127,15 @@ typename Newton<dim>::Iterate Newton<dim>::evaluate(std::span<const double> du, 
   return next;
 }
 
-template <int dim>
-void Newton<dim>::accept(const Iterate& next) {
+template <int block_size>
+void Newton<block_size>::accept(const Iterate& next) {
   current_ = next;
   report_.residuals.push_back(next.relative);
 }
 
 // Quadratic convergence through the last two residuals; infinite where they do not show it.
-template <int dim>
-double Newton<dim>::predicted_relative() const {
+template <int block_size>
+double Newton<block_size>::predicted_relative() const {
   const auto& residuals = report_.residuals;
   if (residuals.size() < 2) return HUGE_VAL;
   const double before = residuals[residuals.size() - 2], last = residuals.back();
@@ -149,26 +143,25 @@ double Newton<dim>::predicted_relative() const {
   return last * (last / before) * (last / before);
 }
 
-template <int dim>
-bool Newton<dim>::next_is_last() const {
-  return step_size_ <= settings_.increment_tolerance * problem_.length_scale() &&
+template <int block_size>
+bool Newton<block_size>::next_is_last() const {
+  return step_size_ <= settings_.increment_tolerance * problem_.increment_scale() &&
          (current_.small_residual || predicted_relative() <= settings_.residual_tolerance);
 }
 
-template <int dim>
-void Newton<dim>::provide_matrix() {
+template <int block_size>
+void Newton<block_size>::provide_matrix() {
   if (!current_.has_matrix) {
     const Iterate again = evaluate(du_, r_, true);
     if (!rejection_.empty()) fail(rejection_, "line_search");
     current_ = again;
   }
-  linear_.set_matrix(K_, new_pattern_);
-  new_pattern_ = false;
+  matrix_.linear.set_matrix(matrix_.K);
   matrix_is_old_ = false;
 }
 
-template <int dim>
-void Newton<dim>::solve_linear() {
+template <int block_size>
+void Newton<block_size>::solve_linear() {
   const double predicted = predicted_relative();
   const double needed = linear_margin * (std::isfinite(predicted) && !matrix_is_old_
                                              ? std::max(predicted, settings_.residual_tolerance)
@@ -177,32 +170,32 @@ void Newton<dim>::solve_linear() {
   const double wanted = std::min(needed / current_.relative, loosest_linear_tolerance);
   const ScopedTimer timer(times_, "solve");
   try {
-    report_.linear_iterations += linear_.solve(r_, step_, wanted);
+    report_.linear_iterations += matrix_.linear.solve(r_, step_, wanted);
   } catch (const ConvergenceError& error) {
     fail(error.what(), "linear_solver");
   }
   ++report_.iterations;
-  step_size_ = worst_node<dim>(step_).size;
+  step_size_ = worst_node<block_size>(step_).size;
 }
 
-template <int dim>
-bool Newton<dim>::sufficient(const Iterate& next, double energy) const {
+template <int block_size>
+bool Newton<block_size>::sufficient(const Iterate& next, double energy) const {
   return next.small_residual || next.norm < current_.norm ||
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);
 }
 
 // Across a kink (contact that opens, a point that leaves the yield surface) full steps may jump to
 // and fro between two states for ever; half a step lands between them.
-template <int dim>
-bool Newton<dim>::cycles() const {
+template <int block_size>
+bool Newton<block_size>::cycles() const {
   const auto& residuals = report_.residuals;
   const std::size_t n = residuals.size();
   return n > 4 && residuals[n - 1] > 0.5 * residuals[n - 3] &&
          residuals[n - 2] > 0.5 * residuals[n - 4];
 }
 
-template <int dim>
-bool Newton<dim>::line_search() {
+template <int block_size>
+bool Newton<block_size>::line_search() {
   const double energy = dot(step_, r_);
   const bool speculate = !settings_.reuse_matrix && !next_is_last();
   cut_ = cycles() ? 0.5 : 1;
@@ -222,10 +215,10 @@ bool Newton<dim>::line_search() {
   return false;
 }
 
-template <int dim>
-NewtonReport Newton<dim>::run() {
-  const bool reuse = settings_.reuse_matrix && memory_.matrix_is_usable && !new_pattern_;
-  memory_.matrix_is_usable = false;
+template <int block_size>
+NewtonReport Newton<block_size>::run() {
+  const bool reuse = settings_.reuse_matrix && matrix_.is_usable;
+  matrix_.is_usable = false;
   const Iterate first = evaluate(du_, r_, !reuse);
   if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_, "inadmissible_guess");
   accept(first);
@@ -242,9 +235,9 @@ NewtonReport Newton<dim>::run() {
     const double norm_before = current_.norm;
     if (line_search()) {
       renewed = false;
-      const double moved = cut_ * step_size_ / problem_.length_scale();
+      const double moved = cut_ * step_size_ / problem_.increment_scale();
       converged = (current_.small_residual && moved <= settings_.increment_tolerance) ||
-                  (!matrix_is_old_ && step_size_ <= round_off * problem_.length_scale());
+                  (!matrix_is_old_ && step_size_ <= round_off * problem_.increment_scale());
       matrix_is_usable =
           settings_.reuse_matrix && (converged || current_.norm <= reuse_reduction * norm_before);
     } else if (matrix_is_old_ || !renewed) {
@@ -254,14 +247,14 @@ NewtonReport Newton<dim>::run() {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");
     }
   }
-  memory_.matrix_is_usable = matrix_is_usable;
+  matrix_.is_usable = matrix_is_usable;
   return report_;
 }
 
-template <int dim>
-void Newton<dim>::fail(const std::string& reason, const std::string& cause) const {
+template <int block_size>
+void Newton<block_size>::fail(const std::string& reason, const std::string& cause) const {
   std::string worst;
-  const WorstNode node = worst_node<dim>(r_);
+  const WorstNode node = worst_node<block_size>(r_);
   if (report_.residuals.empty()) {
     worst = "no residual yet";
   } else {
@@ -302,21 +295,19 @@ NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults) {
   return settings;
 }
 
-template <int dim>
-NewtonReport solve_newton(NewtonProblem<dim>& problem, BlockMatrix<dim>& K, bool new_pattern,
-                          LinearSolver<dim>& linear, const NewtonSettings& settings,
-                          std::span<double> du, PhaseTimes& times, NewtonMemory* memory) {
-  NewtonMemory own;
-  return Newton<dim>(problem, K, new_pattern, linear, settings, du, times,
-                     memory != nullptr ? *memory : own)
-      .run();
+template <int block_size>
+NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,
+                          const NewtonSettings& settings, std::span<double> du, PhaseTimes& times) {
+  return Newton<block_size>(problem, matrix, settings, du, times).run();
 }
 
-template NewtonReport solve_newton<2>(NewtonProblem<2>&, BlockMatrix<2>&, bool, LinearSolver<2>&,
-                                      const NewtonSettings&, std::span<double>, PhaseTimes&,
-                                      NewtonMemory*);
-template NewtonReport solve_newton<3>(NewtonProblem<3>&, BlockMatrix<3>&, bool, LinearSolver<3>&,
-                                      const NewtonSettings&, std::span<double>, PhaseTimes&,
-                                      NewtonMemory*);
+template NewtonReport solve_newton<1>(NewtonProblem<1>&, NewtonMatrix<1>&, const NewtonSettings&,
+                                      std::span<double>, PhaseTimes&);
+template NewtonReport solve_newton<2>(NewtonProblem<2>&, NewtonMatrix<2>&, const NewtonSettings&,
+                                      std::span<double>, PhaseTimes&);
+template NewtonReport solve_newton<3>(NewtonProblem<3>&, NewtonMatrix<3>&, const NewtonSettings&,
+                                      std::span<double>, PhaseTimes&);
+template NewtonReport solve_newton<6>(NewtonProblem<6>&, NewtonMatrix<6>&, const NewtonSettings&,
+                                      std::span<double>, PhaseTimes&);
 
 }  // namespace gabion

@@ -16,30 +16,36 @@ namespace gabion {
 /// The "newton" object of a solver's config.
 struct NewtonSettings {
   double residual_tolerance = 1e-8;   ///< |r| <= tol * scale of the forces; [eps, 0.1]
-  double increment_tolerance = 1e-8;  ///< max |step| <= tol * length; (0, 1]
+  double increment_tolerance = 1e-8;  ///< largest increment of a node <= tol * scale; (0, 1]
   int max_iterations = 20;            ///< >= 1
   /// Keep the matrix (and its factor) while |r| falls by more than a factor 4 an iteration.
   bool reuse_matrix = false;
 };
 NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults = {});
 
-/// Forces of a trial state. The same on all ranks.
+/// What was found of a trial state. The same on all ranks.
 struct Evaluation {
-  bool admissible = true;  ///< det(1 + H) > 0 at every point, everything finite
-  double force_scale = 0;  ///< max(|f_int|, |f_ext|, |f_inertia|), what |r| is compared with
-  std::string reason;      ///< worst point when not admissible
+  /// The state is possible (such as det(1 + H) > 0 at every point) and everything is finite.
+  bool admissible = true;
+  /// What |r| is compared with: the largest norm of the forces that balance each other in r.
+  double force_scale = 0;
+  std::string reason;  ///< worst place when not admissible
 };
 
-/// r(du) = f_ext - f_int - f_inertia, constrained directions zero. Vectors are num_nodes x dim and
-/// replicated on all ranks.
-template <int dim>
+/// Equations r(du) = 0 for the increments of the unknowns, such as f_ext - f_int - f_inertia for
+/// displacements; constrained directions zero. Vectors are num_nodes x block_size and replicated on
+/// all ranks.
+/// @tparam block_size  number of unknowns of a node, as of BlockMatrix
+template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
   /// @param K  null, or filled with -dr/du (set_zero, add, constrain)
   virtual Evaluation evaluate(std::span<const double> du, std::span<double> r,
-                              BlockMatrix<dim>* K) = 0;
-  virtual double length_scale() const = 0;  ///< [m], cell size
+                              BlockMatrix<block_size>* K) = 0;
+  /// What the norm of a node's block_size increments is compared with, in their unit: a cell size
+  /// [m] for displacements. Unknowns of several units have to be scaled to one.
+  virtual double increment_scale() const = 0;
   /// Words for node i of the vectors, for messages: where a person finds it.
   virtual std::string describe_node(std::size_t i) const { return "node " + std::to_string(i); }
   /// Words for the place inside that du strains most, for messages; empty: none. Collective.
@@ -49,12 +55,15 @@ class NewtonProblem {
   }
 };
 
-/// What a caller with `reuse_matrix` keeps between its solves.
-struct NewtonMemory {
-  /// K and the factor in the linear solver are those of an earlier solve and may serve again. The
-  /// caller sets it to false when dt, the constraints or the method changed; solve_newton does when
-  /// the pattern is new or a solve failed.
-  bool matrix_is_usable = false;
+/// The matrix of a solve and who solves with it.
+template <int block_size>
+struct NewtonMatrix {
+  BlockMatrix<block_size>& K;  ///< with its pattern; the values are overwritten
+  LinearSolver<block_size>& linear;
+  /// For `reuse_matrix`: `linear` holds the matrix (and its factor) of an earlier solve, which may
+  /// serve again. The caller sets it to false when pattern, dt, constraints or method changed;
+  /// solve_newton sets it for the next solve, to false when this one failed.
+  bool is_usable = false;
 };
 
 struct NewtonReport {
@@ -71,19 +80,17 @@ struct NewtonReport {
 ///
 /// s is the first for which the trial state is admissible and |step . r(s)| <= 0.8 |step . r(0)| or
 /// |r| falls (or |r| is within the tolerance). Converged when |r| <= residual_tolerance *
-/// force_scale and the largest nodal |s step| of the last iteration <= increment_tolerance *
-/// length_scale; a guess that satisfies the first is a solution already, with 0 iterations. With
-/// force_scale 0 only r = 0 converges.
+/// force_scale and the largest |s step| of a node in the last iteration <=
+/// increment_tolerance * increment_scale; a guess that satisfies the first is a solution already,
+/// with 0 iterations. With force_scale 0 only r = 0 converges.
 ///
 /// K comes with the residual in one evaluation unless quadratic convergence predicts that the
 /// iterate is the last one. The linear tolerance is 1e-2 of what the next residual has to reach,
 /// not looser than 1e-3 and not tighter than the linear solver's setting.
 ///
-/// @param[in,out] K            matrix with its pattern; values are overwritten
-/// @param         new_pattern  the pattern of K is not that of the last solve
-/// @param[in,out] du           guess, then solution                             num_nodes x dim
-/// @param[in,out] times        "assembly" (evaluations) and "solve" (linear systems)
-/// @param[in,out] memory       allows `reuse_matrix` to reuse across calls; null: within this call
+/// @param[in,out] matrix  -dr/du; `is_usable` lets `reuse_matrix` reach from one call to the next
+/// @param[in,out] du      guess, then solution                               num_nodes x block_size
+/// @param[in,out] times   "assembly" (evaluations) and "solve" (linear systems)
 /// @throws ConvergenceError  iteration limit, line search failed, guess inadmissible, linear solver
 ///                           failed, or residual not finite; the message names the worst node and
 ///                           point and lists |r| / force_scale, `cause()` is "iteration_limit",
@@ -92,9 +99,8 @@ struct NewtonReport {
 /// @note Collective.
 /// @see Dembo, Eisenstat, Steihaug (1982) for inexact steps; Matthies, Strang (1979) for the energy
 ///      criterion of the line search
-template <int dim>
-NewtonReport solve_newton(NewtonProblem<dim>& problem, BlockMatrix<dim>& K, bool new_pattern,
-                          LinearSolver<dim>& linear, const NewtonSettings& settings,
-                          std::span<double> du, PhaseTimes& times, NewtonMemory* memory = nullptr);
+template <int block_size>
+NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,
+                          const NewtonSettings& settings, std::span<double> du, PhaseTimes& times);
 
 }  // namespace gabion

@@ -83,18 +83,46 @@ std::vector<T> arrange(std::span<const double> values, int components,
   return result;
 }
 
-std::string data_item(const std::string& file, const std::string& dataset, std::size_t rows,
-                      int columns, const char* number_type, int precision) {
+/// How XDMF names the numbers of a dataset.
+struct NumberFormat {
+  const char* type;
+  int bytes;
+};
+constexpr NumberFormat int32_format{.type = "Int", .bytes = 4};
+constexpr NumberFormat float32_format{.type = "Float", .bytes = 4};
+constexpr NumberFormat float64_format{.type = "Float", .bytes = 8};
+
+/// @param place  file and dataset, "soil_000000.h5:/coordinates"
+std::string data_item(const std::string& place, std::size_t rows, int columns,
+                      const NumberFormat& format) {
   const std::string size =
       columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
   return fmt::format(
-      R"(<DataItem Dimensions="{}" NumberType="{}" Precision="{}" Format="HDF">{}:/{}</DataItem>)",
-      size, number_type, precision, file, dataset);
+      R"(<DataItem Dimensions="{}" NumberType="{}" Precision="{}" Format="HDF">{}</DataItem>)",
+      size, format.type, format.bytes, place);
 }
 
 void check_name(const std::string& what, const std::string& name) {
   require(is_plain_name(name), "{}: found the name \"{}\", allowed: letters, digits, _ and -", what,
           name);
+}
+
+std::size_t num_points(const OutputFrame& frame) {
+  return frame.coordinates.size() / frame.dim;
+}
+
+std::size_t num_cells(const OutputFrame& frame) {
+  const bool points_are_cells = frame.cell_type == CellType::point1 && frame.connectivity.empty();
+  return points_are_cells ? num_points(frame)
+                          : frame.connectivity.size() / num_nodes(frame.cell_type);
+}
+
+std::size_t num_rows(const OutputFrame& frame, const OutputField& field) {
+  return field.on_cells ? num_cells(frame) : num_points(frame);
+}
+
+std::string dataset_of(const OutputField& field) {
+  return (field.on_cells ? "cell/" : "point/") + field.name;
 }
 
 }  // namespace
@@ -104,63 +132,76 @@ XdmfSeries::XdmfSeries(std::string folder, std::string name)
   check_name("output series", name_);
 }
 
-void XdmfSeries::write(double time, int dim, std::span<const double> coordinates, CellType type,
-                       std::span<const std::int32_t> connectivity,
-                       const std::vector<OutputField>& fields) {
-  require(std::isfinite(time), "output {}: found time {}", name_, time);
-  require((dim == 2 || dim == 3) && coordinates.size() % dim == 0,
-          "output {}: found {} coordinates of dimension {}", name_, coordinates.size(), dim);
-  const std::size_t num_points = coordinates.size() / dim;
-  const int per_cell = num_nodes(type);
-  std::vector<std::int32_t> own_cells;
-  if (type == CellType::point1 && connectivity.empty()) {
-    own_cells.resize(num_points);  // ParaView's newer readers draw nothing without it
-    std::iota(own_cells.begin(), own_cells.end(), 0);
-    connectivity = own_cells;
-  }
-  require(connectivity.size() % per_cell == 0,
-          "output {}: found {} node numbers for cells of {} nodes", name_, connectivity.size(),
-          per_cell);
-  const std::size_t num_cells = connectivity.size() / per_cell;
-
-  if (times_.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(folder_, error);
-    require(!error, "{}: cannot create this folder: {}", folder_, error.message());
-  }
-  const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
-  Hdf5File file((std::filesystem::path(folder_) / file_name).string());
-  // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
-  const std::vector<int> xyz = dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
-  file.write("coordinates", 3, arrange<double>(coordinates, dim, xyz, "coordinates"));
-  file.write("connectivity", per_cell, connectivity);
-  std::string grid = fmt::format(
-      "<Grid Name=\"{}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n"
-      "<Topology {} NumberOfElements=\"{}\">{}</Topology>\n"
-      "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-      name_, time, topology(type), num_cells,
-      data_item(file_name, "connectivity", num_cells, per_cell, "Int", 4),
-      data_item(file_name, "coordinates", num_points, 3, "Float", 8));
-  for (const auto& field : fields) {
+void XdmfSeries::check(const OutputFrame& frame) const {
+  require(std::isfinite(frame.time), "output {}: found time {}", name_, frame.time);
+  require((frame.dim == 2 || frame.dim == 3) && frame.coordinates.size() % frame.dim == 0,
+          "output {}: found {} coordinates of dimension {}", name_, frame.coordinates.size(),
+          frame.dim);
+  const int per_cell = num_nodes(frame.cell_type);
+  require(frame.connectivity.size() % per_cell == 0,
+          "output {}: found {} node numbers for cells of {} nodes", name_,
+          frame.connectivity.size(), per_cell);
+  for (const OutputField& field : frame.fields) {
     check_name("output field", field.name);
-    const Layout stored = layout(field);
-    const std::size_t rows = field.on_cells ? num_cells : num_points;
+    layout(field);
+    const std::size_t rows = num_rows(frame, field);
     require(field.values.size() == rows * field.components,
             "output field {}: found {} values, expected {} x {}", field.name, field.values.size(),
             rows, field.components);
-    const int columns = static_cast<int>(stored.columns.size());
-    const std::string dataset = (field.on_cells ? "cell/" : "point/") + field.name;
-    file.write(dataset, columns,
+  }
+}
+
+void XdmfSeries::make_folder() const {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  require(!error, "{}: cannot create this folder: {}", folder_, error.message());
+}
+
+void XdmfSeries::write(OutputFrame frame) {
+  check(frame);
+  std::vector<std::int32_t> own_cells;
+  if (frame.connectivity.empty()) {
+    own_cells.resize(num_cells(frame));  // ParaView's newer readers draw nothing without it
+    std::iota(own_cells.begin(), own_cells.end(), 0);
+    frame.connectivity = own_cells;
+  }
+  if (times_.empty()) make_folder();
+  const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
+  Hdf5File file((std::filesystem::path(folder_) / file_name).string());
+  // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
+  const std::vector<int> xyz = frame.dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
+  file.write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));
+  file.write("connectivity", num_nodes(frame.cell_type), frame.connectivity);
+  for (const OutputField& field : frame.fields) {
+    const Layout stored = layout(field);
+    file.write(dataset_of(field), static_cast<int>(stored.columns.size()),
                arrange<float>(field.values, field.components, stored.columns, field.name));
-    grid +=
-        fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
-                    field.name, stored.attribute_type, field.on_cells ? "Cell" : "Node",
-                    data_item(file_name, dataset, rows, columns, "Float", 4));
   }
   file.finish();
-  times_.push_back(time);
-  grids_.push_back(grid + "</Grid>\n");
+  times_.push_back(frame.time);
+  grids_.push_back(grid_text(frame, file_name));
   write_index();
+}
+
+/// XML of one frame.
+std::string XdmfSeries::grid_text(const OutputFrame& frame, const std::string& file_name) const {
+  std::string text = fmt::format(
+      "<Grid Name=\"{}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n"
+      "<Topology {} NumberOfElements=\"{}\">{}</Topology>\n"
+      "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      name_, frame.time, topology(frame.cell_type), num_cells(frame),
+      data_item(file_name + ":/connectivity", num_cells(frame), num_nodes(frame.cell_type),
+                int32_format),
+      data_item(file_name + ":/coordinates", num_points(frame), 3, float64_format));
+  for (const OutputField& field : frame.fields) {
+    const Layout stored = layout(field);
+    text +=
+        fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
+                    field.name, stored.attribute_type, field.on_cells ? "Cell" : "Node",
+                    data_item(file_name + ":/" + dataset_of(field), num_rows(frame, field),
+                              static_cast<int>(stored.columns.size()), float32_format));
+  }
+  return text + "</Grid>\n";
 }
 
 std::int64_t XdmfSeries::frame_bytes(std::int64_t num_points, CellType type, std::int64_t num_cells,

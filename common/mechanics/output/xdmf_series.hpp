@@ -13,10 +13,21 @@ namespace gabion {
 /// Values on the points or cells of one frame.
 struct OutputField {
   std::string name;
-  int components =
-      1;  ///< 1 scalar, 2 or 3 vector (2 is padded to 3 by readers), 4/6 symmetric tensor
-  std::span<const double> values;
+  /// 1: scalar; 2, 3: vector (2 is padded to 3 for readers); 4, 6: symmetric tensor
+  int components = 1;
+  std::span<const double> values = {};
   bool on_cells = false;
+};
+
+/// What is written of one instant.
+struct OutputFrame {
+  double time = 0;                      ///< [s]
+  int dim = 2;                          ///< of the space of the points, 2 or 3
+  std::span<const double> coordinates;  ///< num_points x dim [m]
+  CellType cell_type = CellType::point1;
+  /// num_cells x num_nodes(cell_type); empty for CellType::point1: each point a cell
+  std::span<const std::int32_t> connectivity = {};
+  std::vector<OutputField> fields = {};
 };
 
 /// A time series that ParaView opens: one HDF5 file a frame (written under another name, then
@@ -27,22 +38,20 @@ class XdmfSeries {
   /// folder/name.xdmf.
   XdmfSeries(std::string folder, std::string name);
 
-  /// @param coordinates   num_points x dim
-  /// @param connectivity  num_cells x num_nodes(type); empty for CellType::point1 (each point a
-  /// cell)
-  /// @throws Error  disk full, folder gone
-  void write(double time, int dim, std::span<const double> coordinates, CellType type,
-             std::span<const std::int32_t> connectivity, const std::vector<OutputField>& fields);
+  /// @throws Error  disk full, folder gone, values that do not fit the points or cells
+  void write(OutputFrame frame);
 
   /// Size of a frame with these fields before compression, without what HDF5 itself takes (some
-  /// kB).
-  /// @param fields  without values
+  /// kB). The values of the fields are not looked at.
   static std::int64_t frame_bytes(std::int64_t num_points, CellType type, std::int64_t num_cells,
                                   const std::vector<OutputField>& fields);
 
   int num_frames() const { return static_cast<int>(times_.size()); }
 
  private:
+  void check(const OutputFrame& frame) const;
+  void make_folder() const;
+  std::string grid_text(const OutputFrame& frame, const std::string& file_name) const;
   void write_index() const;
   std::string folder_;
   std::string name_;

@@ -17,26 +17,28 @@ std::int64_t next_pattern_id() {
   return ++last;
 }
 
-/// Scatter a dense (n dim) x (n dim) row-major matrix to column-major blocks.
-template <int dim>
+/// Scatter a dense (n block_size) x (n block_size) row-major matrix to column-major blocks.
+template <int block_size>
 inline void scatter(int n, const std::int32_t* slots, const double* K, double* values) {
-  const int width = n * dim;
+  const int width = n * block_size;
   for (int a = 0; a < n; ++a) {
-    const double* rows = K + a * dim * width;
+    const double* rows = K + a * block_size * width;
     for (int b = 0; b < n; ++b) {
-      double* target = values + static_cast<std::size_t>(slots[a * n + b]) * dim * dim;
-      const double* source = rows + b * dim;
-      for (int c = 0; c < dim; ++c)
-        for (int r = 0; r < dim; ++r) target[c * dim + r] += source[r * width + c];
+      double* target =
+          values + static_cast<std::size_t>(slots[a * n + b]) * block_size * block_size;
+      const double* source = rows + b * block_size;
+      for (int c = 0; c < block_size; ++c)
+        for (int r = 0; r < block_size; ++r) target[c * block_size + r] += source[r * width + c];
     }
   }
 }
 
 }  // namespace
 
-template <int dim>
-void BlockMatrix<dim>::set_pattern(std::int32_t num_nodes, std::span<const std::int32_t> offsets,
-                                   std::span<const std::int32_t> cell_nodes) {
+template <int block_size>
+void BlockMatrix<block_size>::set_pattern(std::int32_t num_nodes,
+                                          std::span<const std::int32_t> offsets,
+                                          std::span<const std::int32_t> cell_nodes) {
   assert(!offsets.empty() && static_cast<std::size_t>(offsets.back()) == cell_nodes.size());
   num_nodes_ = num_nodes;
   pattern_id_ = next_pattern_id();
@@ -46,11 +48,11 @@ void BlockMatrix<dim>::set_pattern(std::int32_t num_nodes, std::span<const std::
   list_neighbours();
   sort_columns();
   map_cells();
-  values_.assign(columns_.size() * dim * dim, 0.0);
+  values_.assign(columns_.size() * block_size * block_size, 0.0);
 }
 
-template <int dim>
-void BlockMatrix<dim>::list_cells_of_nodes() {
+template <int block_size>
+void BlockMatrix<block_size>::list_cells_of_nodes() {
   corner_starts_.assign(static_cast<std::size_t>(num_nodes_) + 1, 0);
   for (const std::int32_t i : cell_nodes_) ++corner_starts_[i + 1];
   for (std::int32_t i = 0; i < num_nodes_; ++i) corner_starts_[i + 1] += corner_starts_[i];
@@ -62,8 +64,8 @@ void BlockMatrix<dim>::list_cells_of_nodes() {
       corners_[marks_[cell_nodes_[k]]++] = {c, k - offsets_[c]};
 }
 
-template <int dim>
-void BlockMatrix<dim>::list_neighbours() {
+template <int block_size>
+void BlockMatrix<block_size>::list_neighbours() {
   marks_.assign(static_cast<std::size_t>(num_nodes_), -1);
   row_starts_.resize(static_cast<std::size_t>(num_nodes_) + 1);
   neighbours_.clear();
@@ -86,8 +88,8 @@ void BlockMatrix<dim>::list_neighbours() {
 
 // The pattern is symmetric: visiting the rows j in order and appending j to each of its neighbours'
 // rows leaves every row sorted.
-template <int dim>
-void BlockMatrix<dim>::sort_columns() {
+template <int block_size>
+void BlockMatrix<block_size>::sort_columns() {
   marks_.assign(row_starts_.begin(), row_starts_.end() - 1);
   columns_.resize(neighbours_.size());
   for (std::int32_t j = 0; j < num_nodes_; ++j)
@@ -95,8 +97,8 @@ void BlockMatrix<dim>::sort_columns() {
       columns_[marks_[neighbours_[k]]++] = j;
 }
 
-template <int dim>
-void BlockMatrix<dim>::map_cells() {
+template <int block_size>
+void BlockMatrix<block_size>::map_cells() {
   const std::size_t num_cells = offsets_.size() - 1;
   slot_starts_.resize(num_cells + 1);
   slot_starts_[0] = 0;
@@ -116,27 +118,30 @@ void BlockMatrix<dim>::map_cells() {
   }
 }
 
-template <int dim>
-void BlockMatrix<dim>::set_zero() {
+template <int block_size>
+void BlockMatrix<block_size>::set_zero() {
   std::fill(values_.begin(), values_.end(), 0.0);
 }
 
-template <int dim>
-void BlockMatrix<dim>::add_cell(std::int32_t c, const double* K) {
+template <int block_size>
+void BlockMatrix<block_size>::add_cell(std::int32_t c, const double* K) {
   const int n = offsets_[c + 1] - offsets_[c];
   const std::int32_t* slots = slots_.data() + slot_starts_[c];
-  // Constant sizes let the compiler unroll the frequent cells.
-  if (n == dim + 1) {
-    scatter<dim>(dim + 1, slots, K, values_.data());
-  } else if (n == (1 << dim)) {
-    scatter<dim>(1 << dim, slots, K, values_.data());
-  } else {
-    scatter<dim>(n, slots, K, values_.data());
+  // Constant sizes let the compiler unroll triangles, quadrilaterals and tetrahedra, bricks.
+  switch (n) {
+    case 3:
+      return scatter<block_size>(3, slots, K, values_.data());
+    case 4:
+      return scatter<block_size>(4, slots, K, values_.data());
+    case 8:
+      return scatter<block_size>(8, slots, K, values_.data());
+    default:
+      return scatter<block_size>(n, slots, K, values_.data());
   }
 }
 
-template <int dim>
-std::int32_t BlockMatrix<dim>::slot(std::int32_t i, std::int32_t j) const {
+template <int block_size>
+std::int32_t BlockMatrix<block_size>::slot(std::int32_t i, std::int32_t j) const {
   const auto begin = columns_.begin() + row_starts_[i];
   const auto end = columns_.begin() + row_starts_[i + 1];
   const auto found = std::lower_bound(begin, end, j);
@@ -144,31 +149,34 @@ std::int32_t BlockMatrix<dim>::slot(std::int32_t i, std::int32_t j) const {
   return static_cast<std::int32_t>(found - columns_.begin());
 }
 
-template <int dim>
-void BlockMatrix<dim>::add_block(std::int32_t i, std::int32_t j, const Matrix<dim>& added) {
-  Eigen::Map<Matrix<dim>>(block(slot(i, j))) += added;
+template <int block_size>
+void BlockMatrix<block_size>::add_block(std::int32_t i, std::int32_t j,
+                                        const NodeBlock<block_size>& added) {
+  Eigen::Map<NodeBlock<block_size>>(block(slot(i, j))) += added;
 }
 
-template <int dim>
-void BlockMatrix<dim>::add_diagonal(std::int32_t i, double value) {
+template <int block_size>
+void BlockMatrix<block_size>::add_diagonal(std::int32_t i, double value) {
   double* target = block(slot(i, i));
-  for (int r = 0; r < dim; ++r) target[r * dim + r] += value;
+  for (int r = 0; r < block_size; ++r) target[r * block_size + r] += value;
 }
 
-template <int dim>
-double BlockMatrix<dim>::mean_diagonal() const {
+template <int block_size>
+double BlockMatrix<block_size>::mean_diagonal() const {
   double sum = 0;
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
-    const double* diagonal = values_.data() + static_cast<std::size_t>(slot(i, i)) * dim * dim;
-    for (int r = 0; r < dim; ++r) sum += std::abs(diagonal[r * dim + r]);
+    const double* diagonal =
+        values_.data() + static_cast<std::size_t>(slot(i, i)) * block_size * block_size;
+    for (int r = 0; r < block_size; ++r) sum += std::abs(diagonal[r * block_size + r]);
   }
-  const double mean = num_nodes_ > 0 ? sum / (num_nodes_ * dim) : 0;
+  const double mean = num_nodes_ > 0 ? sum / (num_nodes_ * block_size) : 0;
   return mean > 0 ? mean : 1;
 }
 
-template <int dim>
-void BlockMatrix<dim>::constrain(std::span<const std::int32_t> constrained,
-                                 std::span<const Matrix<dim>> projectors, bool owned) {
+template <int block_size>
+void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constrained,
+                                        std::span<const NodeBlock<block_size>> projectors,
+                                        bool owned) {
   require(constrained.size() == projectors.size(),
           "BlockMatrix::constrain: " + std::to_string(constrained.size()) + " nodes, but " +
               std::to_string(projectors.size()) + " projectors");
@@ -176,35 +184,38 @@ void BlockMatrix<dim>::constrain(std::span<const std::int32_t> constrained,
   const double fallback_scale = owned ? mean_diagonal() : 0;
   for (std::size_t k = 0; k < constrained.size(); ++k) {
     const std::int32_t i = constrained[k];
-    const Matrix<dim>& Q = projectors[k];
-    Eigen::Map<Matrix<dim>> diagonal(block(slot(i, i)));
+    const NodeBlock<block_size>& Q = projectors[k];
+    Eigen::Map<NodeBlock<block_size>> diagonal(block(slot(i, i)));
     const double own_scale = diagonal.diagonal().cwiseAbs().mean();
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) {
-      Eigen::Map<Matrix<dim>> row_block(block(s));
+      Eigen::Map<NodeBlock<block_size>> row_block(block(s));
       row_block = (Q * row_block).eval();
-      Eigen::Map<Matrix<dim>> column_block(block(slot(columns_[s], i)));
+      Eigen::Map<NodeBlock<block_size>> column_block(block(slot(columns_[s], i)));
       column_block = (column_block * Q).eval();
     }
     if (owned)
-      diagonal += (own_scale > 0 ? own_scale : fallback_scale) * (Matrix<dim>::Identity() - Q);
+      diagonal +=
+          (own_scale > 0 ? own_scale : fallback_scale) * (NodeBlock<block_size>::Identity() - Q);
   }
 }
 
-template <int dim>
-void BlockMatrix<dim>::multiply(std::span<const double> x, std::span<double> y) const {
+template <int block_size>
+void BlockMatrix<block_size>::multiply(std::span<const double> x, std::span<double> y) const {
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
-    double sum[dim] = {};
+    double sum[block_size] = {};
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) {
-      const double* a = values_.data() + static_cast<std::size_t>(s) * dim * dim;
-      const double* x_j = x.data() + static_cast<std::size_t>(columns_[s]) * dim;
-      for (int c = 0; c < dim; ++c)
-        for (int r = 0; r < dim; ++r) sum[r] += a[c * dim + r] * x_j[c];
+      const double* a = values_.data() + static_cast<std::size_t>(s) * block_size * block_size;
+      const double* x_j = x.data() + static_cast<std::size_t>(columns_[s]) * block_size;
+      for (int c = 0; c < block_size; ++c)
+        for (int r = 0; r < block_size; ++r) sum[r] += a[c * block_size + r] * x_j[c];
     }
-    for (int r = 0; r < dim; ++r) y[static_cast<std::size_t>(i) * dim + r] = sum[r];
+    for (int r = 0; r < block_size; ++r) y[static_cast<std::size_t>(i) * block_size + r] = sum[r];
   }
 }
 
+template class BlockMatrix<1>;
 template class BlockMatrix<2>;
 template class BlockMatrix<3>;
+template class BlockMatrix<6>;
 
 }  // namespace gabion

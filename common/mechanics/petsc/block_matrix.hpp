@@ -5,14 +5,19 @@
 #include <span>
 #include <vector>
 
-#include "common/mechanics/tensor.hpp"
+#include <Eigen/Core>
 
 namespace gabion {
 
-/// Sparse matrix of dim x dim blocks between nodes (block compressed rows; blocks column-major, as
-/// PETSc's BAIJ wants them). On several ranks each rank adds the cells it owns; the sum over the
-/// ranks is the matrix.
-template <int dim>
+/// What couples the unknowns of one node to those of another, column-major.
+template <int block_size>
+using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
+
+/// Sparse matrix of blocks between nodes (block compressed rows; blocks column-major, as PETSc's
+/// BAIJ wants them). On several ranks each rank adds the cells it owns; the sum over the ranks is
+/// the matrix.
+/// @tparam block_size  number of unknowns of a node, whatever they are: 1, 2, 3 or 6
+template <int block_size>
 class BlockMatrix {
  public:
   /// New pattern with all blocks zero: nodes that share a cell are coupled; every diagonal block
@@ -26,10 +31,11 @@ class BlockMatrix {
   std::int64_t pattern_id() const { return pattern_id_; }
   void set_zero();
 
-  /// Add the dense matrix of cell c (as numbered in set_pattern), (n dim) x (n dim), row-major.
+  /// Add the dense matrix of cell c (as numbered in set_pattern), (n block_size) x (n block_size),
+  /// row-major.
   void add_cell(std::int32_t c, const double* K);
   /// Add one block. @pre i and j share a cell of the pattern
-  void add_block(std::int32_t i, std::int32_t j, const Matrix<dim>& block);
+  void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
 
   /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
@@ -40,21 +46,23 @@ class BlockMatrix {
   /// @param projectors   projectors[k] belongs to node constrained[k]
   /// @param owned        on several ranks: true on exactly one of them
   /// @throws Error when the two lists differ in length
-  void constrain(std::span<const std::int32_t> constrained, std::span<const Matrix<dim>> projectors,
-                 bool owned);
+  void constrain(std::span<const std::int32_t> constrained,
+                 std::span<const NodeBlock<block_size>> projectors, bool owned);
 
   std::span<const std::int32_t> row_starts() const { return row_starts_; }
   std::span<const std::int32_t> columns() const { return columns_; }
   std::span<const double> values() const { return values_; }
   std::span<double> values() { return values_; }
 
-  /// y = K x with this rank's blocks only.
+  /// y = K x with this rank's blocks only; num_nodes x block_size each.
   void multiply(std::span<const double> x, std::span<double> y) const;
 
  private:
   /// Position of block (i, j) in columns_. @pre it exists
   std::int32_t slot(std::int32_t i, std::int32_t j) const;
-  double* block(std::int32_t s) { return values_.data() + static_cast<std::size_t>(s) * dim * dim; }
+  double* block(std::int32_t s) {
+    return values_.data() + static_cast<std::size_t>(s) * block_size * block_size;
+  }
   double mean_diagonal() const;
   void list_cells_of_nodes();
   void list_neighbours();

@@ -42,11 +42,12 @@ struct LinearMethod {
 
 /// The method that the settings ask for; "auto" takes the fastest for the regime as measured on
 /// granular columns (table in linear_method.cpp).
+/// @param dim       of the space of the nodes (2 or 3): how much a factor fills in
 /// @param num_dofs  unknowns of the whole system
 LinearMethod choose_linear_method(const LinearSolverSettings& settings, const LinearRegime& regime,
                                   int dim, std::int64_t num_dofs, int num_ranks);
 
-/// The direct method for this size.
+/// The direct method for this size and dimension of space.
 SolutionMethod choose_direct_method(int dim, std::int64_t num_dofs, int num_ranks);
 
 }  // namespace gabion

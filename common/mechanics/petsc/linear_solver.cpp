@@ -20,10 +20,14 @@ constexpr double direct_tolerance = 1e-8;
 
 }  // namespace
 
-template <int dim>
-struct LinearSolver<dim>::Implementation {
-  Implementation(MPI_Comm comm, LinearSolverSettings given)
-      : settings(std::move(given)), matrix(comm), main(comm, dim), rescue(comm, dim) {
+template <int block_size>
+struct LinearSolver<block_size>::Implementation {
+  Implementation(MPI_Comm comm, int dim_of_space, LinearSolverSettings given)
+      : settings(std::move(given)),
+        dim(dim_of_space),
+        matrix(comm),
+        main(comm, dim),
+        rescue(comm, dim) {
     MPI_Comm_size(comm, &num_ranks);
   }
 
@@ -33,8 +37,9 @@ struct LinearSolver<dim>::Implementation {
   PetscSolver::Result use_rescue(SolutionMethod method, double b_norm, const char* reason);
 
   LinearSolverSettings settings;
+  int dim;  // of the space of the nodes
   int num_ranks = 1;
-  PetscMatrix<dim> matrix;
+  PetscMatrix<block_size> matrix;
   LinearMethod chosen;
   bool is_chosen = false;
   PetscSolver main;    // with the chosen method
@@ -43,9 +48,10 @@ struct LinearSolver<dim>::Implementation {
   std::int64_t fallbacks = 0;
 };
 
-template <int dim>
-PetscSolver::Result LinearSolver<dim>::Implementation::attempt(PetscSolver& solver, double b_norm,
-                                                               double tolerance) {
+template <int block_size>
+PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolver& solver,
+                                                                      double b_norm,
+                                                                      double tolerance) {
   Vec b = matrix.right_hand_side();
   PetscSolver::Result result = solver.solve(matrix.get(), b, matrix.solution(), tolerance);
   const bool direct = solver.method().direct();
@@ -59,10 +65,10 @@ PetscSolver::Result LinearSolver<dim>::Implementation::attempt(PetscSolver& solv
   return result;
 }
 
-template <int dim>
-PetscSolver::Result LinearSolver<dim>::Implementation::use_rescue(SolutionMethod method,
-                                                                  double b_norm,
-                                                                  const char* reason) {
+template <int block_size>
+PetscSolver::Result LinearSolver<block_size>::Implementation::use_rescue(SolutionMethod method,
+                                                                         double b_norm,
+                                                                         const char* reason) {
   const LinearMethod direct{method, Preconditioner::none};
   // Once in the open; a regime in which it happens at every matrix would flood the log.
   const auto level = fallbacks <= 1 ? log::Level::warn : log::Level::debug;
@@ -72,9 +78,9 @@ PetscSolver::Result LinearSolver<dim>::Implementation::use_rescue(SolutionMethod
   return attempt(rescue, b_norm, direct_tolerance);
 }
 
-template <int dim>
-int LinearSolver<dim>::Implementation::solve(std::span<const double> b, std::span<double> x,
-                                             double tolerance) {
+template <int block_size>
+int LinearSolver<block_size>::Implementation::solve(std::span<const double> b, std::span<double> x,
+                                                    double tolerance) {
   const double b_norm = norm_of(b);
   require<ConvergenceError>(std::isfinite(b_norm), "linear solver: right-hand side is not finite");
   if (b_norm == 0) {
@@ -112,21 +118,22 @@ int LinearSolver<dim>::Implementation::solve(std::span<const double> b, std::spa
   return iterations;
 }
 
-template <int dim>
-LinearSolver<dim>::LinearSolver(MPI_Comm comm, LinearSolverSettings settings)
-    : impl_(std::make_unique<Implementation>(comm, std::move(settings))) {}
+template <int block_size>
+LinearSolver<block_size>::LinearSolver(MPI_Comm comm, int dim, LinearSolverSettings settings)
+    : impl_(std::make_unique<Implementation>(comm, dim, std::move(settings))) {}
 
-template <int dim>
-LinearSolver<dim>::~LinearSolver() = default;
-template <int dim>
-LinearSolver<dim>::LinearSolver(LinearSolver&&) noexcept = default;
-template <int dim>
-LinearSolver<dim>& LinearSolver<dim>::operator=(LinearSolver&&) noexcept = default;
+template <int block_size>
+LinearSolver<block_size>::~LinearSolver() = default;
+template <int block_size>
+LinearSolver<block_size>::LinearSolver(LinearSolver&&) noexcept = default;
+template <int block_size>
+LinearSolver<block_size>& LinearSolver<block_size>::operator=(LinearSolver&&) noexcept = default;
 
-template <int dim>
-void LinearSolver<dim>::set_regime(const LinearRegime& regime, std::int32_t num_nodes) {
-  const LinearMethod method = choose_linear_method(
-      impl_->settings, regime, dim, static_cast<std::int64_t>(num_nodes) * dim, impl_->num_ranks);
+template <int block_size>
+void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int32_t num_nodes) {
+  const std::int64_t num_dofs = static_cast<std::int64_t>(num_nodes) * block_size;
+  const LinearMethod method =
+      choose_linear_method(impl_->settings, regime, impl_->dim, num_dofs, impl_->num_ranks);
   if (!impl_->is_chosen || method != impl_->chosen)
     log::info("linear solver: {} for {} nodes, Courant number {:.3g}", method.name(), num_nodes,
               regime.courant);
@@ -134,49 +141,52 @@ void LinearSolver<dim>::set_regime(const LinearRegime& regime, std::int32_t num_
   impl_->is_chosen = true;
 }
 
-template <int dim>
-void LinearSolver<dim>::set_matrix(const BlockMatrix<dim>& K, bool new_pattern) {
+template <int block_size>
+void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K) {
   if (!impl_->is_chosen)
     set_regime({false, std::numeric_limits<double>::infinity()}, K.num_nodes());
-  const bool renewed = impl_->matrix.set(K, new_pattern);
+  const bool renewed = impl_->matrix.set(K);
   impl_->main.invalidate(renewed);
   impl_->rescue.invalidate(renewed);
   impl_->use_rescue_first = false;
 }
 
-template <int dim>
-int LinearSolver<dim>::solve(std::span<const double> b, std::span<double> x, double tolerance) {
+template <int block_size>
+int LinearSolver<block_size>::solve(std::span<const double> b, std::span<double> x,
+                                    double tolerance) {
   return impl_->solve(b, x, tolerance);
 }
 
-template <int dim>
-std::optional<SolutionMethod> LinearSolver<dim>::rescue() const {
+template <int block_size>
+std::optional<SolutionMethod> LinearSolver<block_size>::rescue() const {
   if (!impl_->use_rescue_first) return std::nullopt;
   return impl_->rescue.method().method;
 }
 
-template <int dim>
-void LinearSolver<dim>::set_rescue(std::optional<SolutionMethod> method) {
+template <int block_size>
+void LinearSolver<block_size>::set_rescue(std::optional<SolutionMethod> method) {
   impl_->use_rescue_first = method.has_value();
   if (method) impl_->rescue.configure({*method, Preconditioner::none}, 1);
 }
 
-template <int dim>
-std::string LinearSolver<dim>::method_name() const {
+template <int block_size>
+std::string LinearSolver<block_size>::method_name() const {
   return impl_->chosen.name();
 }
 
-template <int dim>
-std::int64_t LinearSolver<dim>::factorisations() const {
+template <int block_size>
+std::int64_t LinearSolver<block_size>::factorisations() const {
   return impl_->main.set_ups() + impl_->rescue.set_ups();
 }
 
-template <int dim>
-std::int64_t LinearSolver<dim>::fallbacks() const {
+template <int block_size>
+std::int64_t LinearSolver<block_size>::fallbacks() const {
   return impl_->fallbacks;
 }
 
+template class LinearSolver<1>;
 template class LinearSolver<2>;
 template class LinearSolver<3>;
+template class LinearSolver<6>;
 
 }  // namespace gabion

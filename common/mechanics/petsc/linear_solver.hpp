@@ -18,11 +18,13 @@ namespace gabion {
 ///
 /// PETSc gets a copy of K; on several ranks each rank adds its blocks to a matrix whose rows are
 /// shared out in equal contiguous parts.
+/// @tparam block_size  number of unknowns of a node, as of BlockMatrix
 /// @pre  destroyed before the PetscSession ends
-template <int dim>
+template <int block_size>
 class LinearSolver {
  public:
-  LinearSolver(MPI_Comm comm, LinearSolverSettings settings);
+  /// @param dim  of the space of the nodes (2 or 3): how much a factor fills in
+  LinearSolver(MPI_Comm comm, int dim, LinearSolverSettings settings);
   ~LinearSolver();
   LinearSolver(const LinearSolver&) = delete;
   LinearSolver& operator=(const LinearSolver&) = delete;
@@ -33,18 +35,16 @@ class LinearSolver {
   /// call the regime is static and unsymmetric.
   void set_regime(const LinearRegime& regime, std::int32_t num_nodes);
 
-  /// Take over new values of K. A direct method factorises at the next solve.
-  /// @param new_pattern  true when K has another pattern than in the last call (also found out from
-  ///                     its pattern_id)
+  /// Take over new values of K, and its pattern where its pattern_id is another than in the last
+  /// call. A direct method factorises at the next solve.
   /// @note Collective.
-  void set_matrix(const BlockMatrix<dim>& K, bool new_pattern);
+  void set_matrix(const BlockMatrix<block_size>& K);
 
   /// Solve with the matrix of the last set_matrix. A Krylov method that fails is replaced by the
   /// direct one for this matrix (logged, counted). The residual |b - K x| of what is returned is at
   /// most 10 times the tolerance (direct: 1e-8) times |b|.
   /// @param tolerance  relative to |b|, for a looser solution than the setting asks for; a tighter
-  /// one
-  ///                   than the setting is not given
+  ///                   one than the setting is not given
   /// @returns iterations (0 for a direct solve)
   /// @throws ConvergenceError  neither worked, or b, K are not finite
   /// @note Collective.

@@ -10,7 +10,7 @@
 namespace gabion {
 
 /// A BlockMatrix as PETSc sees it, with vectors that fit.
-template <int dim>
+template <int block_size>
 class PetscMatrix {
  public:
   explicit PetscMatrix(MPI_Comm comm);
@@ -18,10 +18,10 @@ class PetscMatrix {
   /// Take a copy of K; on several ranks the sum over the ranks.
   /// @returns true when the pattern is new and PETSc's matrix is another object than before
   /// @note Collective.
-  bool set(const BlockMatrix<dim>& K, bool new_pattern);
+  bool set(const BlockMatrix<block_size>& K);
 
   Mat get() const { return matrix_.get(); }
-  std::int64_t num_dofs() const { return static_cast<std::int64_t>(num_nodes_) * dim; }
+  std::int64_t num_dofs() const { return static_cast<std::int64_t>(num_nodes_) * block_size; }
 
   /// Vectors: right-hand side (filled from the replicated b), solution, residual.
   void set_right_hand_side(std::span<const double> b);
@@ -33,11 +33,11 @@ class PetscMatrix {
   void replicate_solution(std::span<double> x) const;
 
  private:
-  void create(const BlockMatrix<dim>& K);
+  void create(const BlockMatrix<block_size>& K);
   void share_out_rows();
-  void insert_blocks(const BlockMatrix<dim>& K, bool all_blocks);
-  void insert_row(const BlockMatrix<dim>& K, std::int32_t i, bool is_own);
-  void copy_values(const BlockMatrix<dim>& K);
+  void insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks);
+  void insert_row(const BlockMatrix<block_size>& K, std::int32_t i, bool is_own);
+  void copy_values(const BlockMatrix<block_size>& K);
   void assemble();
 
   MPI_Comm comm_;

@@ -13,7 +13,7 @@ namespace gabion {
 /// One PETSc KSP with its preconditioner, set up for one LinearMethod and kept between matrices.
 class PetscSolver {
  public:
-  /// @param dim  block size of the matrices, for the choice of orderings
+  /// @param dim  of the space of the nodes (2 or 3), for the choice of orderings
   PetscSolver(MPI_Comm comm, int dim) : comm_(comm), dim_(dim) {}
 
   const LinearMethod& method() const { return method_; }

@@ -9,6 +9,7 @@
 #include "common/run/progress.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion {
 namespace {
@@ -130,7 +131,11 @@ TEST(RunAlone, a_run_that_fails_says_so_and_keeps_the_last_state) {
     if (request.time > 0.3) throw ConvergenceError("soil exploded");
   };
   RunRecord record(temp / "out", "mpm_solver");
-  EXPECT_THROW(run_alone(solver, {1, 0.2, 0.01}, 1, record), ConvergenceError);
+  test::expect_error<ConvergenceError>(
+      [&] {
+        run_alone(solver, {1, 0.2, 0.01}, 1, record);
+      },
+      {"soil exploded", "dt_min = 0.01"});
   const Json summary = Json::parse(std::ifstream(temp / "out/summary.json"));
   EXPECT_EQ(summary["completed"], false);
   EXPECT_NE(summary["reason"].get<std::string>().find("soil exploded"), std::string::npos);
@@ -158,13 +163,9 @@ TEST(RunRecord, earlier_results_of_the_same_kind_move_to_previous) {
   EXPECT_EQ(Json::parse(std::ifstream(temp / "out.previous/summary.json"))["run"], "second");
 }
 
-std::string refusal(const std::string& folder, const std::string& kind) {
-  try {
-    RunRecord record(folder, kind);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+void expect_folder_refused(const std::string& folder, const std::string& kind,
+                           const std::vector<std::string_view>& parts) {
+  test::expect_error<ConfigError>([&] { RunRecord record(folder, kind); }, parts);
 }
 
 TEST(RunRecord, completed_results_are_not_replaced_by_those_of_a_failed_run) {
@@ -196,7 +197,7 @@ TEST(RunRecord, completed_results_are_not_replaced_by_those_of_a_failed_run) {
   fs::remove_all(temp / "out.failed");
   fs::create_directories(temp / "out.failed");
   std::ofstream(temp / "out.failed/thesis.tex") << "years of work";
-  EXPECT_NE(refusal(temp / "out", "coupler").find("move it away"), std::string::npos);
+  expect_folder_refused(temp / "out", "coupler", {"move it away"});
   EXPECT_EQ(lines(temp / "out.failed/thesis.tex")[0], "years of work");
 }
 
@@ -204,18 +205,17 @@ TEST(RunRecord, foreign_files_are_never_touched) {
   const TempFolder temp;
   fs::create_directories(temp / "papers");
   std::ofstream(temp / "papers/thesis.tex") << "years of work";
-  EXPECT_NE(refusal(temp / "papers", "coupler").find("not Gabion results"), std::string::npos);
+  expect_folder_refused(temp / "papers", "coupler", {"not Gabion results"});
   EXPECT_EQ(lines(temp / "papers/thesis.tex")[0], "years of work");
 
   RunRecord ours(temp / "out", "fem_solver");
-  EXPECT_NE(refusal(temp / "out", "coupler").find("found results of \"fem_solver\""),
-            std::string::npos);
+  expect_folder_refused(temp / "out", "coupler", {"found results of \"fem_solver\""});
 
   fs::create_directories(temp / "out.previous");
   std::ofstream(temp / "out.previous/thesis.tex") << "years of work";
-  EXPECT_NE(refusal(temp / "out", "fem_solver").find("move it away"), std::string::npos);
+  expect_folder_refused(temp / "out", "fem_solver", {"move it away"});
   EXPECT_EQ(lines(temp / "out.previous/thesis.tex")[0], "years of work");
-  EXPECT_EQ(refusal(temp / "out/.gabion_results", "coupler").find("output folder"), 0u);
+  expect_folder_refused(temp / "out/.gabion_results", "coupler", {"output folder"});
 }
 
 TEST(OutputClock, first_time_at_or_after_each_multiple) {
@@ -246,8 +246,16 @@ TEST(DetailColumns, unknown_names_and_texts_are_refused) {
   ASSERT_EQ(cells.size(), 3u);
   EXPECT_EQ(std::get<std::string>(cells[0]), "");
   EXPECT_EQ(std::get<double>(cells[1]), 4.5);
-  EXPECT_THROW(columns.append({{"d", 1}}, cells), Error);
-  EXPECT_THROW(columns.append({{"b", "text"}}, cells), Error);
+  test::expect_error<Error>(
+      [&] {
+        columns.append({{"d", 1}}, cells);
+      },
+      {"solver reports \"d\"", "first report"});
+  test::expect_error<Error>(
+      [&] {
+        columns.append({{"b", "text"}}, cells);
+      },
+      {"solver reports \"b\" = \"text\"", "a number"});
 }
 
 }  // namespace

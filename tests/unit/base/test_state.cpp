@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "common/base/error.hpp"
 #include "common/run/state.hpp"
 #include "common/run/time_steps.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion {
 namespace {
@@ -60,11 +60,12 @@ TEST(State, MissingPartsAndOtherSizesAreErrors) {
   std::vector<double> two = {1, 2}, three(3);
   writer.reals("v", two);
   StateReader reader(state);
-  EXPECT_THROW(reader.reals("v", three), Error);
-  EXPECT_THROW(reader.reals("w", two), Error);
-  EXPECT_THROW(reader.list("w", two), Error);
   Json fact;
-  EXPECT_THROW(reader.fact("v", fact), Error);
+  using test::expect_error;
+  expect_error<Error>([&] { reader.reals("v", three); }, {"\"v\" has 2 values, expected 3"});
+  expect_error<Error>([&] { reader.reals("w", two); }, {"\"w\" is missing"});
+  expect_error<Error>([&] { reader.list("w", two); }, {"\"w\" is missing"});
+  expect_error<Error>([&] { reader.fact("v", fact); }, {"\"v\" is missing"});
 }
 
 TEST(State, TimeStepsGoOnAsIfNothingHadBeen) {

@@ -6,16 +6,17 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/base/error.hpp"
 #include "common/checkpoint/checkpoint_folder.hpp"
 #include "common/checkpoint/checkpoints.hpp"
 #include "common/checkpoint/state_file.hpp"
 #include "common/settings/scene.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion {
 namespace {
 
 namespace fs = std::filesystem;
+using test::expect_error;
 
 class CheckpointFolder : public testing::Test {
  protected:
@@ -47,11 +48,13 @@ TEST_F(CheckpointFolder, ReadsBackEveryBit) {
   EXPECT_EQ(back.reals, saved.reals);
   EXPECT_TRUE(std::signbit(back.reals.at("x")[1]));
   EXPECT_EQ(back.integers, saved.integers);
-  EXPECT_THROW(found.state_of("structure"), ConfigError);
+  expect_error<ConfigError>([&] { found.state_of("structure"); },
+                            {"step 7: found no state of \"structure\", but of run, soil"});
 }
 
 TEST_F(CheckpointFolder, TheLastWholeOneCounts) {
-  EXPECT_THROW(find_checkpoint(results_), ConfigError);
+  expect_error<ConfigError>([&] { find_checkpoint(results_); },
+                            {results_, "found no checkpoint there"});
   write_checkpoint(results_, "coupler", made(9));
   write_checkpoint(results_, "coupler", made(10));
   EXPECT_FALSE(fs::exists(all_ / "step_000009"));
@@ -67,18 +70,21 @@ TEST_F(CheckpointFolder, TheLastWholeOneCounts) {
 TEST_F(CheckpointFolder, DamageAndOtherRunsAreRefused) {
   write_checkpoint(results_, "coupler", made(3));
   const std::string path = find_checkpoint(results_);
-  EXPECT_THROW(read_checkpoint(path, "mpm_solver"), ConfigError);
+  expect_error<ConfigError>([&] { read_checkpoint(path, "mpm_solver"); },
+                            {path, "/program: found \"coupler\"", "allowed: \"mpm_solver\""});
   fs::resize_file(fs::path(path) / "soil.h5", fs::file_size(fs::path(path) / "soil.h5") / 2);
-  EXPECT_THROW(read_checkpoint(path, "coupler"), Error);
+  expect_error<Error>([&] { read_checkpoint(path, "coupler"); },
+                      {"soil.h5: found ", "the manifest says", "damaged"});
   std::ofstream(fs::path(path) / "manifest.json") << "{\"format\": ";
-  EXPECT_THROW(read_checkpoint(path, "coupler"), Error);
+  expect_error<Error>([&] { read_checkpoint(path, "coupler"); }, {"manifest.json: not valid JSON"});
 }
 
 TEST_F(CheckpointFolder, AFailedWriteLeavesTheLastOne) {
   write_checkpoint(results_, "coupler", made(3));
   Checkpoint bad = made(4);
   bad.states["no/folder"] = {};
-  EXPECT_THROW(write_checkpoint(results_, "coupler", bad), Error);
+  expect_error<Error>([&] { write_checkpoint(results_, "coupler", bad); },
+                      {"no/folder.h5", "cannot create this file"});
   EXPECT_EQ(read_checkpoint(find_checkpoint(results_), "coupler").point.step, 3);
 }
 
@@ -89,24 +95,21 @@ TEST_F(CheckpointFolder, ResultsThatTheNewRunWouldReplaceAreRefused) {
   };
   write("scene/coupler.json", "{}");
   const Scene scene(results_ + "/scene", {});
-  const auto refusal = [&](const std::string& restart) {
-    try {
-      Checkpoints::load(results_ + restart, results_ + "/out", "coupler", scene);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+  const auto refuses = [&](const std::string& restart, const std::string& text) {
+    expect_error<ConfigError>(
+        [&] { Checkpoints::load(results_ + restart, results_ + "/out", "coupler", scene); },
+        {text});
   };
   const std::string words = "would be replaced by the new results";
   for (const std::string name : {"out", "out.previous", "out.failed"}) {
     write(name + "/summary.json", R"({"completed": true})");
   }
-  EXPECT_NE(refusal("/out.previous").find(words), std::string::npos);
-  EXPECT_NE(refusal("/out.failed").find("found no checkpoint"), std::string::npos);
+  refuses("/out.previous", words);
+  refuses("/out.failed", "found no checkpoint");
   write("out/summary.json", R"({"completed": false})");  // goes to out.failed
-  EXPECT_NE(refusal("/out").find(words), std::string::npos);
-  EXPECT_NE(refusal("/out.failed").find(words), std::string::npos);
-  EXPECT_NE(refusal("/out.previous").find("found no checkpoint"), std::string::npos);
+  refuses("/out", words);
+  refuses("/out.failed", words);
+  refuses("/out.previous", "found no checkpoint");
 }
 
 }  // namespace

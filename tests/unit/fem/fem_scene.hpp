@@ -13,7 +13,7 @@ namespace gabion::test {
 
 /// Settings from the text of a fem.json.
 template <int dim>
-FemSettings<dim> fem_settings(const Json& json) {
+fem::FemSettings<dim> fem_settings(const Json& json) {
   const TemporaryScene folder("fem.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("fem.json");
@@ -24,8 +24,8 @@ FemSettings<dim> fem_settings(const Json& json) {
 }
 
 template <int dim>
-std::unique_ptr<FemSolver<dim>> fem_solver(const Json& json, MPI_Comm on = comm()) {
-  return std::make_unique<FemSolver<dim>>(fem_settings<dim>(json), on, "");
+std::unique_ptr<fem::FemSolver<dim>> fem_solver(const Json& json, MPI_Comm on = comm()) {
+  return std::make_unique<fem::FemSolver<dim>>(on, fem_settings<dim>(json), "");
 }
 
 inline Json box_2d(std::vector<double> high, std::vector<int> cells,

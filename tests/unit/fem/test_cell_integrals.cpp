@@ -34,7 +34,7 @@ std::vector<char> inner_nodes(const Mesh<dim>& mesh) {
 
 /// A box whose inner nodes are moved by up to a tenth of a cell.
 template <int dim>
-FemSettings<dim> distorted_box(const std::string& type, const std::string& law) {
+fem::FemSettings<dim> distorted_box(const std::string& type, const std::string& law) {
   auto settings = fem_settings<dim>(box_json<dim>(type, law));
   std::mt19937 random(7);
   std::uniform_real_distribution<double> shift(-0.033, 0.033);
@@ -46,7 +46,7 @@ FemSettings<dim> distorted_box(const std::string& type, const std::string& law) 
 }
 
 template <int dim>
-fem::CellIntegrals<dim> integrals_of(const FemSettings<dim>& s, bool lumped = false) {
+fem::CellIntegrals<dim> integrals_of(const fem::FemSettings<dim>& s, bool lumped = false) {
   return fem::CellIntegrals<dim>(s.mesh, s.material, {0, s.mesh.num_cells()}, lumped);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
 namespace gabion::test {
@@ -14,31 +15,19 @@ Json valid() {
           {"interfaces", {{{"name", "wall"}, {"groups", {"left", "top"}}}}}};
 }
 
-std::string error_of(const Json& json) {
-  try {
-    fem_solver<2>(json);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-void expect_error(const Json& json, const std::vector<std::string>& parts) {
-  const std::string text = error_of(json);
-  for (const auto& part : parts) {
-    EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in: " << text;
-  }
+void expect_refused(const Json& json, const std::vector<std::string_view>& parts) {
+  expect_error<ConfigError>([&] { fem_solver<2>(json); }, parts);
 }
 
 TEST(FemConfig, averaged_forces_at_an_interface) {
   Json json = valid();
   json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
-  expect_error(json, {"/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  expect_refused(json, {"/time_integration", "interfaces", "bossak", "rho_inf 0"});
   json["time_integration"]["rho_inf"] = 0;
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
   json["time_integration"]["rho_inf"] = 0.8;
   json.erase("interfaces");
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
 }
 
 TEST(FemConfig, defaults) {
@@ -54,34 +43,34 @@ TEST(FemConfig, defaults) {
 TEST(FemConfig, missing_group_names_those_that_exist) {
   Json json = valid();
   json["supports"][0]["group"] = "base";
-  expect_error(json, {"fem.json", "/supports/0/group", "base", "bottom", "left", "right", "top"});
+  expect_refused(json, {"fem.json", "/supports/0/group", "base", "bottom", "left", "right", "top"});
   json = valid();
   json["interfaces"][0]["groups"] = {"left", "roof"};
-  expect_error(json, {"/interfaces/0/groups", "roof", "bottom", "left", "right", "top"});
+  expect_refused(json, {"/interfaces/0/groups", "roof", "bottom", "left", "right", "top"});
 }
 
 TEST(FemConfig, unknown_key_with_a_suggestion) {
   Json json = valid();
   json["gravitation"] = {0, -9.81};
-  expect_error(json, {"/gravitation", "unknown", "gravity"});
+  expect_refused(json, {"/gravitation", "unknown", "gravity"});
   json = valid();
   json["supports"][0]["component"] = {"x"};
-  expect_error(json, {"/supports/0/component", "unknown", "components"});
+  expect_refused(json, {"/supports/0/component", "unknown", "components"});
 }
 
 TEST(FemConfig, values_out_of_range) {
   Json json = valid();
   json["material"]["density"] = -1;
-  expect_error(json, {"/material/density", "-1", "> 0"});
+  expect_refused(json, {"/material/density", "-1", "> 0"});
   json = valid();
   json["dimension"] = 4;
-  EXPECT_NE(error_of(json).find("/dimension"), std::string::npos);
+  expect_refused(json, {"/dimension: found 4"});
   json = valid();
   json["supports"][0]["components"] = {"z"};
-  expect_error(json, {"/supports/0/components/0", "\"z\"", "x, y"});
+  expect_refused(json, {"/supports/0/components/0", "\"z\"", "x, y"});
   json = valid();
   json["gravity"] = {0, 0, -9.81};
-  expect_error(json, {"/gravity", "2 numbers"});
+  expect_refused(json, {"/gravity", "2 numbers"});
 }
 
 TEST(FemConfig, plastic_law_is_refused) {
@@ -89,96 +78,93 @@ TEST(FemConfig, plastic_law_is_refused) {
   json["material"] = {{"law", "mohr_coulomb"}, {"young_modulus", 1e6},   {"poisson_ratio", 0.3},
                       {"density", 1000},       {"friction_angle", 30.0}, {"dilation_angle", 0.0},
                       {"cohesion", 100.0}};
-  expect_error(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
+  expect_refused(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
   json["material"]["law"] = "hookean";
-  const std::string text = error_of(json);
-  EXPECT_NE(text.find("/material/law: found \"hookean\", allowed: linear_elastic, neo_hookean, "
-                      "hencky_elastic;"),
-            std::string::npos)
-      << text;
+  expect_refused(json, {"/material/law: found \"hookean\", allowed: linear_elastic, neo_hookean, "
+                        "hencky_elastic;"});
 }
 
 TEST(FemConfig, names_that_no_table_can_hold) {
   for (const std::string name : {"", "a,b", "a\nb", "a/b"}) {
     Json json = valid();
     json["interfaces"][0]["name"] = name;
-    expect_error(json, {"fem.json: at /interfaces/0/name:", "letters, digits, _ and -"});
+    expect_refused(json, {"fem.json: at /interfaces/0/name:", "letters, digits, _ and -"});
     json = valid();
     json["probes"] = {{{"name", name}, {"point", {0.5, 1.0}}}};
-    expect_error(json, {"fem.json: at /probes/0/name:", "letters, digits, _ and -"});
+    expect_refused(json, {"fem.json: at /probes/0/name:", "letters, digits, _ and -"});
   }
 }
 
 TEST(FemConfig, what_is_given_twice) {
   Json json = valid();
   json["supports"] = {{{"group", "bottom"}, {"components", {"x"}}}, {{"group", "bottom"}}};
-  expect_error(json, {"/supports/1/group", "bottom", "component x a second time"});
+  expect_refused(json, {"/supports/1/group", "bottom", "component x a second time"});
   json["supports"][1]["components"] = {"y"};
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
   json["supports"][1]["components"] = {"y", "y"};
-  expect_error(json, {"/supports/1/components/1", "\"y\" a second time"});
+  expect_refused(json, {"/supports/1/components/1", "\"y\" a second time"});
   json = valid();
   json["interfaces"][0]["groups"] = {"left", "left"};
-  expect_error(json, {"/interfaces/0/groups/1", "left", "second time"});
+  expect_refused(json, {"/interfaces/0/groups/1", "left", "second time"});
   json["interfaces"] = {{{"name", "a"}, {"groups", {"left"}}},
                         {{"name", "b"}, {"groups", {"top", "left"}}}};
-  expect_error(json, {"/interfaces/1/groups/1", "left", "second time"});
+  expect_refused(json, {"/interfaces/1/groups/1", "left", "second time"});
   json["interfaces"][1]["groups"] = {"top", "right"};
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
 }
 
 TEST(FemConfig, equilibrium_at_the_start_needs_supports_in_every_direction) {
   Json json = valid();
   json["initial_equilibrium"] = true;
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
   json["supports"][0]["components"] = {"x"};
-  expect_error(json, {"fem.json: at /supports:", "in y", "initial_equilibrium"});
+  expect_refused(json, {"fem.json: at /supports:", "in y", "initial_equilibrium"});
   json["prescribed"] = {{{"group", "bottom"}, {"component", "y"}, {"rate", 0.0}}};
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
   json.erase("prescribed");
   json.erase("supports");
-  expect_error(json, {"fem.json: at /supports:", "in x"});
+  expect_refused(json, {"fem.json: at /supports:", "in x"});
   json.erase("initial_equilibrium");
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(fem_solver<2>(json));
 }
 
 TEST(FemConfig, contradictions) {
   Json json = valid();
   json["prescribed"] = {{{"group", "left"}, {"component", "x"}, {"rate", 1.0}}};
-  expect_error(json, {"/prescribed/0/group", "component x", "already fixed"});
+  expect_refused(json, {"/prescribed/0/group", "component x", "already fixed"});
   json = valid();
   json["prescribed"] = {{{"group", "top"}, {"component", "x"}}};
-  expect_error(json, {"/prescribed/0", "rate", "table"});
+  expect_refused(json, {"/prescribed/0", "rate", "table"});
   json = valid();
   json["prescribed"] = {
       {{"group", "top"}, {"component", "x"}, {"table", {{0, 0}, {1, 1}, {1, 2}}}}};
-  expect_error(json, {"/prescribed/0/table/2", "increasing"});
+  expect_refused(json, {"/prescribed/0/table/2", "increasing"});
   json = valid();
   json["analysis"] = "static";
   json["mass"] = "lumped";
-  expect_error(json, {"/mass", "static"});
+  expect_refused(json, {"/mass", "static"});
   json = valid();
   json["initial_equilibrium"] = true;
   json["initial_velocity"] = {1, 0};
-  expect_error(json, {"/initial_velocity", "initial_equilibrium"});
+  expect_refused(json, {"/initial_velocity", "initial_equilibrium"});
   json = valid();
   json["interfaces"].push_back(json["interfaces"][0]);
-  expect_error(json, {"/interfaces/1/name", "wall", "distinct"});
+  expect_refused(json, {"/interfaces/1/name", "wall", "distinct"});
 }
 
 TEST(FemConfig, points_away_from_the_mesh) {
   Json json = valid();
   json["probes"] = {{{"name", "A"}, {"point", {1.5, 1.0}}}};
-  expect_error(json, {"/probes/0/point", "1.5", "inside the mesh"});
+  expect_refused(json, {"/probes/0/point", "1.5", "inside the mesh"});
   json = valid();
   json["loads"] = {{{"point", {0.6, 2.0}}, {"force", {1, 0}}}};
-  expect_error(json, {"/loads/0/point", "no node", "[0.5, 2]"});
+  expect_refused(json, {"/loads/0/point", "no node", "[0.5, 2]"});
 }
 
 TEST(FemConfig, time_is_only_read_without_a_coupler) {
   Json json = valid();
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
-  expect_error(json, {"/time", "unknown"});
+  expect_refused(json, {"/time", "unknown"});
 }
 
 TEST(TimeFunction, table_is_linear_inside_and_held_outside) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/plate.hpp"
 
 namespace gabion::test {
@@ -33,13 +34,24 @@ TEST(FemRanks, ranks_agree_with_one_rank) {
 
 TEST(FemRanks, failure_leaves_the_accepted_state) {
   const auto solver = fem_solver<2>(plate());
-  const auto before = solver->state().motion.u;
+  const State before = solver->save_state();
   InterfaceValues sent;
   auto broken = push(*solver, 1);
   broken["wall"][3] = std::nan("");
-  EXPECT_THROW(solver->solve_step({1, 0, 0, 0.01}, broken, sent), ConvergenceError);
-  EXPECT_EQ(solver->state().motion.u, before);
-  EXPECT_THROW(solver->accept_step({1, 0, 0, 0.01}, true), Error);
+  expect_error<ConvergenceError>(
+      [&] {
+        solver->solve_step({1, 0, 0, 0.01}, broken, sent);
+      },
+      {"guess is inadmissible", "force not finite at node"});
+  const State after = solver->save_state();
+  EXPECT_EQ(after.reals, before.reals);
+  EXPECT_EQ(after.integers, before.integers);
+  EXPECT_EQ(after.facts, before.facts);
+  expect_error<Error>(
+      [&] {
+        solver->accept_step({1, 0, 0, 0.01}, true);
+      },
+      {"step 1: accepted without a solution"});
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <string>
 
-#include "common/base/error.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion::test {
 
@@ -61,17 +61,6 @@ std::vector<std::int32_t> all_groups(const Mesh<dim>& mesh) {
     all.insert(all.end(), facets.begin(), facets.end());
   }
   return all;
-}
-
-/// Message of the ConfigError that a call throws.
-template <class Call>
-std::string config_error_of(Call call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no ConfigError was thrown";
 }
 
 }  // namespace gabion::test

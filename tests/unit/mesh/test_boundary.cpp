@@ -37,7 +37,7 @@ TEST(Boundary, AFacetOfThreeCellsIsRefused) {
   Mesh<2> mesh;
   mesh.nodes = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 2}};
   mesh.cells = {0, 1, 2, 1, 3, 2, 1, 4, 2};
-  EXPECT_EQ(test::config_error_of([&] { cell_neighbours(mesh); }),
+  EXPECT_EQ(test::error_of<ConfigError>([&] { cell_neighbours(mesh); }),
             "mesh: found 3 cells that share one facet of cell 0, allowed: at most two");
 }
 
@@ -67,7 +67,8 @@ TEST(Boundary, AreaVectorOfAWarpedQuadIsExact) {
 TEST(Boundary, AFacetWithoutAreaIsRefused) {
   const std::vector<Vector<2>> x = {{1, 1}, {1, 1}};
   const std::vector<std::int32_t> facets = {0, 1};
-  EXPECT_THROW(facet_geometry<2>(x, CellType::line2, facets), Error);
+  test::expect_error<Error>([&] { facet_geometry<2>(x, CellType::line2, facets); },
+                            {"facet 0 has no area"});
 }
 
 }  // namespace

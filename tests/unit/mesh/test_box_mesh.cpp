@@ -6,8 +6,8 @@
 namespace gabion {
 namespace {
 
-using test::config_error_of;
 using test::enclosed_volume;
+using test::error_of;
 using test::resultant_area;
 using test::total_volume;
 
@@ -100,19 +100,19 @@ TEST(BoxMesh, AlternateTurnsTheDiagonalOfEverySecondRectangle) {
 }
 
 TEST(BoxMesh, RefusesWhatIsNoBox) {
-  EXPECT_EQ(config_error_of([] {
+  EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<2>({0, 0}, {1, 0}, {1, 1}, CellType::quad4);
             }),
             "box mesh, axis 1: found low 0 and high 0, allowed: low < high");
-  EXPECT_EQ(config_error_of([] {
+  EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<2>({0, 0}, {1, 1}, {0, 1}, CellType::quad4);
             }),
             "box mesh, axis 0: found 0 cells, allowed: at least 1");
-  EXPECT_EQ(config_error_of([] {
+  EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<2>({0, 0}, {1, 1}, {1, 1}, CellType::hex8);
             }),
             "box mesh of dimension 2: found cell type hex8, allowed: tri3, quad4");
-  EXPECT_EQ(config_error_of([] {
+  EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<3>({0, 0, 0}, {1, 1, 1}, {10000, 10000, 10000}, CellType::hex8);
             }),
             "box mesh: found more cells than 32-bit indices can count");
@@ -121,9 +121,9 @@ TEST(BoxMesh, RefusesWhatIsNoBox) {
 TEST(Mesh, GroupsAreFoundByNameOrRefusedWithTheNamesThatExist) {
   const auto mesh = box_mesh<2>({0, 0}, {1, 1}, {2, 2}, CellType::tri3);
   EXPECT_EQ(mesh.group_nodes("top", ""), (std::vector<std::int32_t>{6, 7, 8}));
-  EXPECT_EQ(config_error_of([&] { mesh.facets("lid", "a.json: at /x"); }),
+  EXPECT_EQ(error_of<ConfigError>([&] { mesh.facets("lid", "a.json: at /x"); }),
             "a.json: at /x: found facet group \"lid\", the mesh has: bottom, left, right, top");
-  EXPECT_EQ(config_error_of([&] { Mesh<3>().group_nodes("lid", "here"); }),
+  EXPECT_EQ(error_of<ConfigError>([&] { Mesh<3>().group_nodes("lid", "here"); }),
             "here: found facet group \"lid\", the mesh has: none");
 }
 

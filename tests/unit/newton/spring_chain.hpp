@@ -26,7 +26,7 @@ class SpringChain : public NewtonProblem<2> {
   int tangents = 0;
 
   std::size_t num_dofs() const { return 2 * (static_cast<std::size_t>(num_springs) + 1); }
-  double length_scale() const override { return length; }
+  double increment_scale() const override { return length; }
 
   void set_pattern(BlockMatrix<2>& K) const {
     std::vector<std::int32_t> offsets{0}, nodes;
@@ -55,7 +55,7 @@ class SpringChain : public NewtonProblem<2> {
     r[0] = r[1] = 0;
     if (K) {
       const std::vector<std::int32_t> held{0};
-      const std::vector<Matrix<2>> none{Matrix<2>::Zero()};
+      const std::vector<NodeBlock<2>> none{NodeBlock<2>::Zero()};
       K->constrain(held, none, rank() == 0);
     }
     evaluation.force_scale = std::max(std::hypot(load_x, load_y), std::sqrt(internal_squares));
@@ -80,7 +80,7 @@ class SpringChain : public NewtonProblem<2> {
     if (K == nullptr || i % size() != rank()) return;
     const double slope =
         tangent_factor * stiffness * (1 + 2 * quadratic * e + 3 * cubic * e * e) / length;
-    Matrix<2> block = Matrix<2>::Zero();
+    NodeBlock<2> block = NodeBlock<2>::Zero();
     block(0, 0) = slope;
     block(1, 1) = stiffness;
     K->add_block(i, i, block);

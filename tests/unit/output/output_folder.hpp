@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion::test {
 
@@ -56,16 +56,6 @@ inline std::vector<double> read_dataset(const std::string& file, const std::stri
   H5Dclose(data);
   H5Fclose(file_id);
   return values;
-}
-
-template <class Call>
-std::string error_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no Error was thrown";
 }
 
 }  // namespace gabion::test

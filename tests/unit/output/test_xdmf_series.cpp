@@ -12,7 +12,7 @@
 namespace gabion {
 namespace {
 
-using test::error_of;
+using test::expect_error;
 using test::read_dataset;
 
 class XdmfSeriesTest : public test::OutputFolder {
@@ -53,7 +53,7 @@ TEST_F(XdmfSeriesTest, ThreeFramesAreThreeFilesAndOneIndex) {
   for (int frame = 0; frame < 3; ++frame) {
     const std::vector<double> x(2 * (4 + frame), 0.1 + frame);
     const std::vector<double> pressure(4 + frame, 2.0 * frame);
-    series.write(0.1 * frame, 2, x, CellType::point1, {}, {{"pressure", 1, pressure}});
+    series.write({.time = 0.1 * frame, .coordinates = x, .fields = {{"pressure", 1, pressure}}});
     EXPECT_EQ(series.num_frames(), frame + 1);
     const std::string index = text("results/soil.xdmf");
     EXPECT_TRUE(is_well_formed(index));
@@ -84,8 +84,9 @@ TEST_F(XdmfSeriesTest, TensorsAreReorderedAndVectorsPadded) {
   const std::vector<double> x = {1, 2}, plane = {11, 22, 33, 12}, space = {11, 22, 33, 12, 23, 13};
   const std::vector<double> vector = {7, 8, 9};
   XdmfSeries series(folder_.string(), "a");
-  series.write(0, 2, x, CellType::point1, {},
-               {{"plane", 4, plane}, {"space", 6, space}, {"v2", 2, x}, {"v3", 3, vector}});
+  series.write(
+      {.coordinates = x,
+       .fields = {{"plane", 4, plane}, {"space", 6, space}, {"v2", 2, x}, {"v3", 3, vector}}});
   EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/plane"),
             (std::vector<double>{11, 12, 0, 22, 0, 33}));
   EXPECT_EQ(read_dataset(path("a_000000.h5"), "point/space"),
@@ -100,7 +101,12 @@ TEST_F(XdmfSeriesTest, AMeshHasItsCellsAndCellValues) {
   const std::vector<double> x = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, value = {3.0};
   const std::vector<std::int32_t> cells = {0, 1, 2, 3};
   XdmfSeries series(folder_.string(), "mesh");
-  series.write(1e-3, 3, x, CellType::tet4, cells, {{"damage", 1, value, true}});
+  series.write({.time = 1e-3,
+                .dim = 3,
+                .coordinates = x,
+                .cell_type = CellType::tet4,
+                .connectivity = cells,
+                .fields = {{"damage", 1, value, true}}});
   const std::string index = text("mesh.xdmf");
   EXPECT_EQ(count(index, "TopologyType=\"Tetrahedron\" NumberOfElements=\"1\""), 1);
   EXPECT_EQ(count(index, "Center=\"Cell\""), 1);
@@ -120,8 +126,10 @@ TEST_F(XdmfSeriesTest, SizeOfAFrameIsForetold) {
   std::vector<std::int32_t> cells(n);
   for (std::int32_t i = 0; i < n; ++i) cells[i] = i;
   XdmfSeries series(folder_.string(), "mesh");
-  series.write(0, 2, x, CellType::tri3, cells,
-               {{"u", 2, x}, {"p", 1, scalar}, {"stress", 4, stress, true}});
+  series.write({.coordinates = x,
+                .cell_type = CellType::tri3,
+                .connectivity = cells,
+                .fields = {{"u", 2, x}, {"p", 1, scalar}, {"stress", 4, stress, true}}});
   const std::int64_t foretold = XdmfSeries::frame_bytes(
       n, CellType::tri3, n / 3, {{"u", 2, {}}, {"p", 1, {}}, {"stress", 4, {}, true}});
   EXPECT_EQ(foretold, n * (3 * 8 + 3 * 4 + 4) + n / 3 * (3 * 4 + 6 * 4));
@@ -134,17 +142,18 @@ TEST_F(XdmfSeriesTest, SizeOfAFrameIsForetold) {
 TEST_F(XdmfSeriesTest, BadFieldsAreRefusedAndLeaveNoFrame) {
   const std::vector<double> x = {0, 0, 1, 1}, one = {1.0}, two = {1.0, 2.0}, huge = {1e39, 0};
   XdmfSeries series(folder_.string(), "a");
-  const auto message = [&](const OutputField& field) {
-    return error_of([&] { series.write(0, 2, x, CellType::point1, {}, {field}); });
+  const auto refuses = [&](const OutputField& field, const std::string& text) {
+    expect_error<Error>([&] { series.write({.coordinates = x, .fields = {field}}); }, {text});
   };
-  EXPECT_EQ(message({"p", 1, one}), "output field p: found 1 values, expected 2 x 1");
-  EXPECT_EQ(message({"p", 5, one}), "output field p: found 5 components, allowed: 1, 2, 3, 4, 6");
-  EXPECT_EQ(message({"a/b", 1, two}),
-            "output field: found the name \"a/b\", allowed: letters, digits, _ and -");
-  EXPECT_EQ(message({"p", 1, huge}),
-            "output field p: found 1e+39, allowed: what a 32-bit number can hold");
-  EXPECT_EQ(error_of([&] { series.write(NAN, 2, x, CellType::point1, {}, {}); }),
-            "output a: found time nan");
+  refuses({"p", 1, one}, "output field p: found 1 values, expected 2 x 1");
+  refuses({"p", 5, one}, "output field p: found 5 components, allowed: 1, 2, 3, 4, 6");
+  refuses({"a/b", 1, two},
+          "output field: found the name \"a/b\", allowed: letters, digits, _ and -");
+  refuses({"p", 1, huge}, "output field p: found 1e+39, allowed: what a 32-bit number can hold");
+  expect_error<Error>([&] { series.write({.time = NAN, .coordinates = x}); },
+                      {"output a: found time nan"});
+  expect_error<Error>([&] { series.write({.dim = 0, .coordinates = x}); },
+                      {"output a: found 4 coordinates of dimension 0"});
   EXPECT_TRUE(files().empty());
   EXPECT_EQ(series.num_frames(), 0);
 }
@@ -152,17 +161,13 @@ TEST_F(XdmfSeriesTest, BadFieldsAreRefusedAndLeaveNoFrame) {
 TEST_F(XdmfSeriesTest, AFolderThatCannotBeOrIsGoneIsAnError) {
   std::ofstream(path("file")) << "x";
   const std::vector<double> x = {0, 0};
-  const auto first_frame = [&] {
-    XdmfSeries(path("file/results"), "a").write(0, 2, x, CellType::point1, {}, {});
-  };
-  EXPECT_EQ(error_of(first_frame).find(path("file/results") + ": cannot create this folder"), 0u);
+  const auto first_frame = [&] { XdmfSeries(path("file/results"), "a").write({.coordinates = x}); };
+  expect_error<Error>(first_frame, {path("file/results") + ": cannot create this folder"});
   XdmfSeries series(path("results"), "a");
-  series.write(0, 2, x, CellType::point1, {}, {});
+  series.write({.coordinates = x});
   std::filesystem::remove_all(path("results"));
-  EXPECT_NE(error_of([&] {
-              series.write(1, 2, x, CellType::point1, {}, {});
-            }).find("cannot create this file"),
-            std::string::npos);
+  expect_error<Error>([&] { series.write({.time = 1, .coordinates = x}); },
+                      {"cannot create this file"});
   EXPECT_EQ(series.num_frames(), 1);
 }
 

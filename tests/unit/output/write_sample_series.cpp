@@ -17,14 +17,18 @@ int main(int argc, char** argv) {
         pressure.push_back(p + 100.0 * frame);
         stress.insert(stress.end(), {1.0, 2.0, 3.0, 4.0});  // xx, yy, zz, xy
       }
-      points.write(0.25 * frame, 2, x, gabion::CellType::point1, {},
-                   {{"pressure", 1, pressure}, {"velocity", 2, x}, {"stress", 4, stress}});
+      points.write(
+          {.time = 0.25 * frame,
+           .coordinates = x,
+           .fields = {{"pressure", 1, pressure}, {"velocity", 2, x}, {"stress", 4, stress}}});
     }
     gabion::XdmfSeries mesh(argv[1], "mesh");
     const std::vector<double> x = {0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1}, cell_values = {5.0, 6.0};
     const std::vector<std::int32_t> quads = {0, 1, 4, 3, 1, 2, 5, 4};
-    mesh.write(0.0, 2, x, gabion::CellType::quad4, quads,
-               {{"displacement", 2, x}, {"damage", 1, cell_values, true}});
+    mesh.write({.coordinates = x,
+                .cell_type = gabion::CellType::quad4,
+                .connectivity = quads,
+                .fields = {{"displacement", 2, x}, {"damage", 1, cell_values, true}}});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

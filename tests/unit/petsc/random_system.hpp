@@ -10,7 +10,7 @@
 namespace gabion::test {
 
 /// Cells that share nodes at random, with a dense matrix each, and the dense sum of them.
-template <int dim>
+template <int block_size>
 struct RandomSystem {
   std::int32_t num_nodes = 0;
   std::vector<std::int32_t> offsets{0};
@@ -21,7 +21,7 @@ struct RandomSystem {
   int num_cells() const { return static_cast<int>(cells.size()); }
 
   /// Add those cells c with c % stride == first.
-  void assemble(BlockMatrix<dim>& K, int first = 0, int stride = 1) const {
+  void assemble(BlockMatrix<block_size>& K, int first = 0, int stride = 1) const {
     for (int c = first; c < num_cells(); c += stride) K.add_cell(c, cells[c].data());
   }
 };
@@ -29,22 +29,22 @@ struct RandomSystem {
 /// A chain of cells with nodes_per_cell nodes, one of them shared with the cell before, the others
 /// drawn from all nodes. The cell matrices are A A^T + 1 (symmetric), plus `skew` times an
 /// antisymmetric random matrix: positive definite in any case.
-template <int dim>
-RandomSystem<dim> random_system(std::int32_t num_nodes, int num_cells, int nodes_per_cell,
-                                double skew, unsigned seed) {
+template <int block_size>
+RandomSystem<block_size> random_system(std::int32_t num_nodes, int num_cells, int nodes_per_cell,
+                                       double skew, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> entry(-1, 1);
   std::vector<std::int32_t> all(num_nodes);
   for (std::int32_t i = 0; i < num_nodes; ++i) all[i] = i;
-  RandomSystem<dim> system;
+  RandomSystem<block_size> system;
   system.num_nodes = num_nodes;
-  system.dense = Eigen::MatrixXd::Zero(num_nodes * dim, num_nodes * dim);
+  system.dense = Eigen::MatrixXd::Zero(num_nodes * block_size, num_nodes * block_size);
   for (int c = 0; c < num_cells; ++c) {
     std::shuffle(all.begin(), all.end(), random);
     std::vector<std::int32_t> nodes{c % num_nodes};
     for (const std::int32_t i : all)
       if (i != nodes[0] && static_cast<int>(nodes.size()) < nodes_per_cell) nodes.push_back(i);
-    const int width = nodes_per_cell * dim;
+    const int width = nodes_per_cell * block_size;
     Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(width, width, [&] { return entry(random); });
     Eigen::MatrixXd K = A * A.transpose() / width + Eigen::MatrixXd::Identity(width, width) +
                         skew * (A - A.transpose());
@@ -52,7 +52,8 @@ RandomSystem<dim> random_system(std::int32_t num_nodes, int num_cells, int nodes
     for (int r = 0; r < width; ++r)
       for (int s = 0; s < width; ++s) {
         values.push_back(K(r, s));
-        system.dense(nodes[r / dim] * dim + r % dim, nodes[s / dim] * dim + s % dim) += K(r, s);
+        system.dense(nodes[r / block_size] * block_size + r % block_size,
+                     nodes[s / block_size] * block_size + s % block_size) += K(r, s);
       }
     system.cells.push_back(std::move(values));
     system.cell_nodes.insert(system.cell_nodes.end(), nodes.begin(), nodes.end());
@@ -61,13 +62,14 @@ RandomSystem<dim> random_system(std::int32_t num_nodes, int num_cells, int nodes
   return system;
 }
 
-template <int dim>
-Eigen::MatrixXd to_dense(const BlockMatrix<dim>& K) {
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(K.num_nodes() * dim, K.num_nodes() * dim);
+template <int block_size>
+Eigen::MatrixXd to_dense(const BlockMatrix<block_size>& K) {
+  Eigen::MatrixXd dense =
+      Eigen::MatrixXd::Zero(K.num_nodes() * block_size, K.num_nodes() * block_size);
   for (std::int32_t i = 0; i < K.num_nodes(); ++i)
     for (std::int32_t s = K.row_starts()[i]; s < K.row_starts()[i + 1]; ++s)
-      dense.template block<dim, dim>(i * dim, K.columns()[s] * dim) =
-          Eigen::Map<const Matrix<dim>>(K.values().data() + s * dim * dim);
+      dense.template block<block_size, block_size>(i * block_size, K.columns()[s] * block_size) =
+          Eigen::Map<const NodeBlock<block_size>>(K.values().data() + s * block_size * block_size);
   return dense;
 }
 

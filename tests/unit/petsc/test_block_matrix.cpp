@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/base/error.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/petsc/random_system.hpp"
 
 namespace gabion {
@@ -15,17 +15,17 @@ using test::to_dense;
 
 constexpr double round_off = 1e-13;
 
-template <int dim>
-BlockMatrix<dim> assembled(const RandomSystem<dim>& system) {
-  BlockMatrix<dim> K;
+template <int block_size>
+BlockMatrix<block_size> assembled(const RandomSystem<block_size>& system) {
+  BlockMatrix<block_size> K;
   K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
   system.assemble(K);
   return K;
 }
 
-template <int dim>
+template <int block_size>
 void expect_equal_to_dense(int nodes_per_cell) {
-  const auto system = random_system<dim>(23, 17, nodes_per_cell, 0.3, 7);
+  const auto system = random_system<block_size>(23, 17, nodes_per_cell, 0.3, 7);
   const auto K = assembled(system);
   EXPECT_LT((to_dense(K) - system.dense).norm(), round_off * system.dense.norm());
   const Eigen::VectorXd x = Eigen::VectorXd::Random(system.dense.cols());
@@ -38,6 +38,8 @@ void expect_equal_to_dense(int nodes_per_cell) {
 TEST(BlockMatrix, EqualsDenseSumOfCells) {
   for (const int nodes : {1, 2, 3, 4, 6, 9}) expect_equal_to_dense<2>(nodes);
   for (const int nodes : {1, 3, 4, 8, 10}) expect_equal_to_dense<3>(nodes);
+  for (const int nodes : {1, 2, 3, 4, 8, 9}) expect_equal_to_dense<1>(nodes);
+  for (const int nodes : {2, 4, 8}) expect_equal_to_dense<6>(nodes);
 }
 
 TEST(BlockMatrix, PatternIsSortedCompleteAndMinimal) {
@@ -70,39 +72,41 @@ TEST(BlockMatrix, SingleBlocksAndDiagonals) {
   const std::vector<std::int32_t> offsets{0, 2}, nodes{1, 0};
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);
-  Matrix<2> block;
+  NodeBlock<2> block;
   block << 1, 2, 3, 4;
   K.add_block(0, 1, block);
   K.add_block(0, 1, block);
   K.add_diagonal(1, 7);
   Eigen::Matrix4d expected = Eigen::Matrix4d::Zero();
   expected.block<2, 2>(0, 2) = 2 * block;
-  expected.block<2, 2>(2, 2) = 7 * Matrix<2>::Identity();
+  expected.block<2, 2>(2, 2) = 7 * NodeBlock<2>::Identity();
   EXPECT_EQ(to_dense(K), expected);
 }
 
-template <int dim>
-Matrix<dim> slip_projector(const Vector<dim>& normal) {
-  const Vector<dim> n = normal.normalized();
-  return Matrix<dim>::Identity() - n * n.transpose();
+/// Takes one direction of a node's unknowns away.
+template <int block_size>
+NodeBlock<block_size> projector(const Eigen::Matrix<double, block_size, 1>& direction) {
+  const Eigen::Matrix<double, block_size, 1> n = direction.normalized();
+  return NodeBlock<block_size>::Identity() - n * n.transpose();
 }
 
-template <int dim>
+template <int block_size>
 void expect_projected(bool owned) {
-  const auto system = random_system<dim>(12, 9, dim + 1, 0.3, 3);
+  const auto system = random_system<block_size>(12, 9, 4, 0.3, 3);
   auto K = assembled(system);
   const std::vector<std::int32_t> constrained{3, 0, 7};
-  const std::vector<Matrix<dim>> projectors{slip_projector<dim>(Vector<dim>::Random()),
-                                            Matrix<dim>::Zero(),
-                                            slip_projector<dim>(Vector<dim>::Unit(1))};
+  using NodeVector = Eigen::Matrix<double, block_size, 1>;
+  const std::vector<NodeBlock<block_size>> projectors{
+      projector<block_size>(NodeVector::Random()), NodeBlock<block_size>::Zero(),
+      projector<block_size>(NodeVector::Unit(block_size - 1))};
   Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(system.dense.rows(), system.dense.cols());
   Eigen::MatrixXd scale = Eigen::MatrixXd::Zero(system.dense.rows(), system.dense.cols());
   for (std::size_t k = 0; k < constrained.size(); ++k) {
-    const int at = constrained[k] * dim;
-    Q.template block<dim, dim>(at, at) = projectors[k];
-    scale.template block<dim, dim>(at, at) =
-        system.dense.template block<dim, dim>(at, at).diagonal().cwiseAbs().mean() *
-        Matrix<dim>::Identity();
+    const int at = constrained[k] * block_size;
+    Q.template block<block_size, block_size>(at, at) = projectors[k];
+    scale.template block<block_size, block_size>(at, at) =
+        system.dense.template block<block_size, block_size>(at, at).diagonal().cwiseAbs().mean() *
+        NodeBlock<block_size>::Identity();
   }
   Eigen::MatrixXd expected = Q * system.dense * Q;
   if (owned) expected += scale * (Eigen::MatrixXd::Identity(Q.rows(), Q.cols()) - Q);
@@ -112,8 +116,10 @@ void expect_projected(bool owned) {
 
 TEST(BlockMatrix, ConstrainIsQKQPlusScaledRest) {
   for (const bool owned : {true, false}) {
+    expect_projected<1>(owned);
     expect_projected<2>(owned);
     expect_projected<3>(owned);
+    expect_projected<6>(owned);
   }
 }
 
@@ -123,7 +129,7 @@ TEST(BlockMatrix, ConstrainedEmptyNodeGetsScaleOfTheOthers) {
   K.set_pattern(2, offsets, nodes);
   K.add_diagonal(0, 8);
   const std::vector<std::int32_t> constrained{1};
-  const std::vector<Matrix<2>> projectors{Matrix<2>::Zero()};
+  const std::vector<NodeBlock<2>> projectors{NodeBlock<2>::Zero()};
   K.constrain(constrained, projectors, true);
   EXPECT_DOUBLE_EQ(to_dense(K)(2, 2), 4);
   EXPECT_DOUBLE_EQ(to_dense(K)(3, 3), 4);
@@ -134,7 +140,8 @@ TEST(BlockMatrix, ConstrainRefusesListsOfDifferentLength) {
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);
   const std::vector<std::int32_t> constrained{1};
-  EXPECT_THROW(K.constrain(constrained, {}, true), Error);
+  test::expect_error<Error>([&] { K.constrain(constrained, {}, true); },
+                            {"BlockMatrix::constrain: 1 nodes, but 0 projectors"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "tests/support/convergence_rate.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion {
 namespace {
@@ -152,18 +153,27 @@ TEST(NewmarkBossak, Config) {
   EXPECT_EQ(read(Json::object()).alpha_m, 0);
   EXPECT_EQ(read({{"scheme", "bossak"}}).alpha_m, -0.1);
   EXPECT_EQ(read({{"scheme", "bossak"}, {"alpha", -0.3}}).gamma, 0.8);
-  EXPECT_THROW(read({{"scheme", "bossak"}, {"alpha", 0.1}}), ConfigError);
-  EXPECT_THROW(read({{"scheme", "bossak"}, {"alpha", -0.34}}), ConfigError);
-  EXPECT_THROW(read({{"scheme", "newmark"}, {"alpha", -0.1}}), ConfigError);
-  EXPECT_THROW(read({{"scheme", "verlet"}}), ConfigError);
   EXPECT_EQ(read({{"scheme", "generalized_alpha"}, {"rho_inf", 1}}).alpha_f, 0.5);
   EXPECT_EQ(read({{"scheme", "generalized_alpha"}, {"rho_inf", 0}}).force_memory(), 0);
   EXPECT_NEAR(read({{"scheme", "generalized_alpha"}}).force_memory(), 0.8, 1e-15);
-  EXPECT_THROW(read({{"scheme", "generalized_alpha"}, {"rho_inf", 1.1}}), ConfigError);
-  EXPECT_THROW(read({{"scheme", "generalized_alpha"}, {"alpha", -0.1}}), ConfigError);
-  EXPECT_THROW(NewmarkBossak::generalized_alpha(-0.1), ConfigError);
-  EXPECT_THROW(NewmarkBossak::bossak(0.2), ConfigError);
-  EXPECT_THROW(NewmarkBossak::bossak(-0.4), ConfigError);
+  const auto refuses = [&](const Json& json, const std::vector<std::string_view>& parts) {
+    test::expect_error<ConfigError>([&] { read(json); }, parts);
+  };
+  refuses({{"scheme", "bossak"}, {"alpha", 0.1}}, {"/alpha: found 0.1", "[-1/3, 0]"});
+  refuses({{"scheme", "bossak"}, {"alpha", -0.34}}, {"/alpha: found -0.34", "[-1/3, 0]"});
+  refuses({{"scheme", "newmark"}, {"alpha", -0.1}}, {"/alpha", "unknown"});
+  refuses({{"scheme", "verlet"}}, {"/scheme: found \"verlet\"", "bossak"});
+  refuses({{"scheme", "generalized_alpha"}, {"rho_inf", 1.1}}, {"/rho_inf: found 1.1"});
+  refuses({{"scheme", "generalized_alpha"}, {"alpha", -0.1}}, {"/alpha", "unknown"});
+}
+
+TEST(NewmarkBossak, ParametersOutOfRangeAreRefused) {
+  using test::expect_error;
+  expect_error<ConfigError>([] { NewmarkBossak::generalized_alpha(-0.1); },
+                            {"rho_inf: found -0.1", "0 to 1"});
+  expect_error<ConfigError>([] { NewmarkBossak::bossak(0.2); }, {"alpha: found 0.2", "-1/3 to 0"});
+  expect_error<ConfigError>([] { NewmarkBossak::bossak(-0.4); },
+                            {"alpha: found -0.4", "-1/3 to 0"});
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ std::set<std::int32_t> boundary_nodes(const Mesh<dim>& mesh) {
 /// A unit box whose inner nodes are moved by up to a tenth of a cell and whose boundary nodes
 /// follow the path exactly; 1 s, a step a row of their tables.
 template <int dim>
-FemSettings<dim> driven_box(const std::string& type, const std::string& law,
-                            const Path<dim>& path) {
+fem::FemSettings<dim> driven_box(const std::string& type, const std::string& law,
+                                 const Path<dim>& path) {
   Json mesh;
   if constexpr (dim == 2) mesh = box_2d({1, 1}, {4, 4}, type);
   if constexpr (dim == 3) mesh = box_3d({1, 1, 1}, {3, 3, 3}, type);
@@ -77,7 +77,7 @@ Errors drive(const std::string& type, const std::string& law, const Path<dim>& p
   const auto settings = driven_box<dim>(type, law, path);
   const fem::CellIntegrals<dim> cells(settings.mesh, settings.material,
                                       {0, settings.mesh.num_cells()}, false);
-  FemSolver<dim> solver(settings, comm(), "");
+  fem::FemSolver<dim> solver(comm(), settings, "");
   Errors errors;
   for (int n = 1; n <= steps; ++n) {
     run_steps(solver, 1.0 / steps, 1, n);

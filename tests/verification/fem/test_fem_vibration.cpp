@@ -29,7 +29,7 @@ Json bar(const std::string& law, int cells, const std::string& mass, const Json&
 }
 
 /// First mode v = v0 sin(k x).
-void start_mode(FemSolver<2>& solver) {
+void start_mode(fem::FemSolver<2>& solver) {
   std::vector<double> u(solver.mesh().nodes.size() * 2, 0.0), v(u.size(), 0.0);
   for (std::size_t i = 0; i < u.size(); i += 2) {
     v[i] = v0 * std::sin(wave_number * solver.mesh().nodes[i / 2][0]);

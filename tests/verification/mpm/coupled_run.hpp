@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "coupler/coupling_loop.hpp"
-#include "fem_solver/fem_solver.hpp"
+#include "fem_solver/run_fem.hpp"
 #include "tests/support/mpi_main.hpp"
 #include "tests/support/temporary_scene.hpp"
 
@@ -17,7 +17,7 @@ inline std::unique_ptr<Solver> make_fem(const Json& json) {
   const TemporaryScene folder("fem.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("fem.json");
-  return make_fem_solver(scene, in, comm(), "");
+  return make_fem_solver(scene, in, comm(), "", nullptr);
 }
 
 /// A solver that remembers the answer that was accepted last, and the probes after each step.

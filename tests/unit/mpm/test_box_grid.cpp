@@ -5,10 +5,10 @@
 #include <limits>
 #include <random>
 
-#include "common/mechanics/mesh/box_grid.hpp"
-#include "common/mechanics/mesh/cell_locator.hpp"
+#include "mpm_solver/grid/box_grid.hpp"
+#include "mpm_solver/grid/cell_locator.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 namespace {
 
 const Vector<2> low_2d(0.1, -3), high_2d(1.3, -1);
@@ -99,4 +99,4 @@ TEST(BoxGrid, numbers_cells_and_nodes_as_the_mesh) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of the structure later steps depend on.
+#include "fem_solver/step/structure_state.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
 #include "common/base/require.hpp"
-#include "fem_solver/fem_solver.hpp"
 
 namespace gabion::fem {
 
-void FemState::visit_state(StateVisitor& visitor) {
+bool StructureMotion::is_still() const {
+  const auto zero = [](double x) { return x == 0; };
+  return std::all_of(v.begin(), v.end(), zero) && std::all_of(a.begin(), a.end(), zero);
+}
+
+void StructureState::visit_state(StateVisitor& visitor) {
   visitor.real("time", time);
   visitor.reals("u", motion.u);
   visitor.reals("v", motion.v);
@@ -20,7 +28,7 @@ void FemState::visit_state(StateVisitor& visitor) {
   bool has_tangent = tangent.has_value();
   visitor.flag("has_tangent", has_tangent);
   if (has_tangent) {
-    TangentPoint point = tangent.value_or(TangentPoint{motion.u, 0, false});
+    TangentPoint point = tangent.value_or(TangentPoint{.u = motion.u});
     visitor.reals("tangent.u", point.u);
     visitor.real("tangent.dt", point.dt);
     visitor.flag("tangent.with_inertia", point.with_inertia);
@@ -36,25 +44,5 @@ void FemState::visit_state(StateVisitor& visitor) {
   rescue.reset();
   if (method >= 0) rescue = static_cast<SolutionMethod>(method);
 }
-
-template <int dim>
-State FemSolver<dim>::save_state() {
-  State state;
-  StateWriter writer(state);
-  state_.visit_state(writer);
-  return state;
-}
-
-template <int dim>
-void FemSolver<dim>::load_state(const State& state) {
-  reject_step();
-  StateReader reader(state);
-  state_.visit_state(reader);
-}
-
-template State FemSolver<2>::save_state();
-template State FemSolver<3>::save_state();
-template void FemSolver<2>::load_state(const State& state);
-template void FemSolver<3>::load_state(const State& state);
 
 }  // namespace gabion::fem

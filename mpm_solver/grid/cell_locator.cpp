@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/mesh/cell_locator.hpp"
+#include "mpm_solver/grid/cell_locator.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -311,4 +311,4 @@ std::int32_t CellLocator<dim>::locate(const Vector<dim>& x, std::int32_t hint) c
 template class CellLocator<2>;
 template class CellLocator<3>;
 
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fem_solver/step/fem_step.hpp"
+#include "fem_solver/step/structure_step.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -39,23 +39,24 @@ std::vector<double> gravity_forces(const FemSettings<dim>& settings,
 }  // namespace
 
 template <int dim>
-FemStep<dim>::FemStep(const FemSettings<dim>& settings, MPI_Comm comm)
+StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm comm)
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
-      linear_(comm, with_kept_factor<dim>(
-                        settings.linear_solver,
-                        static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim, comm)),
+      linear_(
+          comm, dim,
+          with_kept_factor<dim>(settings.linear_solver,
+                                static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim, comm)),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
 }
 
 template <int dim>
-std::vector<double> FemStep<dim>::external_forces(double time,
-                                                  std::span<const double> f_interface) const {
+std::vector<double> StructureStep<dim>::external_forces(double time,
+                                                        std::span<const double> f_interface) const {
   std::vector<double> f = weight_;
   conditions_.add_loads(time, f);
   assert(f_interface.empty() || f_interface.size() == f.size());
@@ -64,8 +65,8 @@ std::vector<double> FemStep<dim>::external_forces(double time,
 }
 
 template <int dim>
-FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
-  FemState state;
+StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
+  StructureState state;
   state.f_ext = external_forces(0, {});
   const auto constrained_u = conditions_.displacements(0);
   const auto dofs = conditions_.constrained_dofs();
@@ -73,7 +74,7 @@ FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
     u[dofs[k]] = constrained_u[k];
     v[dofs[k]] = 0;
   }
-  state.motion = {std::move(u), std::move(v), {}};
+  state.motion = {.u = std::move(u), .v = std::move(v), .a = {}};
   if (dynamic_) {
     state.motion.a = equilibrium_.initial_acceleration(state.motion.u, state.f_ext);
     state.balanced = true;
@@ -99,17 +100,17 @@ FemState FemStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
 }
 
 template <int dim>
-FemState FemStep<dim>::initial_state() {
+StructureState StructureStep<dim>::initial_state() {
   std::vector<double> u(equilibrium_.num_dofs(), 0.0), v(equilibrium_.num_dofs());
   for (std::size_t i = 0; i < v.size(); ++i) v[i] = initial_velocity_[i % dim];
   if (!initial_equilibrium_) return state_of(std::move(u), std::move(v));
 
-  FemState reference;
-  reference.motion = {u, u, u};
+  StructureState reference;
+  reference.motion = {.u = u, .v = u, .a = u};
   reference.f_int = u;
   reference.f_ext = external_forces(0, {});
   reference.reactions.assign(u.size(), 0.0);
-  FemState state;
+  StructureState state;
   if (nothing_changes(reference, reference.f_ext, conditions_.displacements(0)) &&
       std::all_of(reference.f_ext.begin(), reference.f_ext.end(),
                   [](double x) { return x == 0; })) {
@@ -128,7 +129,8 @@ FemState FemStep<dim>::initial_state() {
 
 /// What the balance needs of the state at the start of the step, see NewmarkBossak.
 template <int dim>
-std::vector<double> FemStep<dim>::start_forces(const FemState& state_n, bool with_inertia) const {
+std::vector<double> StructureStep<dim>::start_forces(const StructureState& state_n,
+                                                     bool with_inertia) const {
   if (!with_inertia || equilibrium_.scheme().force_memory() == 0) return {};
   std::vector<double> f = state_n.f_ext;
   for (std::size_t i = 0; i < f.size(); ++i) f[i] -= state_n.f_int[i];
@@ -136,8 +138,9 @@ std::vector<double> FemStep<dim>::start_forces(const FemState& state_n, bool wit
 }
 
 template <int dim>
-bool FemStep<dim>::nothing_changes(const FemState& state_n, std::span<const double> f_ext,
-                                   std::span<const double> constrained_u) const {
+bool StructureStep<dim>::nothing_changes(const StructureState& state_n,
+                                         std::span<const double> f_ext,
+                                         std::span<const double> constrained_u) const {
   const auto dofs = conditions_.constrained_dofs();
   for (std::size_t k = 0; k < dofs.size(); ++k) {
     if (constrained_u[k] != state_n.motion.u[dofs[k]]) return false;
@@ -147,7 +150,8 @@ bool FemStep<dim>::nothing_changes(const FemState& state_n, std::span<const doub
 
 /// Free components go on with their velocity, constrained ones reach their prescribed value.
 template <int dim>
-std::vector<double> FemStep<dim>::first_guess(const FemState& state_n, double dt) const {
+std::vector<double> StructureStep<dim>::first_guess(const StructureState& state_n,
+                                                    double dt) const {
   std::vector<double> du(equilibrium_.num_dofs(), 0.0);
   if (dynamic_) {
     for (std::size_t i = 0; i < du.size(); ++i) du[i] = dt * state_n.motion.v[i];
@@ -162,9 +166,11 @@ std::vector<double> FemStep<dim>::first_guess(const FemState& state_n, double dt
 
 /// @returns whether the linear solver holds the matrix that this solution starts with
 template <int dim>
-bool FemStep<dim>::prepare_matrix(const FemState& state_n, double dt, bool with_inertia) {
-  const double courant = with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.length_scale()
-                                      : std::numeric_limits<double>::infinity();
+bool StructureStep<dim>::prepare_matrix(const StructureState& state_n, double dt,
+                                        bool with_inertia) {
+  const double courant =
+      with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.cells().smallest_cell_size()
+                   : std::numeric_limits<double>::infinity();
   linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant}, K_.num_nodes());
   const auto fits = [&](const std::optional<TangentPoint>& point) {
     return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
@@ -179,26 +185,25 @@ bool FemStep<dim>::prepare_matrix(const FemState& state_n, double dt, bool with_
   const ScopedTimer timer(times_, "restore");
   held_tangent_ = state_n.tangent;
   equilibrium_.assemble_tangent(held_tangent_->u, dt, with_inertia, K_);
-  linear_.set_matrix(K_, new_pattern_);
+  linear_.set_matrix(K_);
   linear_.set_rescue(state_n.rescue);
-  new_pattern_ = false;
   ++restored_matrices_;
   return true;
 }
 
 template <int dim>
-NewtonReport FemStep<dim>::solve_balance(const FemState& state_n, std::span<const double> f_ext,
-                                         double dt, bool with_inertia, std::vector<double>& du) {
-  NewtonMemory memory{.matrix_is_usable = prepare_matrix(state_n, dt, with_inertia)};
-  if (!memory.matrix_is_usable) held_tangent_.reset();
+NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
+                                               std::span<const double> f_ext, double dt,
+                                               bool with_inertia, std::vector<double>& du) {
+  NewtonMatrix<dim> matrix{
+      .K = K_, .linear = linear_, .is_usable = prepare_matrix(state_n, dt, with_inertia)};
+  if (!matrix.is_usable) held_tangent_.reset();
   equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   try {
-    const NewtonReport report =
-        solve_newton<dim>(equilibrium_, K_, new_pattern_, linear_, newton_, du, times_, &memory);
-    new_pattern_ = new_pattern_ && report.iterations == 0;
-    if (!memory.matrix_is_usable) held_tangent_.reset();
-    if (memory.matrix_is_usable && report.matrices > 0) held_tangent_ = equilibrium_.last_tangent();
+    const NewtonReport report = solve_newton<dim>(equilibrium_, matrix, newton_, du, times_);
+    if (!matrix.is_usable) held_tangent_.reset();
+    if (matrix.is_usable && report.matrices > 0) held_tangent_ = equilibrium_.last_tangent();
     newton_iterations_ += report.iterations;
     return report;
   } catch (const ConvergenceError&) {
@@ -208,8 +213,8 @@ NewtonReport FemStep<dim>::solve_balance(const FemState& state_n, std::span<cons
 }
 
 template <int dim>
-void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext, double dt,
-                              std::span<const double> du, FemState& trial) {
+void StructureStep<dim>::fill_trial(const StructureState& state_n, std::vector<double> f_ext,
+                                    double dt, std::span<const double> du, StructureState& trial) {
   // The line search may have looked at other states after this one.
   std::vector<double> r(equilibrium_.num_dofs());
   equilibrium_.evaluate(du, r, nullptr);
@@ -237,8 +242,8 @@ void FemStep<dim>::fill_trial(const FemState& state_n, std::vector<double> f_ext
 /// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the
 /// instants that the steps balance, alpha_f dt before their ends.
 template <int dim>
-double FemStep<dim>::work(const FemState& state_n, const FemState& trial,
-                          std::span<const double> du) const {
+double StructureStep<dim>::work(const StructureState& state_n, const StructureState& trial,
+                                std::span<const double> du) const {
   const double later = 0.5 + equilibrium_.scheme().alpha_f;
   double sum = 0;
   for (std::size_t i = 0; i < du.size(); ++i) {
@@ -249,8 +254,9 @@ double FemStep<dim>::work(const FemState& state_n, const FemState& trial,
 }
 
 template <int dim>
-StepReport FemStep<dim>::solve(const FemState& state_n, std::span<const double> f_interface,
-                               double dt, FemState& trial) {
+StepReport StructureStep<dim>::solve(const StructureState& state_n,
+                                     std::span<const double> f_interface, double dt,
+                                     StructureState& trial) {
   std::vector<double> f_ext = external_forces(state_n.time + dt, f_interface);
   StepReport report;
   report.details = {{"skipped", 0}, {"matrix_assemblies", 0}};
@@ -279,23 +285,24 @@ StepReport FemStep<dim>::solve(const FemState& state_n, std::span<const double> 
     throw;
   }
   fill_trial(state_n, f_ext, dt, du, trial);
-  last_ = Iterate{std::move(f_ext), dt, std::move(du), trial, report};
+  last_ = Iterate{
+      .f_ext = std::move(f_ext), .dt = dt, .du = std::move(du), .trial = trial, .report = report};
   ++solves_;
   return report;
 }
 
 template <int dim>
-void FemStep<dim>::forget_iterates() {
+void StructureStep<dim>::forget_iterates() {
   last_.reset();
 }
 
 template <int dim>
-bool FemStep<dim>::at_rest(const FemState& state) const {
+bool StructureStep<dim>::at_rest(const StructureState& state) const {
   return state.balanced && state.motion.is_still() && conditions_.constant_after(state.time);
 }
 
 template <int dim>
-Json FemStep<dim>::summary() const {
+Json StructureStep<dim>::summary() const {
   Json wall = Json::object();
   for (const auto& [phase, seconds] : times_.seconds()) wall[phase] = seconds;
   return {{"linear_solver", solves_ > 0 ? linear_.method_name() : "none yet"},
@@ -309,7 +316,7 @@ Json FemStep<dim>::summary() const {
           {"wall_seconds", wall}};
 }
 
-template class FemStep<2>;
-template class FemStep<3>;
+template class StructureStep<2>;
+template class StructureStep<3>;
 
 }  // namespace gabion::fem

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/mesh/box_grid.hpp"
+#include "mpm_solver/grid/box_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace gabion {
+namespace gabion::mpm {
 
 namespace {
 
@@ -114,4 +114,4 @@ template struct BoxGrid<3>;
 template std::optional<BoxGrid<2>> box_grid(const Mesh<2>&);
 template std::optional<BoxGrid<3>> box_grid(const Mesh<3>&);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

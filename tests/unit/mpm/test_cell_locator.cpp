@@ -7,10 +7,11 @@
 
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
-#include "common/mechanics/mesh/cell_locator.hpp"
-#include "tests/unit/mesh/mesh_checks.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
+#include "mpm_solver/grid/cell_locator.hpp"
+#include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 namespace {
 
 template <int dim>
@@ -223,9 +224,9 @@ TEST(CellLocator, GivesMinusOneOutsideAndForWhatIsNoPoint) {
 TEST(CellLocator, RefusesACellOfNegativeVolume) {
   auto mesh = box_mesh<2>({0, 0}, {1, 1}, {1, 1}, CellType::tri3);
   std::swap(mesh.cells[3], mesh.cells[4]);
-  EXPECT_EQ(test::config_error_of([&] { CellLocator<2>{mesh}; }),
-            "cell locator: found no positive volume in cell 1");
+  test::expect_error<ConfigError>([&] { CellLocator<2>{mesh}; },
+                                  {"cell locator: found no positive volume in cell 1"});
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::mpm

@@ -8,7 +8,7 @@
 
 #include "common/mechanics/mesh/mesh.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Finds the cell that contains a point: walks from a guess over the facets, and searches bins of
 /// equal size when the walk leaves the mesh or the guess is of no use.
@@ -79,4 +79,4 @@ class CellLocator {
   std::vector<std::int32_t> bin_cells_;  // of each bin, ascending
 };
 
-}  // namespace gabion
+}  // namespace gabion::mpm

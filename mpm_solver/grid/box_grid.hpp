@@ -6,7 +6,7 @@
 
 #include "common/mechanics/mesh/mesh.hpp"
 
-namespace gabion {
+namespace gabion::mpm {
 
 /// Equal axis-aligned rectangles or bricks in rows, nodes and cells numbered along x first, then y,
 /// then z: where a point lies follows by arithmetic.
@@ -35,4 +35,4 @@ struct BoxGrid {
 template <int dim>
 std::optional<BoxGrid<dim>> box_grid(const Mesh<dim>& mesh);
 
-}  // namespace gabion
+}  // namespace gabion::mpm

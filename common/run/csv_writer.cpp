@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/base/csv_writer.hpp"
+#include "common/run/csv_writer.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

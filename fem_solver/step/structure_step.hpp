@@ -9,43 +9,23 @@
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
 #include "fem_solver/step/equilibrium.hpp"
+#include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
 
-/// Everything that the next step depends on.
-struct FemState {
-  double time = 0;  ///< [s]
-  StructureMotion motion;
-  std::vector<double> f_ext;  ///< loads and interface forces, num_nodes x dim [N]
-  std::vector<double> f_int;  ///< internal forces, num_nodes x dim [N]
-  /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
-  /// [N].
-  std::vector<double> reactions;
-  bool balanced = false;      ///< the motion solves the equations under f_ext
-  double elastic_energy = 0;  ///< [J]
-  double external_work = 0;   ///< of loads, interface forces and reactions since time 0 [J]
-  /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
-  /// gives other last bits with another matrix.
-  std::optional<TangentPoint> tangent;
-  std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
-
-  /// Save or load; the arrays have their sizes already.
-  void visit_state(StateVisitor& visitor);
-};
-
 /// Solves one step from an accepted state.
 template <int dim>
-class FemStep {
+class StructureStep {
  public:
-  FemStep(const FemSettings<dim>& settings, MPI_Comm comm);
+  StructureStep(const FemSettings<dim>& settings, MPI_Comm comm);
 
   /// The state at time 0: static equilibrium under gravity and loads, or the reference
   /// configuration with the initial velocity and the accelerations that the loads demand.
   /// @throws ConvergenceError  there is no equilibrium
-  FemState initial_state();
+  StructureState initial_state();
   /// A state at time 0 from given displacements and velocities; accelerations follow.
-  FemState state_of(std::vector<double> u, std::vector<double> v);
+  StructureState state_of(std::vector<double> u, std::vector<double> v);
 
   /// Solve from `state_n` to `state_n.time + dt`.
   ///
@@ -54,14 +34,14 @@ class FemStep {
   /// @param f_interface  nodal forces of the interfaces at the end of the step [N]
   /// @throws ConvergenceError
   /// @note Collective.
-  StepReport solve(const FemState& state_n, std::span<const double> f_interface, double dt,
-                   FemState& trial);
+  StepReport solve(const StructureState& state_n, std::span<const double> f_interface, double dt,
+                   StructureState& trial);
 
   /// The accepted state changes, or the step begins anew.
   void forget_iterates();
 
   /// Nothing moves, and neither loads nor supports will change without the interface's doing.
-  bool at_rest(const FemState& state) const;
+  bool at_rest(const StructureState& state) const;
 
   const Equilibrium<dim>& equilibrium() const { return equilibrium_; }
   const BoundaryConditions<dim>& conditions() const { return conditions_; }
@@ -73,20 +53,21 @@ class FemStep {
     std::vector<double> f_ext;
     double dt = 0;
     std::vector<double> du;
-    FemState trial;
+    StructureState trial;
     StepReport report;
   };
   std::vector<double> external_forces(double time, std::span<const double> f_interface) const;
-  std::vector<double> start_forces(const FemState& state_n, bool with_inertia) const;
-  double work(const FemState& state_n, const FemState& trial, std::span<const double> du) const;
-  bool nothing_changes(const FemState& state_n, std::span<const double> f_ext,
+  std::vector<double> start_forces(const StructureState& state_n, bool with_inertia) const;
+  double work(const StructureState& state_n, const StructureState& trial,
+              std::span<const double> du) const;
+  bool nothing_changes(const StructureState& state_n, std::span<const double> f_ext,
                        std::span<const double> constrained_u) const;
-  std::vector<double> first_guess(const FemState& state_n, double dt) const;
-  bool prepare_matrix(const FemState& state_n, double dt, bool with_inertia);
-  NewtonReport solve_balance(const FemState& state_n, std::span<const double> f_ext, double dt,
-                             bool with_inertia, std::vector<double>& du);
-  void fill_trial(const FemState& state_n, std::vector<double> f_ext, double dt,
-                  std::span<const double> du, FemState& trial);
+  std::vector<double> first_guess(const StructureState& state_n, double dt) const;
+  bool prepare_matrix(const StructureState& state_n, double dt, bool with_inertia);
+  NewtonReport solve_balance(const StructureState& state_n, std::span<const double> f_ext,
+                             double dt, bool with_inertia, std::vector<double>& du);
+  void fill_trial(const StructureState& state_n, std::vector<double> f_ext, double dt,
+                  std::span<const double> du, StructureState& trial);
 
   bool dynamic_;
   bool initial_equilibrium_;
@@ -96,7 +77,6 @@ class FemStep {
   Equilibrium<dim> equilibrium_;
   LinearSolver<dim> linear_;
   BlockMatrix<dim> K_;
-  bool new_pattern_ = true;
   std::optional<TangentPoint> held_tangent_;  // of the matrix in linear_, where it may serve again
   std::vector<double> weight_;                // of the structure, by node [N]
   std::optional<Iterate> last_;

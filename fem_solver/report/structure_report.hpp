@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem_solver/fem_config.hpp"
+#include "fem_solver/report/fem_output.hpp"
+#include "fem_solver/report/fem_probes.hpp"
+#include "fem_solver/step/structure_step.hpp"
+
+namespace gabion::fem {
+
+/// What the structure tells: probes, frames, summary. Refers to the settings and the step.
+/// Functions are collective.
+template <int dim>
+class StructureReport {
+ public:
+  /// @param output_folder  folder of the frames; empty: none are written
+  /// @throws ConfigError  a probe outside the mesh
+  StructureReport(const FemSettings<dim>& settings, const StructureStep<dim>& step,
+                  const std::string& output_folder);
+
+  /// Columns of probes.csv.
+  const std::vector<std::string>& probe_names() const { return probes_.names(); }
+  std::vector<double> probes(const StructureState& state) const;
+
+  void write_frame(double time, const StructureState& state);
+  Json summary() const;
+
+ private:
+  const FemSettings<dim>& settings_;
+  const StructureStep<dim>& step_;
+  FemProbes<dim> probes_;
+  std::optional<FemOutput<dim>> output_;
+};
+
+}  // namespace gabion::fem

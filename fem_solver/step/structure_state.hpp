@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/mechanics/petsc/linear_method.hpp"
+#include "common/run/state.hpp"
+
+namespace gabion::fem {
+
+/// Motion of all nodes, num_nodes x dim each, replicated on all ranks.
+struct StructureMotion {
+  std::vector<double> u;  ///< displacement [m]
+  std::vector<double> v;  ///< velocity [m/s]
+  std::vector<double> a;  ///< acceleration [m/s^2]
+  bool is_still() const;  ///< v and a are zero in every bit
+};
+
+/// Where a tangent matrix was assembled.
+struct TangentPoint {
+  std::vector<double> u;      ///< displacement [m]
+  double dt = 0;              ///< [s]
+  bool with_inertia = false;  ///< the mass matrix is part of it
+  bool operator==(const TangentPoint&) const = default;
+};
+
+/// Everything that the next step depends on.
+struct StructureState {
+  double time = 0;  ///< [s]
+  StructureMotion motion;
+  std::vector<double> f_ext;  ///< loads and interface forces, num_nodes x dim [N]
+  std::vector<double> f_int;  ///< internal forces, num_nodes x dim [N]
+  /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
+  /// [N].
+  std::vector<double> reactions;
+  bool balanced = false;      ///< the motion solves the equations under f_ext
+  double elastic_energy = 0;  ///< [J]
+  double external_work = 0;   ///< of loads, interface forces and reactions since time 0 [J]
+  /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
+  /// gives other last bits with another matrix.
+  std::optional<TangentPoint> tangent;
+  std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
+
+  /// Save or load; the arrays have their sizes already.
+  void visit_state(StateVisitor& visitor);
+};
+
+}  // namespace gabion::fem
