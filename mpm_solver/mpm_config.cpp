@@ -92,7 +92,7 @@ template <int dim>
 void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                    const Vector<dim>& spacing) {
   MaterialPoints<dim> points;
-  lay_points<dim>(layout, 1, 0, 0, 1, points);
+  lay_points<dim>(layout, 1, {}, points);
   double widest = 0;  // by the spacing
   for (const Vector<dim>& half : points.half_length) {
     widest = std::max(widest, 2 * half.cwiseQuotient(spacing).maxCoeff());

@@ -10,41 +10,56 @@ namespace gabion::mpm {
 
 namespace {
 
-// The keys that interfaces and rigid walls have in common.
+// The keys of the method boundary_points.
 template <int dim>
-ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
+BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSurface<dim>& surface) {
+  BoundaryPointSettings points;
+  points.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
+                      ? GapMemory::step
+                      : GapMemory::accumulated;
+  const CellType facet = surface.facet_type;
+  points.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
+  if constexpr (dim == 3) {
+    check_point_rule<2>(in, "points_per_facet", facet, points.points_per_facet);
+  }
+  check_point_count(in, surface, points.points_per_facet);
+  return points;
+}
+
+// The keys that all methods have in common.
+ContactLaw read_contact_law(ConfigReader& in, double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
-  ContactSettings<dim> boundary;
-  boundary.name = in.name("name");
-  boundary.surface = read_surface<dim>(scene, in.object("surface"));
-  boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
-  boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
-                        ? GapMemory::step
-                        : GapMemory::accumulated;
+  ContactLaw law;
+  law.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
   if (in.has("penalty") && in.has("penalty_factor")) {
     in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
   }
   if (in.has("penalty")) {
-    boundary.penalty = in.number("penalty", positive());
+    law.penalty = in.number("penalty", positive());
   } else {
-    boundary.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
+    law.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
   }
   if (in.has("friction")) {
-    if (boundary.mode != ContactMode::contact) {
+    if (law.mode != ContactMode::contact) {
       in.fail("friction", "allowed only with \"mode\": \"contact\"");
     }
-    boundary.friction = in.number("friction", non_negative());
+    law.friction = in.number("friction", non_negative());
   }
-  boundary.tangential_share =
-      in.number_or("tangential_share", boundary.friction < 0 ? 1 : 0.1, between(1e-6, 1));
-  const CellType facet = boundary.surface.facet_type;
-  boundary.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
-  if constexpr (dim == 3) {
-    check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
-  }
-  check_point_count(in, boundary.surface, boundary.points_per_facet);
+  law.tangential_share =
+      in.number_or("tangential_share", law.friction < 0 ? 1 : 0.1, between(1e-6, 1));
+  return law;
+}
+
+// What interfaces and rigid walls have in common.
+template <int dim>
+ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  ContactSettings<dim> boundary;
+  boundary.name = in.name("name");
+  boundary.surface = read_surface<dim>(scene, in.object("surface"));
+  boundary.law = read_contact_law(in, penalty_unit);
+  boundary.method = read_boundary_points<dim>(in, boundary.surface);
   return boundary;
 }
 

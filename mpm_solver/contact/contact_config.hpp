@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "common/settings/scene.hpp"
-#include "mpm_solver/contact/boundary_points.hpp"
-#include "mpm_solver/contact/rigid_motion.hpp"
+#include "mpm_solver/contact/contact_settings.hpp"
 
 namespace gabion::mpm {
-
-/// A surface that moves as given, whatever the soil does.
-template <int dim>
-struct RigidWallSettings {
-  std::string name;
-  ContactSettings<dim> boundary;
-  RigidMotion<dim> motion;
-};
 
 /// Read "interfaces", none if the key is not there.
 /// @param penalty_unit  penalty of "penalty_factor" 1 [Pa/m]
