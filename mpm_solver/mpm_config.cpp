@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "common/mechanics/elements/shape_functions.hpp"
-#include "mpm_solver/contact/surface_config.hpp"
+#include "mpm_solver/config_checks.hpp"
+#include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
@@ -18,26 +18,6 @@ namespace {
 template <int dim>
 Vector<dim> to_vector(const std::vector<double>& values) {
   return Eigen::Map<const Vector<dim>>(values.data());
-}
-
-// Refuse a count of points that no rule offers, at the key that asks for it.
-template <int dim>
-void check_point_rule(const ConfigReader& in, const std::string& key, CellType type, int count) {
-  try {
-    point_rule<dim>(type, count);
-  } catch (const ConfigError& error) {
-    in.fail(key, error.what());
-  }
-}
-
-// Refuse the last of the items when an earlier one has its name.
-template <class Items>
-void require_own_name(const ConfigReader& in, const Items& items) {
-  for (std::size_t k = 0; k + 1 < items.size(); ++k) {
-    if (items[k].name != items.back().name) continue;
-    in.fail("name", fmt::format("found \"{}\" a second time, allowed: a name of its own",
-                                items.back().name));
-  }
 }
 
 template <int dim>
@@ -112,7 +92,7 @@ template <int dim>
 void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                    const Vector<dim>& spacing) {
   MaterialPoints<dim> points;
-  lay_points<dim>(layout, 1, 0, 0, 1, points);
+  lay_points<dim>(layout, 1, {}, points);
   double widest = 0;  // by the spacing
   for (const Vector<dim>& half : points.half_length) {
     widest = std::max(widest, 2 * half.cwiseQuotient(spacing).maxCoeff());
@@ -156,62 +136,6 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     settings.bodies.push_back(std::move(body));
     require_own_name(item, settings.bodies);
   }
-}
-
-// The keys that interfaces and rigid walls have in common.
-template <int dim>
-ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
-                                                           {"contact", ContactMode::contact},
-                                                           {"slip", ContactMode::slip}};
-  ContactSettings<dim> boundary;
-  boundary.name = in.name("name");
-  boundary.surface = read_surface<dim>(scene, in.object("surface"));
-  boundary.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
-  boundary.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
-                        ? GapMemory::step
-                        : GapMemory::accumulated;
-  if (in.has("penalty") && in.has("penalty_factor")) {
-    in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
-  }
-  if (in.has("penalty")) {
-    boundary.penalty = in.number("penalty", positive());
-  } else {
-    boundary.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
-  }
-  if (in.has("friction")) {
-    if (boundary.mode != ContactMode::contact) {
-      in.fail("friction", "allowed only with \"mode\": \"contact\"");
-    }
-    boundary.friction = in.number("friction", non_negative());
-  }
-  boundary.tangential_share =
-      in.number_or("tangential_share", boundary.friction < 0 ? 1 : 0.1, between(1e-6, 1));
-  const CellType facet = boundary.surface.facet_type;
-  boundary.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
-  if constexpr (dim == 3) {
-    check_point_rule<2>(in, "points_per_facet", facet, boundary.points_per_facet);
-  }
-  check_point_count(in, boundary.surface, boundary.points_per_facet);
-  return boundary;
-}
-
-template <int dim>
-ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  in.choice_or("method", {"boundary_points"}, "boundary_points");
-  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
-  in.finish();
-  return boundary;
-}
-
-template <int dim>
-RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  RigidWallSettings<dim> wall;
-  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
-  wall.name = wall.boundary.name;
-  if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
-  in.finish();
-  return wall;
 }
 
 template <int dim>
@@ -291,19 +215,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
                                            body.material.law));
   }
-  const double cell_size = mean_cell_size(settings.grid);
-  SeenFacets<dim> interface_facets;
-  for (auto& item : in.objects_or_none("interfaces")) {
-    settings.interfaces.push_back(read_interface<dim>(scene, item, modulus / cell_size));
-    require_own_name(item, settings.interfaces);
-    require_new_facets(item, settings.interfaces.back().surface, interface_facets);
-  }
-  SeenFacets<dim> wall_facets;
-  for (auto& item : in.objects_or_none("rigid_walls")) {
-    settings.rigid_walls.push_back(read_rigid_wall<dim>(scene, item, modulus / cell_size));
-    require_own_name(item, settings.rigid_walls);
-    require_new_facets(item, settings.rigid_walls.back().boundary.surface, wall_facets);
-  }
+  const double penalty_unit = modulus / mean_cell_size(settings.grid);
+  settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
+  settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);

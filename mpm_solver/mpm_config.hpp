@@ -9,8 +9,7 @@
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/settings/scene.hpp"
-#include "mpm_solver/contact/boundary_points.hpp"
-#include "mpm_solver/contact/rigid_motion.hpp"
+#include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/grid/grid_exits.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -27,14 +26,6 @@ template <int dim>
 struct PointProbe {
   std::string name;
   Vector<dim> point;  ///< [m]
-};
-
-/// A surface that moves as given, whatever the soil does.
-template <int dim>
-struct RigidWallSettings {
-  std::string name;
-  ContactSettings<dim> boundary;
-  RigidMotion<dim> motion;
 };
 
 /// mpm.json. README.md lists every key with unit and range.

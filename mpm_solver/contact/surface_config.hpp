@@ -3,7 +3,7 @@
 
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/settings/scene.hpp"
-#include "mpm_solver/contact/boundary_points.hpp"
+#include "mpm_solver/contact/contact_settings.hpp"
 
 namespace gabion::mpm {
 

@@ -111,16 +111,17 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
 }
 
 template <int dim>
-void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const Body<dim>& body,
-                        std::int32_t body_number, const Vector<dim>& gravity,
+void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points) {
+  const Body<dim>& body = at_rest.body;
+  const Vector<dim>& gravity = at_rest.gravity;
   require<ConfigError>(
       gravity[dim - 1] < 0 && gravity.template head<dim - 1>().isZero(0),
       stress.where + ": allowed with gravity against the last axis, present from the start");
   const double weight = -body.material.density * gravity[dim - 1];
   std::string problem;
-  for (std::int32_t p = points.body_starts[body_number]; p < points.body_starts[body_number + 1];
-       ++p) {
+  for (std::int32_t p = points.body_starts[at_rest.number];
+       p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
     const auto soil = geostatic<dim>(body.material.law, stress.k0, weight, d);
     StressUpdate<dim> now;
@@ -150,9 +151,9 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const Body<d
 
 template InitialStress read_initial_stress<2>(ConfigReader, const Material<2>&);
 template InitialStress read_initial_stress<3>(ConfigReader, const Material<3>&);
-template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const Body<2>&, std::int32_t,
-                                    const Vector<2>&, MaterialPoints<2>&);
-template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const Body<3>&, std::int32_t,
-                                    const Vector<3>&, MaterialPoints<3>&);
+template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
+                                    MaterialPoints<2>&);
+template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,
+                                    MaterialPoints<3>&);
 
 }  // namespace gabion::mpm

@@ -29,6 +29,14 @@ struct InitialStress {
 template <int dim>
 InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material);
 
+/// A body under gravity.
+template <int dim>
+struct BodyAtRest {
+  const Body<dim>& body;
+  std::int32_t number = 0;  ///< of the body
+  Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
+};
+
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed
 /// body, so with the volume V that a point was laid out with
 ///
@@ -38,13 +46,11 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
 /// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
 ///
-/// @param gravity  downwards along the last axis [m/s^2]
 /// @throws ConfigError  point above the surface, other direction of gravity, or stress that the law
 ///                      does not bear; names the point and what it would bear
 /// @note Collective on comm.
 template <int dim>
-void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const Body<dim>& body,
-                        std::int32_t body_number, const Vector<dim>& gravity,
+void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points);
 
 }  // namespace gabion::mpm

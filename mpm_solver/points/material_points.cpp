@@ -6,6 +6,30 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+template <int dim>
+constexpr std::size_t bytes_of_fields() {
+  std::size_t sum = sizeof(MaterialPoints<dim>::body_starts);
+  for_each_field<dim>([&sum]<class Values>(const char*, Values MaterialPoints<dim>::*, FieldKind) {
+    sum += sizeof(Values);
+  });
+  return sum;
+}
+
+template <int dim>
+constexpr std::size_t bytes_of_history() {
+  std::size_t sum = 0;
+  for_each_history_field<dim>(
+      [&sum]<class Value>(const char*, Value MaterialState<dim>::*) { sum += sizeof(Value); });
+  return sum;
+}
+
+static_assert(bytes_of_fields<2>() == sizeof(MaterialPoints<2>), "a field without a name");
+static_assert(bytes_of_history<2>() == sizeof(MaterialState<2>), "a field without a name");
+
+}  // namespace
+
 template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
   const Vector<dim> reach = jacobian.cwiseAbs().rowwise().sum();
@@ -13,14 +37,33 @@ Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
 }
 
 template <int dim>
-std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
-                        int part, int num_parts, MaterialPoints<dim>& points) {
+void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points) {
+  points.id.push_back(point.id);
+  points.m.push_back(point.m);
+  points.V0.push_back(point.V0);
+  points.x.push_back(point.x);
+  points.u.push_back(Vector<dim>::Zero());
+  points.v.push_back(point.v);
+  points.a.push_back(Vector<dim>::Zero());
+  points.J.push_back(1);
+  points.energy.push_back(0);
+  points.tau.push_back(Symmetric<dim>::Zero());
+  points.history.emplace_back();
+  points.cell.push_back(-1);
+  if (!point.half_length) return;
+  points.half_length.push_back(*point.half_length);
+  points.F.push_back(Matrix<dim>::Identity());
+}
+
+template <int dim>
+std::int64_t lay_points(const PointLayout<dim>& layout, double density, const PointShare& share,
+                        MaterialPoints<dim>& points) {
   const Mesh<dim>& mesh = layout.mesh;
   const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell, layout.placement);
   const auto rule_size = static_cast<std::int64_t>(rule.size());
   const std::int64_t total = mesh.num_cells() * rule_size;
-  const std::int64_t first = total * part / num_parts;
-  const std::int64_t last = total * (part + 1) / num_parts;
+  const std::int64_t first = total * share.part / share.num_parts;
+  const std::int64_t last = total * (share.part + 1) / share.num_parts;
   if (points.body_starts.empty()) points.body_starts.push_back(0);
 
   Vector<dim> corners[max_cell_nodes];
@@ -38,28 +81,18 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int
     }
     const double volume = q.weight * map_gradients<dim>(mesh.cell_type, corners, shape);
 
-    points.x.push_back(x);
-    points.u.push_back(Vector<dim>::Zero());
-    points.v.push_back(layout.velocity);
-    points.a.push_back(Vector<dim>::Zero());
-    points.m.push_back(density * volume);
-    points.V0.push_back(volume);
-    points.J.push_back(1);
-    points.energy.push_back(0);
-    points.tau.push_back(Symmetric<dim>::Zero());
-    points.history.emplace_back();
-    points.cell.push_back(-1);
-    points.id.push_back(first_id + k);
-    if (!layout.with_domains) continue;
-    points.half_length.push_back(point_domain<dim>(jacobian, volume));
-    points.F.push_back(Matrix<dim>::Identity());
+    NewPoint<dim> point{.id = share.first_id + k,
+                        .x = x,
+                        .v = layout.velocity,
+                        .m = density * volume,
+                        .V0 = volume};
+    if (layout.with_domains) point.half_length = point_domain<dim>(jacobian, volume);
+    add_point(point, points);
   }
   points.body_starts.push_back(points.size());
   return total;
 }
 
-template Vector<2> point_domain<2>(const Matrix<2>&, double);
-template Vector<3> point_domain<3>(const Matrix<3>&, double);
 template <int dim>
 void add_gradients(MaterialPoints<dim>& points) {
   points.grad_v.assign(points.x.size(), Matrix<dim>::Zero());
@@ -91,19 +124,20 @@ void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& poi
     start -= static_cast<std::int32_t>(std::lower_bound(which.begin(), which.end(), start) -
                                        which.begin());
   }
-  const auto all = [&](auto&... fields) { (take_out(which, fields), ...); };
-  all(points.x, points.u, points.v, points.a, points.grad_v, points.grad_a, points.m, points.V0,
-      points.J, points.energy, points.tau, points.history, points.cell, points.id,
-      points.half_length, points.F);
+  for_each_field<dim>([&](const char*, auto field, FieldKind) { take_out(which, points.*field); });
 }
 
+template Vector<2> point_domain<2>(const Matrix<2>&, double);
+template Vector<3> point_domain<3>(const Matrix<3>&, double);
+template void add_point<2>(const NewPoint<2>&, MaterialPoints<2>&);
+template void add_point<3>(const NewPoint<3>&, MaterialPoints<3>&);
 template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&);
 template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
-template std::int64_t lay_points<2>(const PointLayout<2>&, double, std::int64_t, int, int,
+template std::int64_t lay_points<2>(const PointLayout<2>&, double, const PointShare&,
                                     MaterialPoints<2>&);
-template std::int64_t lay_points<3>(const PointLayout<3>&, double, std::int64_t, int, int,
+template std::int64_t lay_points<3>(const PointLayout<3>&, double, const PointShare&,
                                     MaterialPoints<3>&);
 
 }  // namespace gabion::mpm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,6 +49,43 @@ struct MaterialPoints {
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(body_starts.size()) - 1; }
 };
 
+/// Where the values of a field come from.
+enum class FieldKind {
+  laid,   ///< from laying the points out, the same in the whole run
+  moves,  ///< changes with the steps
+};
+
+/// Name each array of MaterialPoints that has an entry a point, once: visit(name, member, kind),
+/// member a pointer to the std::vector.
+template <int dim, class Visit>
+constexpr void for_each_field(const Visit& visit) {
+  using Points = MaterialPoints<dim>;
+  visit("id", &Points::id, FieldKind::laid);
+  visit("m", &Points::m, FieldKind::laid);
+  visit("V0", &Points::V0, FieldKind::laid);
+  visit("half_length", &Points::half_length, FieldKind::laid);
+  visit("x", &Points::x, FieldKind::moves);
+  visit("u", &Points::u, FieldKind::moves);
+  visit("v", &Points::v, FieldKind::moves);
+  visit("a", &Points::a, FieldKind::moves);
+  visit("grad_v", &Points::grad_v, FieldKind::moves);
+  visit("grad_a", &Points::grad_a, FieldKind::moves);
+  visit("J", &Points::J, FieldKind::moves);
+  visit("energy", &Points::energy, FieldKind::moves);
+  visit("tau", &Points::tau, FieldKind::moves);
+  visit("history", &Points::history, FieldKind::moves);
+  visit("cell", &Points::cell, FieldKind::moves);
+  visit("F", &Points::F, FieldKind::moves);
+}
+
+/// The same for the fields of `history`: visit(name, member).
+template <int dim, class Visit>
+constexpr void for_each_history_field(const Visit& visit) {
+  visit("e", &MaterialState<dim>::e);
+  visit("plastic_strain", &MaterialState<dim>::plastic_strain);
+  visit("gap", &MaterialState<dim>::gap);
+}
+
 /// How a body is filled with points.
 template <int dim>
 struct PointLayout {
@@ -57,6 +95,28 @@ struct PointLayout {
   PointPlacement placement = PointPlacement::gauss;
   bool with_domains = false;  ///< fill half_length and F
 };
+
+/// Which of a body's points a rank lays: the part-th of num_parts equal contiguous shares.
+struct PointShare {
+  std::int64_t first_id = 0;  ///< number of the body's first point in the whole run
+  int part = 0;
+  int num_parts = 1;
+};
+
+/// A material point without stress, its cell unknown.
+template <int dim>
+struct NewPoint {
+  std::int64_t id = 0;
+  Vector<dim> x = Vector<dim>::Zero();
+  Vector<dim> v = Vector<dim>::Zero();
+  double m = 0;
+  double V0 = 0;
+  std::optional<Vector<dim>> half_length{};  ///< where the points have domains
+};
+
+/// Append a point; gradients are left to add_gradients, body_starts to the caller.
+template <int dim>
+void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points);
 
 /// Half lengths of the box that stands for a point: as long by wide as the cell of its body
 /// reaches along the axes, with the volume of the point. In a cell along the axes with `regular`
@@ -71,12 +131,10 @@ void add_gradients(MaterialPoints<dim>& points);
 
 /// Append the points of one body: each cell of the body mesh gets the points of `point_rule`, with
 /// the volume of the cell shared by the rule's weights.
-/// @param first_id         number of the body's first point in the whole run
-/// @param part, num_parts  this rank takes the part-th of num_parts equal contiguous shares
 /// @returns number of points of the body on all ranks
 template <int dim>
-std::int64_t lay_points(const PointLayout<dim>& layout, double density, std::int64_t first_id,
-                        int part, int num_parts, MaterialPoints<dim>& points);
+std::int64_t lay_points(const PointLayout<dim>& layout, double density, const PointShare& share,
+                        MaterialPoints<dim>& points);
 
 /// Take points out. @param which  ascending numbers, each once
 template <int dim>

@@ -41,9 +41,9 @@ void add_shared_terms(const Equilibrium<dim>& equilibrium, Nodal du, const Nodal
   const auto& nodes = parts.nodes;
   const std::vector<double> f_body = body_forces(equilibrium);
   std::vector<double> f_contact(du.size(), 0.0);
-  for (auto& boundary : parts.boundaries) {
-    boundary.add_forces(du, f_contact, nullptr);
-    step.boundary_work += boundary.work_on_soil(du);
+  for (const auto& contact : parts.contacts) {
+    contact->add_forces(du, f_contact, nullptr);
+    step.boundary_work += contact->work_on_soil(du);
   }
   step.time_damping += step.boundary_work;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {

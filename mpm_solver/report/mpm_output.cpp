@@ -10,24 +10,27 @@ namespace {
 
 using Values = std::span<const double>;
 
+/// Of all points.
+struct FrameValues {
+  Values u, v, stress, pressure, plastic_strain, J, body;
+};
+
 template <int dim>
-std::vector<OutputField> frame_fields(Values u, Values v, Values stress, Values pressure,
-                                      Values plastic_strain, Values J, Values body) {
-  return {{"displacement", dim, u},
-          {"velocity", dim, v},
-          {"stress", symmetric_size<dim>, stress},
-          {"pressure", 1, pressure},
-          {"plastic_strain", 1, plastic_strain},
-          {"volume_ratio", 1, J},
-          {"body", 1, body}};
+std::vector<OutputField> frame_fields(const FrameValues& of) {
+  return {{"displacement", dim, of.u},
+          {"velocity", dim, of.v},
+          {"stress", symmetric_size<dim>, of.stress},
+          {"pressure", 1, of.pressure},
+          {"plastic_strain", 1, of.plastic_strain},
+          {"volume_ratio", 1, of.J},
+          {"body", 1, of.body}};
 }
 
 }  // namespace
 
 template <int dim>
 std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
-  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
-                                 frame_fields<dim>({}, {}, {}, {}, {}, {}, {}));
+  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points, frame_fields<dim>({}));
 }
 
 template <int dim>
@@ -63,7 +66,13 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   series_->write({.time = time,
                   .dim = dim,
                   .coordinates = x,
-                  .fields = frame_fields<dim>(u, v, stress, pressure, plastic, J, body)});
+                  .fields = frame_fields<dim>({.u = u,
+                                               .v = v,
+                                               .stress = stress,
+                                               .pressure = pressure,
+                                               .plastic_strain = plastic,
+                                               .J = J,
+                                               .body = body})});
 }
 
 template <int dim>

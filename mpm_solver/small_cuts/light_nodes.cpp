@@ -54,20 +54,19 @@ std::vector<std::int32_t> nearest_heavy(const Mesh<dim>& mesh, const WallConditi
 }  // namespace
 
 template <int dim>
-std::int32_t join_light_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                              const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                              const WallConditions<dim>& walls, double share,
+std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes) {
-  const auto reach = mass_within_reach(comm, points, weights, nodes);
+  const WallConditions<dim>& walls = search.walls;
+  const auto reach = mass_within_reach(comm, search.points, search.weights, nodes);
   std::vector<bool> light(reach.size());
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
-    light[i] = nodes.m[i] < share * reach[i] && !walls.holds(nodes.grid_node[i]);
+    light[i] = nodes.m[i] < search.share * reach[i] && !walls.holds(nodes.grid_node[i]);
     any |= light[i];
   }
   if (!any) return 0;
 
-  const auto partner = nearest_heavy(grid.mesh, walls, nodes, light);
+  const auto partner = nearest_heavy(search.grid.mesh, walls, nodes, light);
   const std::vector<std::int32_t> before = std::move(nodes.grid_node);
   nodes.grid_node.clear();
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -81,11 +80,7 @@ std::int32_t join_light_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
   return static_cast<std::int32_t>(before.size()) - nodes.size();
 }
 
-template std::int32_t join_light_nodes<2>(MPI_Comm, const BackgroundGrid<2>&,
-                                          const MaterialPoints<2>&, const PointWeights<2>&,
-                                          const WallConditions<2>&, double, GridNodes<2>&);
-template std::int32_t join_light_nodes<3>(MPI_Comm, const BackgroundGrid<3>&,
-                                          const MaterialPoints<3>&, const PointWeights<3>&,
-                                          const WallConditions<3>&, double, GridNodes<3>&);
+template std::int32_t join_light_nodes<2>(MPI_Comm, const LightNodeSearch<2>&, GridNodes<2>&);
+template std::int32_t join_light_nodes<3>(MPI_Comm, const LightNodeSearch<3>&, GridNodes<3>&);
 
 }  // namespace gabion::mpm

@@ -9,6 +9,16 @@
 
 namespace gabion::mpm {
 
+/// Where light nodes are looked for.
+template <int dim>
+struct LightNodeSearch {
+  const BackgroundGrid<dim>& grid;
+  const MaterialPoints<dim>& points;
+  const PointWeights<dim>& weights;
+  const WallConditions<dim>& walls;
+  double share = 0;  ///< of the mass within reach
+};
+
 /// Without inertia nothing but the gradient of a shape function keeps a node in its place, and a
 /// node that its points hardly weigh on,
 ///
@@ -19,14 +29,11 @@ namespace gabion::mpm {
 /// there. Nodes that a wall holds neither join nor are joined; without a partner a node stays.
 ///
 /// @param[in,out] nodes  active, with their mass; numbered anew where a node joined, mass and
-/// motion
-///                       are then to be mapped again
+///                       motion are then to be mapped again
 /// @returns number of nodes that joined another
 /// @note Collective on comm; the same on all ranks.
 template <int dim>
-std::int32_t join_light_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                              const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                              const WallConditions<dim>& walls, double share,
+std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes);
 
 }  // namespace gabion::mpm

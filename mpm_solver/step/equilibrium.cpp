@@ -53,7 +53,7 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
 
 template <int dim>
 void Equilibrium<dim>::remember_start_forces() {
-  require(parts_.boundaries.empty(), "mpm_solver: averaged forces at an interface");
+  require(parts_.contacts.empty(), "mpm_solver: averaged forces at an interface");
   f_start_ = internal_.start_forces();
   sum_over_ranks(parts_.comm, std::span<double>(f_start_));
   const double memory = parts_.scheme.force_memory();
@@ -76,7 +76,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
     offsets.push_back(static_cast<std::int32_t>(cell_nodes.size()));
   }
   if (rank_of(parts_.comm) == 0) {
-    for (const auto& boundary : parts_.boundaries) boundary.append_cells(offsets, cell_nodes);
+    for (const auto& contact : parts_.contacts) contact->append_cells(offsets, cell_nodes);
   }
   if (parts_.ghost != nullptr) parts_.ghost->append_cells(offsets, cell_nodes);
 }
@@ -100,10 +100,10 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
   std::fill(r.begin(), r.end(), 0.0);
   if (root) {
-    for (auto& boundary : parts_.boundaries) boundary.add_forces(du, r, K);
+    for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
   }
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
-  if (!parts_.boundaries.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
+  if (!parts_.contacts.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
   double external = add_weight(r);
   if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));

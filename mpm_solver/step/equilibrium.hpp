@@ -7,7 +7,7 @@
 
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
-#include "mpm_solver/contact/boundary_points.hpp"
+#include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
@@ -37,7 +37,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     const PointWeights<dim>& weights;
     const GridNodes<dim>& nodes;
     const WallConditions<dim>& walls;
-    std::vector<BoundaryPoints<dim>>& boundaries;
+    const Contacts<dim>& contacts;
     TrialPoints<dim>& trial;
     const NewmarkBossak& scheme;
     Vector<dim> gravity;        ///< at the end of the step [m/s^2]
@@ -72,7 +72,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& inertia_mass() const { return m_; }
 
   /// Cells of the matrix pattern, as lists of active nodes: cells with points of this rank, then
-  /// the cells of boundary points, then the facets of the ghost stiffness.
+  /// the cells with contact, then the facets of the ghost stiffness.
   void pattern(std::vector<std::int32_t>& offsets, std::vector<std::int32_t>& nodes) const;
 
   /// Nodal velocity at the start of the step with the wall conditions, num_nodes x dim.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,17 +65,22 @@ inline Json wall(const std::string& group, const std::string& condition) {
 inline const Json exact_newton = {{"residual_tolerance", 1e-10}, {"increment_tolerance", 1e-10}};
 inline const Json trapezoid = {{"scheme", "newmark"}};
 
-/// Everything of the accepted state that another step depends on is equal in every bit.
+/// Every field of the points is equal in every bit.
 template <int dim>
-bool same_bits(const mpm::MaterialPoints<dim>& a, const mpm::MaterialPoints<dim>& b) {
-  bool same = a.x == b.x && a.u == b.u && a.v == b.v && a.a == b.a && a.J == b.J &&
-              a.tau == b.tau && a.energy == b.energy && a.grad_v == b.grad_v &&
-              a.grad_a == b.grad_a && a.size() == b.size();
-  for (std::int32_t p = 0; same && p < a.size(); ++p) {
-    same = a.history[p].e == b.history[p].e &&
-           a.history[p].plastic_strain == b.history[p].plastic_strain;
-  }
-  return same;
+testing::AssertionResult same_bits(const mpm::MaterialPoints<dim>& a,
+                                   const mpm::MaterialPoints<dim>& b) {
+  std::string differing;
+  mpm::for_each_field<dim>([&]<class Value>(const char* name,
+                                            std::vector<Value> mpm::MaterialPoints<dim>::*field,
+                                            mpm::FieldKind) {
+    const std::vector<Value>&x = a.*field, &y = b.*field;
+    const bool same = x.size() == y.size() &&
+                      (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(Value)) == 0);
+    if (!same) differing += std::string(" ") + name;
+  });
+  if (a.body_starts != b.body_starts) differing += " body_starts";
+  if (differing.empty()) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "fields that differ:" << differing;
 }
 
 }  // namespace gabion::test

@@ -55,7 +55,7 @@ struct SoilPatch {
     const bool with_domains = grid.basis == mpm::Basis::gimp;
     lay_points<dim>({grid.mesh, points_per_cell, Vector<dim>::Zero(),
                      with_domains ? PointPlacement::regular : PointPlacement::gauss, with_domains},
-                    density, 0, 0, 1, points);
+                    density, {}, points);
   }
   /// `count` points at random places with random mass, velocity and acceleration.
   void scatter(int count) {
@@ -64,23 +64,15 @@ struct SoilPatch {
   }
   void add(const Vector<dim>& x) {
     const double m = 2 + random();
-    points.x.push_back(x);
-    points.u.push_back(Vector<dim>::Zero());
-    points.v.push_back(random.vector<dim>());
-    points.a.push_back(random.vector<dim>());
-    points.m.push_back(m);
-    points.V0.push_back(m);
-    points.J.push_back(1);
-    points.energy.push_back(0);
-    points.tau.push_back(Symmetric<dim>::Zero());
-    points.history.emplace_back();
-    points.cell.push_back(-1);
-    points.id.push_back(points.size() - 1);
+    mpm::NewPoint<dim> point{.id = points.size(), .x = x, .m = m, .V0 = m};
+    point.v = random.vector<dim>();
+    const Vector<dim> acceleration = random.vector<dim>();
     if (grid.basis == mpm::Basis::gimp) {
-      points.half_length.push_back(
-          grid.box->spacing.cwiseProduct(0.3 * Vector<dim>::Ones() + 0.19 * random.vector<dim>()));
-      points.F.push_back(Matrix<dim>::Identity());
+      point.half_length =
+          grid.box->spacing.cwiseProduct(0.3 * Vector<dim>::Ones() + 0.19 * random.vector<dim>());
     }
+    add_point(point, points);
+    points.a.back() = acceleration;
     if (points.body_starts.empty()) points.body_starts = {0, 0};
     points.body_starts.back() = points.size();
   }

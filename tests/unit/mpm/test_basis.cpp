@@ -8,6 +8,7 @@
 
 #include "mpm_solver/grid/axis_basis.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {
@@ -278,17 +279,18 @@ TEST(Basis, number_of_nodes_a_point) {
 }
 
 TEST(Basis, other_than_linear_needs_cells_in_rows) {
+  const std::vector<std::string_view> parts = {"a basis other than linear", "equal cells in rows"};
   const auto triangles = unit_box<2>(CellType::tri3, 2);
-  EXPECT_THROW(mpm::BackgroundGrid<2>(triangles, Basis::gimp), Error);
+  expect_error<Error>([&] { mpm::BackgroundGrid<2>(triangles, Basis::gimp); }, parts);
   auto moved = unit_box<2>(CellType::quad4, 2);
   moved.nodes[4][0] += 0.01;
-  EXPECT_THROW(mpm::BackgroundGrid<2>(moved, Basis::bspline), Error);
+  expect_error<Error>([&] { mpm::BackgroundGrid<2>(moved, Basis::bspline); }, parts);
 }
 
 TEST(PointDomains, fill_a_body_of_bricks) {
   const Mesh<2> plane = box_mesh<2>({1, 2}, {3, 3}, {4, 5}, CellType::quad4);
   mpm::MaterialPoints<2> points;
-  mpm::lay_points<2>({plane, 9, {0, 0}, PointPlacement::regular, true}, 1, 0, 0, 1, points);
+  mpm::lay_points<2>({plane, 9, {0, 0}, PointPlacement::regular, true}, 1, {}, points);
   std::set<std::pair<int, int>> places;  // in a lattice of domains
   for (std::int32_t p = 0; p < points.size(); ++p) {
     EXPECT_LT((points.half_length[p] - Vector<2>(0.5 / 6, 0.2 / 6)).norm(), 1e-15);
@@ -307,7 +309,7 @@ TEST(PointDomains, have_the_volume_of_the_point_in_any_cell) {
     Mesh<dim> mesh = unit_box<dim>(type, 2);
     for (auto& x : mesh.nodes) x[0] = 3 * x[0] + 0.4 * x[1];
     mpm::MaterialPoints<dim> points;
-    mpm::lay_points<dim>({mesh, 1, Vector<dim>::Zero(), PointPlacement::gauss, true}, 1, 0, 0, 1,
+    mpm::lay_points<dim>({mesh, 1, Vector<dim>::Zero(), PointPlacement::gauss, true}, 1, {},
                          points);
     for (std::int32_t p = 0; p < points.size(); ++p) {
       EXPECT_NEAR((2 * points.half_length[p]).prod(), points.V0[p], 1e-15);

@@ -14,7 +14,7 @@ namespace {
 template <int dim>
 struct Balance {
   SoilPatch<dim> soil;
-  std::vector<mpm::BoundaryPoints<dim>> boundaries;
+  mpm::Contacts<dim> contacts;
   mpm::TrialPoints<dim> trial;
   NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
   std::optional<mpm::WallConditions<dim>> walls;
@@ -43,29 +43,33 @@ struct Balance {
     soil.to_grid();
     walls.emplace(soil.grid.mesh, wall_settings);
     walls->select(soil.nodes);
-    for (auto& boundary : boundaries)
-      boundary.begin_step(soil.grid, soil.nodes, soil.occupied(), 0);
+    const auto occupied = soil.occupied();
+    for (const auto& contact : contacts) {
+      contact->begin_step({.grid = soil.grid,
+                           .nodes = soil.nodes,
+                           .points = soil.points,
+                           .weights = soil.weights,
+                           .occupied = occupied});
+    }
     if (ghost) ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
-    const typename mpm::Equilibrium<dim>::Parts parts{comm(),
-                                                      soil.grid,
-                                                      soil.bodies,
-                                                      soil.points,
-                                                      soil.weights,
-                                                      soil.nodes,
-                                                      *walls,
-                                                      boundaries,
-                                                      trial,
-                                                      scheme,
-                                                      Vector<dim>::Constant(-3.0),
-                                                      Vector<dim>::Constant(-3.0),
-                                                      1.0 / 3,
-                                                      same_strain,
-                                                      0.1,
-                                                      with_inertia,
-                                                      {},
-                                                      {},
-                                                      /*average_volumes=*/false,
-                                                      ghost ? &*ghost : nullptr};
+    const Vector<dim> gravity = Vector<dim>::Constant(-3.0);
+    const typename mpm::Equilibrium<dim>::Parts parts{.comm = comm(),
+                                                      .grid = soil.grid,
+                                                      .bodies = soil.bodies,
+                                                      .points = soil.points,
+                                                      .weights = soil.weights,
+                                                      .nodes = soil.nodes,
+                                                      .walls = *walls,
+                                                      .contacts = contacts,
+                                                      .trial = trial,
+                                                      .scheme = scheme,
+                                                      .gravity = gravity,
+                                                      .gravity_start = gravity,
+                                                      .cell_size = 1.0 / 3,
+                                                      .same_strain = same_strain,
+                                                      .dt = 0.1,
+                                                      .with_inertia = with_inertia,
+                                                      .ghost = ghost ? &*ghost : nullptr};
     equilibrium.emplace(parts);
     std::vector<std::int32_t> offsets, nodes;
     equilibrium->pattern(offsets, nodes);
@@ -290,7 +294,7 @@ template <int dim>
 mpm::ContactSettings<dim> level_surface(double height) {
   mpm::ContactSettings<dim> settings;
   settings.name = "plate";
-  settings.penalty = 1e5;
+  settings.law.penalty = 1e5;
   if constexpr (dim == 2) {
     settings.surface.facet_type = CellType::line2;
     settings.surface.vertices = {{0.9, height}, {0.5, height + 0.1}, {0.1, height}};
@@ -300,7 +304,7 @@ mpm::ContactSettings<dim> level_surface(double height) {
     settings.surface.vertices = {
         {0.1, 0.2, height}, {0.9, 0.2, height + 0.1}, {0.9, 0.8, height + 0.1}, {0.1, 0.8, height}};
     settings.surface.facets = {0, 1, 2, 3};
-    settings.points_per_facet = 4;
+    settings.method = mpm::BoundaryPointSettings{.points_per_facet = 4};
   }
   return settings;
 }
@@ -310,9 +314,9 @@ void check_contact(mpm::ContactMode mode, double friction, double sideways, int 
   const CellType type = dim == 2 ? CellType::quad4 : CellType::hex8;
   Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
   auto settings = level_surface<dim>(0.35);
-  settings.mode = mode;
-  settings.friction = friction;
-  balance.boundaries.emplace_back(settings);
+  settings.law.mode = mode;
+  settings.law.friction = friction;
+  balance.contacts.push_back(make_contact(settings));
   balance.start();
   Vector<dim> push = Vector<dim>::Zero();
   push[dim - 1] = 0.02;
@@ -321,13 +325,13 @@ void check_contact(mpm::ContactMode mode, double friction, double sideways, int 
   for (std::size_t v = 0; v < settings.surface.vertices.size(); ++v) {
     displacement.insert(displacement.end(), push.data(), push.data() + dim);
   }
-  auto& boundary = balance.boundaries.front();
-  boundary.set_displacement(displacement);
+  auto& contact = *balance.contacts.front();
+  contact.set_displacement(displacement);
   const Eigen::VectorXd du = balance.random_du(0.004);
   EXPECT_LT(balance.error(du, 2e-6), 1e-7);
   balance.residual(du);
-  EXPECT_EQ(boundary.num_closed(), 4);
-  EXPECT_EQ(boundary.num_sliding(), sliding);
+  EXPECT_EQ(contact.counts().closed, 4);
+  EXPECT_EQ(contact.counts().sliding, sliding);
 }
 
 TEST(EquilibriumTangent, contact_that_sticks_slides_slips_or_holds) {

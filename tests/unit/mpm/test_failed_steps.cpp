@@ -6,6 +6,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {
@@ -44,11 +45,9 @@ TEST(FailedSteps, name_worst_node_and_worst_point) {
   std::string cause;
   const std::string text = failure_of(*solver, 1, cause);
   EXPECT_EQ(cause, "iteration_limit");
-  for (const char* part :
-       {"iteration limit reached", "worst grid node ", "most strained material point ",
-        " of \"soil\" at (", "strain increment 0.0", "volume ratio of the step ", "shear"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
-  }
+  expect_parts(text,
+               {"iteration limit reached", "worst grid node ", "most strained material point ",
+                " of \"soil\" at (", "strain increment 0.0", "volume ratio of the step ", "shear"});
 }
 
 /// |r| / scale of each iterate, as the message of a failed step lists them.
@@ -90,8 +89,7 @@ TEST(FailedSteps, inadmissible_states_name_the_point) {
   std::string cause;
   const std::string text = failure_of(*solver, 0.01, cause);
   EXPECT_EQ(cause, "inadmissible_guess");  // free flight, two cells into the wall
-  EXPECT_NE(text.find("would be squeezed below 0.1 of its volume"), std::string::npos) << text;
-  EXPECT_NE(text.find("material point "), std::string::npos) << text;
+  expect_parts(text, {"material point ", "would be squeezed below 0.1 of its volume"});
 }
 
 }  // namespace

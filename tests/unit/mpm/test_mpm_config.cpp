@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {
@@ -26,24 +27,8 @@ Json valid_3d() {
                  elastic_soil("hencky_elastic", 1e5, 0.3, 1000))}}};
 }
 
-template <class Kind = ConfigError>
-std::string error_of(const Json& json) {
-  try {
-    make_mpm(json);
-  } catch (const Kind& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-void expect_parts(const std::string& text, const std::vector<std::string>& parts) {
-  for (const auto& part : parts) {
-    EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in: " << text;
-  }
-}
-
-void expect_error(const Json& json, const std::vector<std::string>& parts) {
-  expect_parts(error_of(json), parts);
+void expect_refused(const Json& json, const std::vector<std::string_view>& parts) {
+  expect_error<ConfigError>([&] { make_mpm(json); }, parts);
 }
 
 TEST(MpmConfig, valid_scenes_in_both_dimensions) {
@@ -58,10 +43,12 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   in.integer("dimension");
   const auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
   const double M = 1e5 * 0.7 / (1.3 * 0.4);
-  EXPECT_NEAR(settings.interfaces.at(0).penalty, 0.5 * M / 0.25, 1e-6 * M);
-  EXPECT_EQ(settings.interfaces[0].mode, mpm::ContactMode::contact);
-  EXPECT_EQ(settings.interfaces[0].memory, mpm::GapMemory::accumulated);
-  EXPECT_LT(settings.interfaces[0].friction, 0);
+  const mpm::ContactLaw& law = settings.interfaces.at(0).law;
+  EXPECT_NEAR(law.penalty, 0.5 * M / 0.25, 1e-6 * M);
+  EXPECT_EQ(law.mode, mpm::ContactMode::contact);
+  EXPECT_LT(law.friction, 0);
+  const auto& points = std::get<mpm::BoundaryPointSettings>(settings.interfaces[0].method);
+  EXPECT_EQ(points.memory, mpm::GapMemory::accumulated);
   EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
   EXPECT_EQ(settings.pic_share, 0);
   EXPECT_EQ(settings.phases.at(0).scheme.alpha_m, -0.1);
@@ -71,44 +58,44 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
 TEST(MpmConfig, unknown_key_with_a_suggestion) {
   Json json = valid();
   json["gravitation"] = {0, -9.81};
-  expect_error(json, {"mpm.json", "/gravitation", "unknown", "gravity"});
+  expect_refused(json, {"mpm.json", "/gravitation", "unknown", "gravity"});
   json = valid();
   json["bodies"][0]["material"]["friction"] = 30;
-  expect_error(json, {"/bodies/0/material/friction", "unknown"});
+  expect_refused(json, {"/bodies/0/material/friction", "unknown"});
   json = valid();
   json["walls"][1]["mode"] = "slip";
-  expect_error(json, {"/walls/1/mode", "unknown", "group"});
+  expect_refused(json, {"/walls/1/mode", "unknown", "group"});
 }
 
 TEST(MpmConfig, wrong_types_and_ranges) {
   Json json = valid();
   json["bodies"][0]["material"]["density"] = -5;
-  expect_error(json, {"/bodies/0/material/density", "-5", "> 0"});
+  expect_refused(json, {"/bodies/0/material/density", "-5", "> 0"});
   json = valid();
   json["gravity"] = "down";
-  expect_error(json, {"/gravity", "\"down\"", "2 numbers"});
+  expect_refused(json, {"/gravity", "\"down\"", "2 numbers"});
   json = valid();
   json["gravity"] = {0, 0, -9.81};
-  expect_error(json, {"/gravity", "2 numbers"});
+  expect_refused(json, {"/gravity", "2 numbers"});
   json = valid();
   json["dimension"] = 4;
-  expect_error(json, {"/dimension", "4", "2 to 3"});
+  expect_refused(json, {"/dimension", "4", "2 to 3"});
   json = valid();
   json["transfer"] = {{"pic_share", 1.5}};
-  expect_error(json, {"/transfer/pic_share", "1.5", "0 to 1"});
+  expect_refused(json, {"/transfer/pic_share", "1.5", "0 to 1"});
   json["transfer"] = {{"method", "apic"}};
-  expect_error(json, {"/transfer/method", "apic", "flip, tpic"});
+  expect_refused(json, {"/transfer/method", "apic", "flip, tpic"});
   json["transfer"] = {{"method", "tpic"}, {"pic_share", 0.1}};
-  expect_error(json, {"/transfer/pic_share", "only with", "flip"});
+  expect_refused(json, {"/transfer/pic_share", "only with", "flip"});
   json = valid();
   json["bodies"] = Json::array();
-  expect_error(json, {"/bodies", "at least one body"});
+  expect_refused(json, {"/bodies", "at least one body"});
   json = valid();
   json["bodies"].push_back(json["bodies"][0]);
-  expect_error(json, {"/bodies/1/name", "soil", "second time"});
+  expect_refused(json, {"/bodies/1/name", "soil", "second time"});
   json = valid();
   json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.5}};
-  expect_error(json, {"/time_integration/alpha", "-0.5", "-1/3"});
+  expect_refused(json, {"/time_integration/alpha", "-0.5", "-1/3"});
 }
 
 std::string locking_method(const Json& json) {
@@ -130,55 +117,55 @@ TEST(MpmConfig, volumes_are_averaged_where_soil_would_lock) {
   json["locking"] = {{"method", "fbar"}};
   EXPECT_EQ(locking_method(json), "fbar");
   json["locking"] = {{"method", "bbar"}};
-  expect_error(json, {"/locking/method", "bbar", "fbar, none"});
+  expect_refused(json, {"/locking/method", "bbar", "fbar, none"});
   json["locking"] = {{"mode", "fbar"}};
-  expect_error(json, {"/locking/method"});
+  expect_refused(json, {"/locking/method"});
 }
 
 TEST(MpmConfig, small_cuts) {
   Json json = valid();
   json["small_cuts"] = {{"method", "hope"}};
-  expect_error(json, {"/small_cuts/method", "hope", "none, ghost, mass_cutoff"});
+  expect_refused(json, {"/small_cuts/method", "hope", "none, ghost, mass_cutoff"});
   json["small_cuts"] = {{"method", "ghost"}, {"ghost_factor", 0}};
-  expect_error(json, {"/small_cuts/ghost_factor", "0", "> 0"});
+  expect_refused(json, {"/small_cuts/ghost_factor", "0", "> 0"});
   json["small_cuts"] = {{"method", "none"}, {"ghost_factor", 0.1}};
-  expect_error(json, {"/small_cuts/ghost_factor", "ghost"});
+  expect_refused(json, {"/small_cuts/ghost_factor", "ghost"});
   json["small_cuts"] = {{"method", "mass_cutoff"}, {"mass_share", 0.1}};
-  expect_error(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
+  expect_refused(json, {"/small_cuts/mass_share", "0.1", "(0, 0.01]"});
   json["small_cuts"] = {{"method", "ghost"}, {"mass_share", 1e-4}};
-  expect_error(json, {"/small_cuts/mass_share", "mass_cutoff", "quasi_static"});
+  expect_refused(json, {"/small_cuts/mass_share", "mass_cutoff", "quasi_static"});
   json["small_cuts"] = {{"method", "ghost"}};
   json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
   json["basis"] = "bspline";
-  expect_error(json, {"/small_cuts/method", "ghost", "bspline"});
+  expect_refused(json, {"/small_cuts/method", "ghost", "bspline"});
   json = valid();
   json["small_cuts"] = {{"factor", 1}};
-  expect_error(json, {"/small_cuts/factor", "unknown"});
+  expect_refused(json, {"/small_cuts/factor", "unknown"});
 }
 
 TEST(MpmConfig, missing_mesh_file) {
   Json json = valid();
   json["grid"] = {{"file", "nowhere.msh"}};
-  expect_error(json, {"mpm.json", "/grid/file", "nowhere.msh"});
+  expect_refused(json, {"mpm.json", "/grid/file", "nowhere.msh"});
 }
 
 TEST(MpmConfig, missing_wall_group_names_those_that_exist) {
   for (const char* condition : {"fixed", "slip"}) {
     Json json = valid();
     json["walls"][1] = wall("floor", condition);
-    expect_error(json, {"mpm.json", "/walls/1/group", "floor", "bottom", "left", "right", "top"});
+    expect_refused(json, {"mpm.json", "/walls/1/group", "floor", "bottom", "left", "right", "top"});
   }
   Json json = valid();
   json["walls"][0]["condition"] = "rough";
-  expect_error(json, {"/walls/0/condition", "rough", "fixed, slip"});
+  expect_refused(json, {"/walls/0/condition", "rough", "fixed, slip"});
 }
 
 TEST(MpmConfig, basis_needs_cells_in_rows) {
   Json json = valid();
   json["basis"] = "gimp";
-  expect_error(json, {"mpm.json", "/basis", "\"gimp\"", "box", "quad4", "linear"});
+  expect_refused(json, {"mpm.json", "/basis", "\"gimp\"", "box", "quad4", "linear"});
   json["basis"] = "cubic";
-  expect_error(json, {"/basis", "cubic", "linear, gimp, bspline"});
+  expect_refused(json, {"/basis", "cubic", "linear, gimp, bspline"});
   json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
   for (const char* basis : {"linear", "gimp", "bspline"}) {
     json["basis"] = basis;
@@ -207,67 +194,67 @@ TEST(MpmConfig, points_of_gimp_fill_their_body) {
   json["bodies"][0]["points_per_cell"] = 1;
   EXPECT_EQ(make_mpm(json)->summary()["capped_domains"], 0);
   json["grid"]["box"]["cells"] = {8, 2, 2};
-  expect_error(json, {"/bodies/0/points_per_cell", "2 grid cells wide", "gimp"});
+  expect_refused(json, {"/bodies/0/points_per_cell", "2 grid cells wide", "gimp"});
   json = valid();
   json["bodies"][0]["point_placement"] = "regular";
-  expect_error(json, {"/bodies/0/point_placement", "regular", "tri3", "gauss"});
+  expect_refused(json, {"/bodies/0/point_placement", "regular", "tri3", "gauss"});
   json["bodies"][0]["point_placement"] = "random";
-  expect_error(json, {"/bodies/0/point_placement", "random", "gauss, regular"});
+  expect_refused(json, {"/bodies/0/point_placement", "random", "gauss, regular"});
 }
 
 TEST(MpmConfig, interfaces) {
   Json json = valid();
   json["interfaces"][0]["mode"] = "slip";
   json["interfaces"][0]["friction"] = 0.3;
-  expect_error(json, {"/interfaces/0/friction", "contact"});
+  expect_refused(json, {"/interfaces/0/friction", "contact"});
   json = valid();
   json["interfaces"][0]["friction"] = -0.3;
-  expect_error(json, {"/interfaces/0/friction", "-0.3", ">= 0"});
+  expect_refused(json, {"/interfaces/0/friction", "-0.3", ">= 0"});
   json = valid();
   json["interfaces"][0]["mode"] = "glue";
-  expect_error(json, {"/interfaces/0/mode", "glue", "fixed, contact, slip"});
+  expect_refused(json, {"/interfaces/0/mode", "glue", "fixed, contact, slip"});
   json = valid();
   json["interfaces"][0]["penalty"] = 1e6;
   json["interfaces"][0]["penalty_factor"] = 20;
-  expect_error(json, {"/interfaces/0/penalty_factor", "only one of", "\"penalty\""});
+  expect_refused(json, {"/interfaces/0/penalty_factor", "only one of", "\"penalty\""});
   json = valid();
   json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}};
-  expect_error(json, {"/interfaces/0/surface/polyline", "two points"});
+  expect_refused(json, {"/interfaces/0/surface/polyline", "two points"});
   json = valid();
   json["interfaces"][0]["surface"] = {{"mesh", box({1, 0}, {2, 1}, {1, 1}, "quad4")},
                                       {"groups", {"roof"}}};
-  expect_error(json, {"/interfaces/0/surface/groups", "roof", "bottom", "left", "right", "top"});
+  expect_refused(json, {"/interfaces/0/surface/groups", "roof", "bottom", "left", "right", "top"});
   json = valid();
   json["interfaces"].push_back(json["interfaces"][0]);
-  expect_error(json, {"/interfaces/1/name", "plate", "second time"});
+  expect_refused(json, {"/interfaces/1/name", "plate", "second time"});
   json = valid_3d();
   json["interfaces"] = valid()["interfaces"];
-  expect_error(json, {"/interfaces/0/surface/polyline", "2D only"});
+  expect_refused(json, {"/interfaces/0/surface/polyline", "2D only"});
 }
 
 TEST(MpmConfig, surfaces_with_too_many_parts) {
   Json json = valid();
   Json& surface = json["interfaces"][0]["surface"];
   surface["spacing"] = 1e-9;
-  expect_error(json, {"/interfaces/0/surface/spacing", "1e-09", "500000000 segments", "1000000"});
+  expect_refused(json, {"/interfaces/0/surface/spacing", "1e-09", "500000000 segments", "1000000"});
   surface["spacing"] = 1e-300;
-  expect_error(json, {"/interfaces/0/surface/spacing", "1e-300", "segments", "1000000"});
+  expect_refused(json, {"/interfaces/0/surface/spacing", "1e-300", "segments", "1000000"});
   surface["spacing"] = 5e-324;
-  expect_error(json, {"/interfaces/0/surface/spacing", "inf segments"});
+  expect_refused(json, {"/interfaces/0/surface/spacing", "inf segments"});
   surface["spacing"] = 100;
   EXPECT_EQ(mpm_settings<2>(json).interfaces[0].surface.vertices.size(), 2u);
   json["interfaces"][0]["points_per_facet"] = 2000000000;
-  expect_error(json, {"/interfaces/0/points_per_facet", "2000000000 boundary points", "1000000"});
+  expect_refused(json, {"/interfaces/0/points_per_facet", "2000000000 boundary points", "1000000"});
   json = valid();
   json["rigid_walls"] = json["interfaces"];
   json["rigid_walls"][0]["surface"]["spacing"] = 1e-9;
-  expect_error(json, {"/rigid_walls/0/surface/spacing", "500000000 segments"});
+  expect_refused(json, {"/rigid_walls/0/surface/spacing", "500000000 segments"});
 }
 
 TEST(MpmConfig, polyline_with_a_repeated_point) {
   Json json = valid();
   json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}, {1.5, 0.2}, {1.5, 0.2}, {1.5, 0}};
-  expect_error(json, {"mpm.json: at /interfaces/0/surface/polyline/2:", "(1.5, 0.2)"});
+  expect_refused(json, {"mpm.json: at /interfaces/0/surface/polyline/2:", "(1.5, 0.2)"});
 }
 
 TEST(MpmConfig, names_that_no_table_can_hold) {
@@ -275,39 +262,40 @@ TEST(MpmConfig, names_that_no_table_can_hold) {
     for (const char* list : {"bodies", "interfaces"}) {
       Json json = valid();
       json[list][0]["name"] = name;
-      expect_error(json, {"mpm.json: at /" + std::string(list) + "/0/name:", "letters, digits"});
+      const std::string place = "mpm.json: at /" + std::string(list) + "/0/name:";
+      expect_refused(json, {place, "letters, digits"});
     }
     Json json = valid();
     json["rigid_walls"] = json["interfaces"];
     json["rigid_walls"][0]["name"] = name;
-    expect_error(json, {"mpm.json: at /rigid_walls/0/name:", "letters, digits"});
+    expect_refused(json, {"mpm.json: at /rigid_walls/0/name:", "letters, digits"});
     json = valid();
     json["probes"] = {{{"name", name}, {"point", {0.5, 0.5}}}};
-    expect_error(json, {"mpm.json: at /probes/0/name:", "letters, digits"});
+    expect_refused(json, {"mpm.json: at /probes/0/name:", "letters, digits"});
   }
 }
 
 TEST(MpmConfig, what_is_given_twice) {
   Json json = valid();
   json["walls"].push_back(wall("bottom", "slip"));
-  expect_error(json, {"mpm.json: at /walls/2/group:", "bottom", "second time"});
+  expect_refused(json, {"mpm.json: at /walls/2/group:", "bottom", "second time"});
   json = valid();
   json["interfaces"].push_back(json["interfaces"][0]);
   json["interfaces"][1]["name"] = "other";
-  expect_error(json, {"mpm.json: at /interfaces/1/surface:", "(1.5, 0.5)", "second time"});
+  expect_refused(json, {"mpm.json: at /interfaces/1/surface:", "(1.5, 0.5)", "second time"});
   // The other side of a thin plate.
   json["interfaces"][1]["surface"]["polyline"] = {{1.5, 0}, {1.5, 0.5}};
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
   json = valid();
   json["interfaces"][0]["surface"] = {{"mesh", box({1, 0}, {2, 1}, {1, 1}, "quad4")},
                                       {"groups", {"left", "left"}}};
-  expect_error(json, {"/interfaces/0/surface", "second time"});
+  expect_refused(json, {"/interfaces/0/surface", "second time"});
   json = valid_3d();
   json["interfaces"] = {
       {{"name", "block"},
        {"surface",
         {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, "hex8")}, {"groups", {"left", "left"}}}}}};
-  expect_error(json, {"/interfaces/0/surface", "second time"});
+  expect_refused(json, {"/interfaces/0/surface", "second time"});
 }
 
 /// In 3D the default count of boundary points fits the facets.
@@ -318,41 +306,42 @@ TEST(MpmConfig, three_dimensional_surfaces) {
         {{"name", "block"},
          {"surface",
           {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, type)}, {"groups", {"left"}}}}}};
-    EXPECT_EQ(error_of(json), "no error") << type;
+    EXPECT_NO_THROW(make_mpm(json)) << type;
     json["interfaces"][0]["points_per_facet"] = 5;
-    expect_error(json, {"/interfaces/0/points_per_facet", "5"});
+    expect_refused(json, {"/interfaces/0/points_per_facet", "5"});
   }
 }
 
 TEST(MpmConfig, averaged_forces_at_an_interface) {
   Json json = valid();
   json["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
-  expect_error(json, {"mpm.json", "/time_integration", "interfaces", "bossak", "rho_inf 0"});
+  expect_refused(json, {"mpm.json", "/time_integration", "interfaces", "bossak", "rho_inf 0"});
   json["time_integration"]["rho_inf"] = 0;
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
   json["time_integration"]["rho_inf"] = 1.2;
-  expect_error(json, {"/time_integration/rho_inf", "1.2", "0 to 1"});
+  expect_refused(json, {"/time_integration/rho_inf", "1.2", "0 to 1"});
   json["time_integration"]["rho_inf"] = 0.8;
   json.erase("interfaces");
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
 }
 
 TEST(MpmConfig, counts_of_points_that_are_not_offered) {
   Json json = valid();
   json["bodies"][0]["points_per_cell"] = 5;
-  expect_error(json, {"mpm.json", "/bodies/0/points_per_cell", "5", "tri3", "1, 3, 4, 6"});
+  expect_refused(json, {"mpm.json", "/bodies/0/points_per_cell", "5", "tri3", "1, 3, 4, 6"});
 }
 
 TEST(MpmConfig, body_outside_the_grid) {
   Json json = valid();
   json["bodies"][0]["mesh"] = box({1.5, 0}, {2.5, 0.5}, {4, 2}, "quad4");
   json["bodies"][0]["points_per_cell"] = 1;
-  expect_error(json, {"mpm.json: at /bodies/0:", "material point 2", "(2.125, 0.125)", "outside"});
+  expect_refused(json,
+                 {"mpm.json: at /bodies/0:", "material point 2", "(2.125, 0.125)", "outside"});
   json = valid();
   json["bodies"].push_back(json["bodies"][0]);
   json["bodies"][1]["name"] = "rock";
   json["bodies"][1]["mesh"] = box({1.5, 0}, {2.5, 0.5}, {4, 2}, "tri3");
-  expect_error(json, {"mpm.json: at /bodies/1:", "outside"});
+  expect_refused(json, {"mpm.json: at /bodies/1:", "outside"});
 }
 
 TEST(MpmConfig, step_control) {
@@ -365,24 +354,25 @@ TEST(MpmConfig, step_control) {
   EXPECT_FALSE(mpm_settings<2>(valid()).step_control.any());
   for (const char* key : {"advective", "strain", "approach"}) {
     json["step_control"] = {{key, 1.5}};
-    expect_error(json, {std::string("/step_control/") + key, "1.5", "(0, 1]"});
+    const std::string place = std::string("/step_control/") + key;
+    expect_refused(json, {place, "1.5", "(0, 1]"});
   }
   json["step_control"] = {{"newton_target", 0}};
-  expect_error(json, {"/step_control/newton_target", "0", ">= 1"});
+  expect_refused(json, {"/step_control/newton_target", "0", ">= 1"});
   json["step_control"] = {{"courant", 2}};
-  expect_error(json, {"/step_control/courant", "unknown"});
+  expect_refused(json, {"/step_control/courant", "unknown"});
 }
 
 TEST(MpmConfig, outside) {
   Json json = valid();
   json["outside"] = "clamp";
-  expect_error(json, {"/outside", "\"clamp\"", "error, remove"});
+  expect_refused(json, {"/outside", "\"clamp\"", "error, remove"});
 }
 
 TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   Json json = valid();
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
-  expect_error(json, {"/time", "unknown"});
+  expect_refused(json, {"/time", "unknown"});
   json["output"] = {{"interval", 0.5}};
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
@@ -396,58 +386,58 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
 TEST(MpmConfig, what_has_no_meaning_without_inertia) {
   Json json = valid();
   json["analysis"] = "static";
-  expect_error(json, {"/analysis", "\"static\"", "dynamic, quasi_static"});
+  expect_refused(json, {"/analysis", "\"static\"", "dynamic, quasi_static"});
   json["analysis"] = "quasi_static";
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
   json["time_integration"] = {{"scheme", "newmark"}};
-  expect_error(json, {"/time_integration", "no meaning", "quasi_static"});
+  expect_refused(json, {"/time_integration", "no meaning", "quasi_static"});
   json.erase("time_integration");
   json["transfer"] = {{"pic_share", 0.1}};
-  expect_error(json, {"/transfer", "no meaning", "quasi_static"});
+  expect_refused(json, {"/transfer", "no meaning", "quasi_static"});
   json.erase("transfer");
   json["bodies"][0]["velocity"] = {0, 1};
-  expect_error(json, {"/bodies/0/velocity", "zero", "quasi-static"});
+  expect_refused(json, {"/bodies/0/velocity", "zero", "quasi-static"});
 }
 
 TEST(MpmConfig, gravity_ramp) {
   Json json = valid();
   json["gravity_ramp"] = {{"duration", 0}};
-  expect_error(json, {"/gravity_ramp/duration", "0", "> 0"});
+  expect_refused(json, {"/gravity_ramp/duration", "0", "> 0"});
   json["gravity_ramp"] = {{"duration", 1}, {"shape", "cubic"}};
-  expect_error(json, {"/gravity_ramp/shape", "cubic", "linear, smooth"});
+  expect_refused(json, {"/gravity_ramp/shape", "cubic", "linear, smooth"});
 }
 
 TEST(MpmConfig, motion_of_walls) {
   Json json = valid();
   json["walls"][1]["motion"] = Json::object();
-  expect_error(json, {"/walls/1/motion/velocity", "exactly one", "table"});
+  expect_refused(json, {"/walls/1/motion/velocity", "exactly one", "table"});
   json["walls"][1]["motion"] = {{"velocity", {1}}};
-  expect_error(json, {"/walls/1/motion/velocity", "2 numbers"});
+  expect_refused(json, {"/walls/1/motion/velocity", "2 numbers"});
   json["walls"][1]["motion"] = {{"table", {{0, 1, 0}, {0, 2, 0}}}};
-  expect_error(json, {"/walls/1/motion/table/1", "after 0", "increasing"});
+  expect_refused(json, {"/walls/1/motion/table/1", "after 0", "increasing"});
   json["walls"][1]["motion"] = {{"table", Json::array()}};
-  expect_error(json, {"/walls/1/motion/table", "at least one row"});
+  expect_refused(json, {"/walls/1/motion/table", "at least one row"});
 }
 
 TEST(MpmConfig, phases) {
   Json json = valid();
   json["phases"] = Json::array();
-  expect_error(json, {"/phases", "at least one phase"});
+  expect_refused(json, {"/phases", "at least one phase"});
   json["phases"] = {{{"until", 1}}, {{"until", 2}}};
-  expect_error(json, {"/phases/1/until", "last one"});
+  expect_refused(json, {"/phases/1/until", "last one"});
   json["phases"] = {{{"analysis", "quasi_static"}}, Json::object()};
-  expect_error(json, {"/phases/0/until"});
+  expect_refused(json, {"/phases/0/until"});
   json["phases"] = {{{"until", 2}}, {{"until", 1}}, Json::object()};
-  expect_error(json, {"/phases/1/until", "found 1", "after the start of the phase, 2"});
+  expect_refused(json, {"/phases/1/until", "found 1", "after the start of the phase, 2"});
   json["phases"] = {{{"until", 2}, {"dt", 0}}, Json::object()};
-  expect_error(json, {"/phases/0/dt", "> 0"});
+  expect_refused(json, {"/phases/0/dt", "> 0"});
   json["phases"] = {{{"until", 2}, {"walls", {wall("floor", "slip")}}}, Json::object()};
-  expect_error(json, {"/phases/0/walls/0/group", "floor", "bottom"});
+  expect_refused(json, {"/phases/0/walls/0/group", "floor", "bottom"});
   json["phases"] = {{{"until", 2}},
                     {{"analysis", "quasi_static"}, {"time_integration", trapezoid}}};
-  expect_error(json, {"/phases/1/time_integration", "no meaning", "quasi_static"});
+  expect_refused(json, {"/phases/1/time_integration", "no meaning", "quasi_static"});
   json["phases"] = {{{"until", 2}, {"gravity", {0, 1}}}, Json::object()};
-  expect_error(json, {"/phases/0/gravity", "unknown"});
+  expect_refused(json, {"/phases/0/gravity", "unknown"});
 }
 
 /// A lone run knows its steps, and so whether one of them can end where a phase does.
@@ -465,12 +455,8 @@ TEST(MpmConfig, phases_end_on_the_raster_of_the_steps) {
   json["phases"] = {{{"until", 0.325}}, Json::object()};
   EXPECT_NO_THROW(read(json));
   json["phases"] = {{{"until", 0.33}}, Json::object()};
-  try {
-    read(json);
-    FAIL();
-  } catch (const ConfigError& error) {
-    expect_parts(error.what(), {"/phases/0/until", "0.33", "multiple of time/dt = 0.1"});
-  }
+  expect_error<ConfigError>([&] { read(json); },
+                            {"/phases/0/until", "0.33", "multiple of time/dt = 0.1"});
 }
 
 TEST(MpmConfig, initial_stress) {
@@ -480,25 +466,25 @@ TEST(MpmConfig, initial_stress) {
   json["bodies"][0]["mesh"] = box({0, 0}, {2, 0.5}, {8, 2}, "tri3");
   Json& stress = json["bodies"][0]["initial_stress"];
   stress = {{"k0", "elastic"}, {"surface", 0.5}};
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
   stress["k0"] = "jaky";
-  expect_error(json, {"/bodies/0/initial_stress/k0", "hencky_elastic", "friction angle"});
+  expect_refused(json, {"/bodies/0/initial_stress/k0", "hencky_elastic", "friction angle"});
   stress["k0"] = -0.5;
-  expect_error(json, {"/bodies/0/initial_stress/k0", "-0.5", ">= 0"});
+  expect_refused(json, {"/bodies/0/initial_stress/k0", "-0.5", ">= 0"});
   stress["k0"] = "active";
-  expect_error(json, {"/bodies/0/initial_stress/k0", "active", "elastic, jaky"});
+  expect_refused(json, {"/bodies/0/initial_stress/k0", "active", "elastic, jaky"});
   stress["k0"] = 0.5;
   stress["ocr"] = 0.5;
-  expect_error(json, {"/bodies/0/initial_stress/ocr", "0.5"});
+  expect_refused(json, {"/bodies/0/initial_stress/ocr", "0.5"});
   stress.erase("ocr");
   stress["surface"] = 0.4;
-  expect_error(json, {"/bodies/0/initial_stress", "material point", "above the surface"});
+  expect_refused(json, {"/bodies/0/initial_stress", "material point", "above the surface"});
   stress["surface"] = 0.5;
   json["gravity"] = {1, -10};
-  expect_error(json, {"/bodies/0/initial_stress", "gravity against the last axis"});
+  expect_refused(json, {"/bodies/0/initial_stress", "gravity against the last axis"});
   json["gravity"] = {0, -10};
   json["bodies"][0]["material"]["law"] = "neo_hookean";
-  expect_error(json, {"/bodies/0/initial_stress/k0", "neo_hookean", "Hencky"});
+  expect_refused(json, {"/bodies/0/initial_stress/k0", "neo_hookean", "Hencky"});
 }
 
 /// Without the wall at its right side the soil is not in balance.
@@ -506,9 +492,9 @@ TEST(MpmConfig, initial_stress_without_support) {
   Json json = valid();
   json["gravity"] = {0, -10};
   json["bodies"][0]["initial_stress"] = {{"k0", 0.5}, {"surface", 0.5}};
-  expect_error(json, {"/bodies/0/initial_stress/k0", "not in balance", "max_displacement"});
+  expect_refused(json, {"/bodies/0/initial_stress/k0", "not in balance", "max_displacement"});
   json["bodies"][0]["initial_stress"]["max_displacement"] = 1;
-  EXPECT_EQ(error_of(json), "no error");
+  EXPECT_NO_THROW(make_mpm(json));
 }
 
 TEST(MpmConfig, initial_stress_that_the_soil_does_not_bear) {
@@ -518,7 +504,7 @@ TEST(MpmConfig, initial_stress_that_the_soil_does_not_bear) {
   json["bodies"][0]["material"]["friction_angle"] = 30;
   for (const double k0 : {0.3, 3.1}) {
     json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", 0.5}, {"max_displacement", 9}};
-    expect_error(
+    expect_refused(
         json, {"/bodies/0/initial_stress/k0", "material point 0", "would yield", "[0.333333, 3]"});
   }
 }

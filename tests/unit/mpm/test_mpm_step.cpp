@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
 namespace gabion::test {
@@ -198,7 +199,11 @@ TEST(MpmStep, a_step_that_fails_may_be_repeated_with_a_smaller_one) {
   const auto solver = mpm_solver<2>(json), careful = mpm_solver<2>(json);
   const auto before = solver->points();
   InterfaceValues sent;
-  EXPECT_THROW(solver->solve_step({1, 0, 0, 0.5}, plate_at(0.3), sent), ConvergenceError);
+  expect_error<ConvergenceError>(
+      [&] {
+        solver->solve_step({1, 0, 0, 0.5}, plate_at(0.3), sent);
+      },
+      {"iteration limit reached"});
   solver->reject_step();
   EXPECT_TRUE(same_bits(solver->points(), before));
   for (int n = 1; n <= 2; ++n) {
@@ -213,10 +218,20 @@ TEST(MpmStep, a_step_that_fails_may_be_repeated_with_a_smaller_one) {
 
 TEST(MpmStep, only_a_solved_step_is_accepted) {
   const auto solver = mpm_solver<2>(pushed());
-  EXPECT_THROW(solver->accept_step({1, 0, 0, 0.001}, true), Error);
+  const auto accept = [&](double dt, bool solved) {
+    expect_error<Error>(
+        [&] {
+          solver->accept_step({1, 0, 0, dt}, solved);
+        },
+        {"a step was accepted that was not solved"});
+  };
+  accept(0.001, true);  // none was solved
   InterfaceValues sent;
   solver->solve_step({1, 0, 0, 0.001}, plate_at(0.001), sent);
-  EXPECT_THROW(solver->accept_step({1, 0, 0, 0.001}, false), Error);
+  accept(0.001, false);
+  accept(0.002, true);  // another one was
+  solver->accept_step({1, 0, 0, 0.001}, true);
+  accept(0.001, true);  // twice
 }
 
 TEST(MpmStep, a_surface_far_from_the_soil_is_inactive) {

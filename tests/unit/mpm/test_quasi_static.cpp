@@ -97,6 +97,16 @@ TEST(QuasiStatic, newton_converges_quadratically_in_yielding_soil) {
   EXPECT_LE(report.newton_iterations, 7);
 }
 
+std::int32_t join(SoilPatch<2>& soil, const mpm::WallConditions<2>& walls, double share) {
+  return mpm::join_light_nodes<2>(comm(),
+                                  {.grid = soil.grid,
+                                   .points = soil.points,
+                                   .weights = soil.weights,
+                                   .walls = walls,
+                                   .share = share},
+                                  soil.nodes);
+}
+
 /// A bar of points one of which just entered the cell above: its far nodes carry 1e-6 of its mass.
 TEST(LightNodes, join_the_nearest_heavy_node_and_keep_the_mass) {
   SoilPatch<2> soil(CellType::quad4, 3);
@@ -114,10 +124,8 @@ TEST(LightNodes, join_the_nearest_heavy_node_and_keep_the_mass) {
   const std::int32_t before = soil.nodes.size();
   EXPECT_EQ(before, 8);
   const mpm::WallConditions<2> free(soil.grid.mesh, {});
-  EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, free, 1e-8, soil.nodes),
-            0);
-  EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, free, 1e-4, soil.nodes),
-            2);
+  EXPECT_EQ(join(soil, free, 1e-8), 0);
+  EXPECT_EQ(join(soil, free, 1e-4), 2);
   EXPECT_EQ(soil.nodes.size(), 6);
   points_to_grid(comm(), soil.points, soil.weights, soil.nodes);
   EXPECT_NEAR(total(), mass, 1e-14 * mass);
@@ -131,14 +139,11 @@ TEST(LightNodes, nodes_of_walls_stay) {
   soil.add({0.5, 1e-6});
   soil.to_grid();
   const mpm::WallConditions<2> roof(soil.grid.mesh, {{"top", false, "here", {}}});
-  EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, roof, 1e-4, soil.nodes),
-            0);
+  EXPECT_EQ(join(soil, roof, 1e-4), 0);
   const mpm::WallConditions<2> floor(soil.grid.mesh, {{"bottom", false, "here", {}}});
-  EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, floor, 1e-4, soil.nodes),
-            0);
+  EXPECT_EQ(join(soil, floor, 1e-4), 0);
   const mpm::WallConditions<2> free(soil.grid.mesh, {});
-  EXPECT_EQ(join_light_nodes(comm(), soil.grid, soil.points, soil.weights, free, 1e-4, soil.nodes),
-            2);
+  EXPECT_EQ(join(soil, free, 1e-4), 2);
 }
 
 /// The column settles by a hair into points just above a row of nodes, and the steps go on.

@@ -148,8 +148,8 @@ Eigen::MatrixXd stiffness_below(const Vector<2>& lone_point, bool with_ghost) {
   CutSoil<2> cut(CellType::quad4, 4);
   auto& soil = cut.soil;
   lay_points<2>(
-      {box_mesh<2>({0.0, 0.0}, {1.0, 0.5}, {4, 2}, CellType::quad4), 4, Vector<2>::Zero()}, 1, 0, 0,
-      1, soil.points);
+      {box_mesh<2>({0.0, 0.0}, {1.0, 0.5}, {4, 2}, CellType::quad4), 4, Vector<2>::Zero()}, 1, {},
+      soil.points);
   soil.add(lone_point);
   soil.points.V0.back() = 1.0 / 64;
   cut.begin();

@@ -191,14 +191,32 @@ TEST(LayPoints, volume_mass_and_shares_of_ranks) {
       std::vector<Vector<dim>> x;
       for (int part = 0; part < 3; ++part) {
         mpm::MaterialPoints<dim> share;
-        const auto total = mpm::lay_points<dim>({parts.grid.mesh, count, Vector<dim>::Zero()}, 7,
-                                                100, part, 3, share);
+        const auto total =
+            mpm::lay_points<dim>({parts.grid.mesh, count, Vector<dim>::Zero()}, 7,
+                                 {.first_id = 100, .part = part, .num_parts = 3}, share);
         EXPECT_EQ(total, whole.points.size());
         EXPECT_EQ(share.id.front(), 100 + static_cast<std::int64_t>(x.size()));
         x.insert(x.end(), share.x.begin(), share.x.end());
       }
       EXPECT_EQ(x, whole.points.x);
     }
+  });
+}
+
+/// Taking points out takes them out of every field, in order; `id` says which they were.
+TEST(MaterialPoints, every_field_loses_the_points_that_are_removed) {
+  SoilPatch<2> soil(CellType::quad4, 2, mpm::Basis::gimp);
+  soil.scatter(6);
+  add_gradients(soil.points);
+  const auto before = soil.points;
+  const std::vector<std::int32_t> which = {0, 3, 4};
+  mpm::remove_points<2>(which, soil.points);
+  EXPECT_EQ(soil.points.id, (std::vector<std::int64_t>{1, 2, 5}));
+  EXPECT_EQ(soil.points.body_starts, (std::vector<std::int32_t>{0, 3}));
+  EXPECT_EQ(soil.points.x[1], before.x[2]);
+  EXPECT_EQ(soil.points.half_length[2], before.half_length[5]);
+  mpm::for_each_field<2>([&](const char* field, auto member, mpm::FieldKind) {
+    EXPECT_EQ((soil.points.*member).size(), 3u) << field;
   });
 }
 

@@ -20,7 +20,7 @@ struct DrivenBlock {
     soil.bodies = {{"block", {"", 1, law}}};
     const auto count = Eigen::Matrix<int, dim, 1>::Constant(cells);
     lay_points<dim>({box_mesh<dim>(low, high, count, type), points_per_cell, Vector<dim>::Zero()},
-                    1, 0, 0, 1, soil.points);
+                    1, {}, soil.points);
   }
 
   /// One step in which each node moves by H (x - centre); accepted.

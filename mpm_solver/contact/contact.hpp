@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/run/state.hpp"
+#include "mpm_solver/contact/contact_settings.hpp"
+#include "mpm_solver/grid/grid_nodes.hpp"
+
+namespace gabion::mpm {
+
+/// What a step shows a contact of the soil, at the accepted positions.
+template <int dim>
+struct SoilSurface {
+  const BackgroundGrid<dim>& grid;
+  const GridNodes<dim>& nodes;               ///< active ones
+  const MaterialPoints<dim>& points;         ///< of this rank
+  const PointWeights<dim>& weights;          ///< of this rank's points
+  std::span<const std::int32_t> occupied{};  ///< 1 for grid cells with a point of any rank
+  double reach = 0;                          ///< how far soil extends beyond its points [m]
+};
+
+/// How a contact stands after the last add_forces.
+struct ContactCounts {
+  int closed = 0;          ///< places that carry force
+  int sliding = 0;         ///< of them, those at the friction limit
+  double penetration = 0;  ///< largest [m]
+};
+
+/// A surface that touches the soil: between them act equal and opposite forces, by a method of its
+/// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
+/// or the next begin_step. Forces are those of the first rank; all ranks hold the same state.
+template <int dim>
+class Contact {
+ public:
+  Contact() = default;
+  Contact(const Contact&) = delete;
+  Contact& operator=(const Contact&) = delete;
+  Contact(Contact&&) = delete;
+  Contact& operator=(Contact&&) = delete;
+  virtual ~Contact() = default;
+
+  /// Start a step from the accepted state: find the soil that the surface can touch in it.
+  virtual void begin_step(const SoilSurface<dim>& soil) = 0;
+  /// Whether a force can arise in this step.
+  virtual bool can_touch() const = 0;
+  /// Whether the stiffness of this step is symmetric.
+  virtual bool symmetric() const = 0;
+  /// Cells that carry contact terms, as lists of active nodes (for the matrix pattern).
+  virtual void append_cells(std::vector<std::int32_t>& offsets,
+                            std::vector<std::int32_t>& nodes) const = 0;
+
+  /// Displacement of the surface at the end of the step, num_vertices x dim, from the reference.
+  virtual void set_displacement(std::span<const double> displacement) = 0;
+  /// Add the contact force to r and its stiffness -df/du to K (may be null).
+  virtual void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) = 0;
+
+  // All of the following are those of the last add_forces.
+
+  /// Nodal forces of the soil on the structure, num_vertices x dim [N].
+  virtual std::vector<double> forces_on_structure() const = 0;
+  /// Their sum, and the sum of their moments about the origin, at the positions at the start of the
+  /// step.
+  struct Resultant {
+    Vector<dim> force = Vector<dim>::Zero();                                 ///< [N]
+    Vector<dim == 2 ? 1 : 3> moment = Vector < dim == 2 ? 1 : 3 > ::Zero();  ///< [N m]
+  };
+  virtual Resultant resultant() const = 0;
+  /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
+  /// and the present ones [J].
+  virtual double work_on_soil(std::span<const double> du) const = 0;
+  virtual ContactCounts counts() const = 0;
+  /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
+  /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite
+  /// when it comes no nearer.
+  virtual double approach_step(double dt, double margin) const = 0;
+
+  /// Make the end of the step the accepted state.
+  virtual void accept() = 0;
+  /// Save or load the accepted state. Names begin with `prefix`.
+  virtual void visit_state(StateVisitor& visitor, const std::string& prefix) = 0;
+};
+
+template <int dim>
+using Contacts = std::vector<std::unique_ptr<Contact<dim>>>;
+
+/// The contact of the method that the settings ask for.
+template <int dim>
+std::unique_ptr<Contact<dim>> make_contact(const ContactSettings<dim>& settings);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/contact_config.hpp"
+
+#include <map>
+
+#include "mpm_solver/config_checks.hpp"
+#include "mpm_solver/contact/surface_config.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// The keys of the method boundary_points.
+template <int dim>
+BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSurface<dim>& surface) {
+  BoundaryPointSettings points;
+  points.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
+                      ? GapMemory::step
+                      : GapMemory::accumulated;
+  const CellType facet = surface.facet_type;
+  points.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
+  if constexpr (dim == 3) {
+    check_point_rule<2>(in, "points_per_facet", facet, points.points_per_facet);
+  }
+  check_point_count(in, surface, points.points_per_facet);
+  return points;
+}
+
+// The keys that all methods have in common.
+ContactLaw read_contact_law(ConfigReader& in, double penalty_unit) {
+  static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
+                                                           {"contact", ContactMode::contact},
+                                                           {"slip", ContactMode::slip}};
+  ContactLaw law;
+  law.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
+  if (in.has("penalty") && in.has("penalty_factor")) {
+    in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
+  }
+  if (in.has("penalty")) {
+    law.penalty = in.number("penalty", positive());
+  } else {
+    law.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
+  }
+  if (in.has("friction")) {
+    if (law.mode != ContactMode::contact) {
+      in.fail("friction", "allowed only with \"mode\": \"contact\"");
+    }
+    law.friction = in.number("friction", non_negative());
+  }
+  law.tangential_share =
+      in.number_or("tangential_share", law.friction < 0 ? 1 : 0.1, between(1e-6, 1));
+  return law;
+}
+
+// What interfaces and rigid walls have in common.
+template <int dim>
+ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  ContactSettings<dim> boundary;
+  boundary.name = in.name("name");
+  boundary.surface = read_surface<dim>(scene, in.object("surface"));
+  boundary.law = read_contact_law(in, penalty_unit);
+  boundary.method = read_boundary_points<dim>(in, boundary.surface);
+  return boundary;
+}
+
+template <int dim>
+ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
+  in.finish();
+  return boundary;
+}
+
+template <int dim>
+RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  RigidWallSettings<dim> wall;
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
+  wall.name = wall.boundary.name;
+  if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
+  in.finish();
+  return wall;
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<ContactSettings<dim>> read_interfaces(const Scene& scene, ConfigReader& in,
+                                                  double penalty_unit) {
+  std::vector<ContactSettings<dim>> interfaces;
+  SeenFacets<dim> facets;
+  for (auto& item : in.objects_or_none("interfaces")) {
+    interfaces.push_back(read_interface<dim>(scene, item, penalty_unit));
+    require_own_name(item, interfaces);
+    require_new_facets(item, interfaces.back().surface, facets);
+  }
+  return interfaces;
+}
+
+template <int dim>
+std::vector<RigidWallSettings<dim>> read_rigid_walls(const Scene& scene, ConfigReader& in,
+                                                     double penalty_unit) {
+  std::vector<RigidWallSettings<dim>> walls;
+  SeenFacets<dim> facets;
+  for (auto& item : in.objects_or_none("rigid_walls")) {
+    walls.push_back(read_rigid_wall<dim>(scene, item, penalty_unit));
+    require_own_name(item, walls);
+    require_new_facets(item, walls.back().boundary.surface, facets);
+  }
+  return walls;
+}
+
+template std::vector<ContactSettings<2>> read_interfaces<2>(const Scene&, ConfigReader&, double);
+template std::vector<ContactSettings<3>> read_interfaces<3>(const Scene&, ConfigReader&, double);
+template std::vector<RigidWallSettings<2>> read_rigid_walls<2>(const Scene&, ConfigReader&, double);
+template std::vector<RigidWallSettings<3>> read_rigid_walls<3>(const Scene&, ConfigReader&, double);
+
+}  // namespace gabion::mpm

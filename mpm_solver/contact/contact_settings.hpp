@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/mechanics/mesh/mesh.hpp"
+#include "common/run/solver.hpp"
+#include "mpm_solver/contact/contact_law.hpp"
+#include "mpm_solver/contact/rigid_motion.hpp"
+
+namespace gabion::mpm {
+
+/// The soil's copy of a structure's surface.
+template <int dim>
+struct ContactSurface {
+  std::vector<Vector<dim>> vertices;  ///< [m], reference configuration
+  CellType facet_type = CellType::line2;
+  std::vector<std::int32_t> facets;  ///< normals point out of the structure, into the soil
+};
+
+/// What the penalty of boundary points acts on.
+enum class GapMemory {
+  accumulated,  ///< gap since soil came into the point's cell: force independent of the step size
+  step,         ///< displacement of this step only: the force depends on the step size
+};
+
+/// Of the method `boundary_points`.
+struct BoundaryPointSettings {
+  GapMemory memory = GapMemory::accumulated;
+  int points_per_facet = 2;
+};
+
+/// What all methods of contact share, and one of them.
+template <int dim>
+struct ContactSettings {
+  std::string name;  ///< of the interface or the wall
+  ContactSurface<dim> surface;
+  ContactLaw law;
+  std::variant<BoundaryPointSettings> method;
+};
+
+/// A surface that moves as given, whatever the soil does.
+template <int dim>
+struct RigidWallSettings {
+  std::string name;
+  ContactSettings<dim> boundary;
+  RigidMotion<dim> motion;
+};
+
+/// The surface as the coupler sees it.
+template <int dim>
+InterfaceMesh interface_mesh(const ContactSettings<dim>& settings);
+
+}  // namespace gabion::mpm

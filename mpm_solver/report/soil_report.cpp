@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/report/soil_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/log.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+SoilReport<dim>::SoilReport(const SoilModel<dim>& model, const std::string& output_folder)
+    : model_(model), output_(model.comm, output_folder) {}
+
+template <int dim>
+void SoilReport<dim>::log_start(const SoilState<dim>& state,
+                                const PointWeights<dim>& weights) const {
+  const LockingCure& locking = model_.settings.locking;
+  log::info("F-bar against volumetric locking: {} ({})", locking.average_volumes ? "on" : "off",
+            locking.reason);
+  log::info(
+      "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
+      model_.grid.mesh.num_cells(), model_.grid.mesh.num_nodes_total(), model_.cell_size,
+      model_.wave_speed);
+  std::vector<double> counts = {static_cast<double>(state.points.size()),
+                                static_cast<double>(weights.N.size())};
+  sum_over_ranks(model_.comm, std::span<double>(counts));
+  log::info("basis: {}, {:.3g} nodes a point", basis_name(model_.grid.basis),
+            counts[1] / counts[0]);
+}
+
+template <int dim>
+std::vector<std::string> SoilReport<dim>::probe_names() const {
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  const MpmSettings<dim>& settings = model_.settings;
+  std::vector<std::string> names = {"mass", "kinetic_energy", "elastic_energy"};
+  for (int d = 0; d < dim; ++d) names.push_back(fmt::format("momentum_{}", axes[d]));
+  for (const auto& body : settings.bodies) {
+    names.push_back(settings.bodies.size() == 1 ? "front" : "front_" + body.name);
+  }
+  for (const auto& name : Ledger<dim>::names()) names.push_back(name);
+  for (const auto& probe : settings.probes) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
+  }
+  for (const auto& group : model_.wall_groups) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("wall.{}.f{}", group, axes[d]));
+  }
+  for (const auto& wall : settings.rigid_walls) {
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.f{}", wall.name, axes[d]));
+    for (int d = dim == 2 ? 2 : 0; d < 3; ++d) {
+      names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
+    }
+  }
+  if (settings.outside == Outside::remove) {
+    names.insert(names.end(), {"removed_points", "removed_mass"});
+  }
+  return names;
+}
+
+template <int dim>
+std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
+  const PointTotals<dim>& totals = state.ledger.totals();
+  std::vector<double> values = {totals.mass, totals.kinetic_energy, totals.elastic_energy};
+  const auto append = [&values](const auto& more) {
+    values.insert(values.end(), more.begin(), more.end());
+  };
+  append(std::span(totals.momentum.data(), dim));
+  append(totals.front);
+  append(state.ledger.values());
+  std::vector<double> motion;
+  for (const std::int32_t p : state.probe_points) {
+    for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : state.points.u[p][d]);
+  }
+  sum_over_ranks(model_.comm, std::span<double>(motion));
+  append(motion);
+  for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
+  append(state.rigid_wall_forces);
+  if (model_.settings.outside == Outside::remove) {
+    append(std::vector{static_cast<double>(state.removed_points), state.ledger.removed_mass()});
+  }
+  return values;
+}
+
+template <int dim>
+Json SoilReport<dim>::small_cuts(const SoilStep<dim>& step) const {
+  const auto method =
+      method_in(model_.settings.small_cuts, model_.grid.basis, step.phase().dynamic);
+  const auto name = std::find_if(small_cut_methods.begin(), small_cut_methods.end(),
+                                 [&](const auto& entry) { return entry.second == method; });
+  const SmallCutCounts& counts = step.soil().small_cuts();
+  Json cuts = {{"method", name->first}, {"joined_nodes", counts.joined_nodes}};
+  if (step.soil().has_ghost()) {
+    cuts["steps_with_ghost"] = counts.ghost_steps;
+    cuts["facets"] = counts.ghost_facets;
+  }
+  return cuts;
+}
+
+template <int dim>
+Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& step,
+                              const PhaseTimes& times) const {
+  const MpmSettings<dim>& settings = model_.settings;
+  const Json locking = {{"method", settings.locking.average_volumes ? "fbar" : "none"},
+                        {"reason", settings.locking.reason}};
+  std::vector<double> sums = {static_cast<double>(step.capped_domains()),
+                              static_cast<double>(state.points.size())};
+  sum_over_ranks(model_.comm, std::span<double>(sums));
+  const auto num_points = static_cast<std::int64_t>(sums[1]);
+  const LinearSolver<dim>& linear = step.linear_solver();
+  const NewtonCounts& newton = step.newton_counts();
+  log::info("{}", newton.text());
+  return {{"basis", basis_name(model_.grid.basis)},
+          {"locking", locking},
+          {"bodies", settings.bodies.size()},
+          {"points", num_points},
+          {"grid_cells", model_.grid.mesh.num_cells()},
+          {"grid_nodes", model_.grid.mesh.num_nodes_total()},
+          {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points)},
+          {"capped_domains", static_cast<std::int64_t>(sums[0])},
+          {"phases", settings.phases.size()},
+          {"initial_displacement", step.initial_displacement()},
+          {"small_cuts", small_cuts(step)},
+          {"removed_points", state.removed_points},
+          {"linear_solver", linear.method_name()},
+          {"factorisations", linear.factorisations()},
+          {"linear_fallbacks", linear.fallbacks()},
+          {"solutions", newton.solutions()},
+          {"newton_iterations", newton.iterations()},
+          {"newton", newton.json()},
+          {"linear_iterations", step.linear_iterations()},
+          {"wall_seconds", times.seconds()}};
+}
+
+template class SoilReport<2>;
+template class SoilReport<3>;
+
+}  // namespace gabion::mpm

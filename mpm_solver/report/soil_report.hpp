@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mpm_solver/report/mpm_output.hpp"
+#include "mpm_solver/step/soil_step.hpp"
+
+namespace gabion::mpm {
+
+/// What the soil tells: log, probes, frames, summary. Refers to the model. Functions are
+/// collective.
+template <int dim>
+class SoilReport {
+ public:
+  /// @param output_folder  folder of the frames; empty: none are written
+  SoilReport(const SoilModel<dim>& model, const std::string& output_folder);
+
+  /// Log locking, grid and basis of a run that begins.
+  void log_start(const SoilState<dim>& state, const PointWeights<dim>& weights) const;
+
+  /// Columns of probes.csv.
+  std::vector<std::string> probe_names() const;
+  std::vector<double> probes(const SoilState<dim>& state) const;
+
+  void write_frame(double time, const SoilState<dim>& state) { output_.write(time, state.points); }
+  Json summary(const SoilState<dim>& state, const SoilStep<dim>& step,
+               const PhaseTimes& times) const;
+
+ private:
+  Json small_cuts(const SoilStep<dim>& step) const;
+
+  const SoilModel<dim>& model_;
+  MpmOutput<dim> output_;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/end_of_step.hpp"
+
+#include "common/mechanics/tensor_functions.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<const double> du) {
+  const auto& parts = equilibrium.parts();
+  const NewmarkBossak& scheme = parts.scheme;
+  const std::size_t n = parts.nodes.grid_node.size();
+  const auto& v = equilibrium.start_velocity();
+  const auto& a = equilibrium.start_acceleration();
+  NodalMotion<dim> motion;
+  motion.du.resize(n);
+  motion.v_new.assign(n, Vector<dim>::Zero());
+  motion.a_new.assign(n, Vector<dim>::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = i * dim + d;
+      motion.du[i][d] = du[k];
+      if (!parts.with_inertia) continue;
+      motion.a_new[i][d] = scheme.acceleration(du[k], v[k], a[k], parts.dt);
+      motion.v_new[i][d] = scheme.velocity(motion.a_new[i][d], v[k], a[k], parts.dt);
+    }
+  }
+  return motion;
+}
+
+template <int dim>
+double accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                       MaterialPoints<dim>& points) {
+  double dissipated = 0;
+  for (std::int32_t e = 0; e < points.size(); ++e) {
+    const std::int32_t p = weights.point[e];
+    const Symmetric<dim> mean_tau = (points.tau[p] + trial.tau[e]) / 2;
+    dissipated += points.V0[p] * contract<dim>(mean_tau, trial.plastic_increment[e]);
+    points.history[p] = trial.history[e];
+    points.tau[p] = trial.tau[e];
+    points.energy[p] = trial.energy[e];
+    points.J[p] *= trial.J_ratio[e];
+  }
+  return dissipated;
+}
+
+template NodalMotion<2> nodal_motion<2>(const Equilibrium<2>&, std::span<const double>);
+template NodalMotion<3> nodal_motion<3>(const Equilibrium<3>&, std::span<const double>);
+template double accept_stresses<2>(const PointWeights<2>&, const TrialPoints<2>&,
+                                   MaterialPoints<2>&);
+template double accept_stresses<3>(const PointWeights<3>&, const TrialPoints<3>&,
+                                   MaterialPoints<3>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/base/timer.hpp"
+#include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/petsc/linear_solver.hpp"
+#include "mpm_solver/step/equilibrium.hpp"
+
+namespace gabion::mpm {
+
+/// The stiffness of a step and its solver.
+template <int dim>
+class LinearSystem {
+ public:
+  LinearSystem(MPI_Comm comm, const LinearSolverSettings& settings)
+      : solver_(comm, dim, settings) {}
+
+  /// A step begins.
+  void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime) {
+    std::vector<std::int32_t> offsets, cell_nodes;
+    equilibrium.pattern(offsets, cell_nodes);
+    const std::int32_t num_nodes = equilibrium.parts().nodes.size();
+    K_.set_pattern(num_nodes, offsets, cell_nodes);
+    solver_.set_regime(regime, num_nodes);
+  }
+  BlockMatrix<dim>& K() { return K_; }
+  /// K x = r. @returns number of linear iterations
+  std::int64_t solve(std::span<const double> r, std::span<double> x) {
+    solver_.set_matrix(K_);
+    return solver_.solve(r, x);
+  }
+  /// @param du  the guess, then the solution
+  NewtonReport solve_newton(Equilibrium<dim>& equilibrium, const NewtonSettings& settings,
+                            std::span<double> du, PhaseTimes& times) {
+    NewtonMatrix<dim> matrix{K_, solver_};
+    return gabion::solve_newton<dim>(equilibrium, matrix, settings, du, times);
+  }
+  const LinearSolver<dim>& solver() const { return solver_; }
+
+ private:
+  BlockMatrix<dim> K_;
+  LinearSolver<dim> solver_;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/soil_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gabion::mpm {
+
+template <int dim>
+SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
+    : comm(comm_),
+      settings(std::move(settings_)),
+      grid(std::move(settings.grid), settings.basis),
+      exits(grid),
+      cell_size(mean_cell_size(grid.mesh)) {
+  const CellType type = grid.mesh.cell_type;
+  // Volumes are averaged over cells; triangles and tetrahedra are too small for that.
+  if (settings.locking.average_volumes && (type == CellType::tri3 || type == CellType::tet4)) {
+    grid.patches = join_cells(grid.mesh, grid.locator);
+  }
+  for (const auto& body : settings.bodies) {
+    const auto& material = body.material;
+    const double modulus =
+        std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+    wave_speed = std::max(wave_speed, std::sqrt(modulus / material.density));
+    symmetric_laws &=
+        std::visit([](const auto& law) { return law.symmetric_tangent(); }, material.law);
+  }
+  stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
+                         [](const auto& stress) { return stress.has_value(); });
+  for (const Phase& phase : settings.phases) {
+    for (const auto& wall : phase.walls) {
+      const auto known = std::find(wall_groups.begin(), wall_groups.end(), wall.group);
+      if (known == wall_groups.end()) wall_groups.push_back(wall.group);
+    }
+  }
+}
+
+template struct SoilModel<2>;
+template struct SoilModel<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+#include <vector>
+
+#include "mpm_solver/mpm_config.hpp"
+
+namespace gabion::mpm {
+
+/// What never changes in a run.
+template <int dim>
+struct SoilModel {
+  SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_);
+
+  MPI_Comm comm;
+  MpmSettings<dim> settings;  ///< but for the grid, which is below
+  BackgroundGrid<dim> grid;
+  GridExits<dim> exits;
+  double cell_size;                      ///< mean [m]
+  double wave_speed = 0;                 ///< largest of the bodies [m/s]
+  bool symmetric_laws = true;            ///< all bodies have symmetric tangents
+  bool stressed = false;                 ///< a body has initial stress
+  std::vector<std::string> wall_groups;  ///< of all phases, each once
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/soil_on_grid.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/grid/shared_groups.hpp"
+#include "mpm_solver/grid/transfer.hpp"
+#include "mpm_solver/small_cuts/light_nodes.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const MaterialPoints<dim>& points,
+                            PhaseTimes& times)
+    : model_(model), points_(points), times_(times) {
+  const MpmSettings<dim>& settings = model_.settings;
+  for (const Phase& phase : settings.phases) {
+    walls_of_phases_.emplace_back(model_.grid.mesh, phase.walls);
+  }
+  if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, settings.basis, settings.phases)) {
+    ghost_.emplace(model_.grid.mesh, settings.bodies, settings.small_cuts.ghost_factor);
+  }
+}
+
+template <int dim>
+void SoilOnGrid<dim>::weigh() {
+  evaluate_basis(model_.grid, points_, weights_);
+}
+
+template <int dim>
+void SoilOnGrid<dim>::map(std::size_t phase, bool with_inertia) {
+  {
+    const ScopedTimer timer(times_, "search");
+    weigh();
+    if (model_.settings.locking.average_volumes) {
+      share_groups(model_.comm, model_.grid.mesh.num_cells(), weights_);
+    }
+    activate_nodes(model_.comm, model_.grid, weights_, nodes_);
+  }
+  {
+    const ScopedTimer timer(times_, "points to grid");
+    points_to_grid(model_.comm, points_, weights_, nodes_);
+    cure_small_cuts(phase, with_inertia);
+    walls(phase).select(nodes_);
+  }
+}
+
+template <int dim>
+void SoilOnGrid<dim>::cure_small_cuts(std::size_t phase, bool with_inertia) {
+  const SmallCutSettings& cuts = model_.settings.small_cuts;
+  const SmallCutMethod method =
+      method_in(cuts, model_.grid.basis, model_.settings.phases[phase].dynamic);
+  if (!with_inertia || method == SmallCutMethod::mass_cutoff) {
+    const auto joined = join_light_nodes<dim>(model_.comm,
+                                              {.grid = model_.grid,
+                                               .points = points_,
+                                               .weights = weights_,
+                                               .walls = walls(phase),
+                                               .share = cuts.mass_share},
+                                              nodes_);
+    if (joined > 0) points_to_grid(model_.comm, points_, weights_, nodes_);
+    small_cuts_.joined_nodes += joined;
+  }
+  ghost_acts_ = method == SmallCutMethod::ghost;
+  if (!ghost_acts_) return;
+  ghost_->begin_step(model_.comm, model_.grid, points_, weights_, nodes_);
+  ghost_acts_ = ghost_->num_facets() > 0;
+  small_cuts_.ghost_steps += ghost_acts_;
+  small_cuts_.ghost_facets += ghost_->num_facets();
+}
+
+template <int dim>
+std::vector<double> SoilOnGrid<dim>::body_forces(double time) const {
+  if (!model_.settings.body_acceleration) return {};
+  std::vector<Vector<dim>> b;
+  for (std::int32_t p = 0; p < points_.size(); ++p) {
+    b.push_back(model_.settings.body_acceleration(points_.x[p] - points_.u[p], time));
+  }
+  return point_forces<dim>(model_.comm, points_, weights_, nodes_, b);
+}
+
+template <int dim>
+std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
+  std::vector<std::int32_t> occupied(model_.grid.mesh.num_cells(), 0);
+  for (const std::int32_t cell : points_.cell) occupied[cell] = 1;
+  sum_over_ranks(model_.comm, std::span<std::int32_t>(occupied));
+  return occupied;
+}
+
+template <int dim>
+void SoilOnGrid<dim>::refuse_exits(const Phase& phase, std::span<const double> du) const {
+  const auto exit = model_.exits.first(points_, weights_, nodes_, du);
+  std::string own;
+  if (exit.point >= 0) {
+    const Vector<dim>& v = points_.v[exit.point];
+    const Vector<dim>& x_n = points_.x[exit.point];
+    const std::string group = model_.exits.nearest_group(exit.x);
+    const auto wall = std::find_if(phase.walls.begin(), phase.walls.end(),
+                                   [&](const auto& w) { return w.group == group; });
+    const std::string condition = wall == phase.walls.end() ? "no wall"
+                                  : wall->fixed             ? "fixed wall"
+                                                            : "slip wall";
+    const std::string side =
+        group.empty() ? "a side without a name" : fmt::format("side \"{}\" ({})", group, condition);
+    own = fmt::format(
+        "material point {} would leave the background grid through {}, from ({:.6g}) to ({:.6g}) "
+        "with velocity ({:.4g}); make the grid larger, close the side with a wall, or set "
+        "\"outside\": \"remove\"",
+        points_.id[exit.point], side, fmt::join(x_n.data(), x_n.data() + dim, ", "),
+        fmt::join(exit.x.data(), exit.x.data() + dim, ", "),
+        fmt::join(v.data(), v.data() + dim, ", "));
+  }
+  const std::string text = first_text(model_.comm, own);
+  if (!text.empty()) throw ConvergenceError(text, "outside");
+}
+
+template class SoilOnGrid<2>;
+template class SoilOnGrid<3>;
+
+}  // namespace gabion::mpm

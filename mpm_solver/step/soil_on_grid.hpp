@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/timer.hpp"
+#include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+#include "mpm_solver/step/soil_model.hpp"
+
+namespace gabion::mpm {
+
+/// What was done about small cuts in all steps.
+struct SmallCutCounts {
+  std::int64_t joined_nodes = 0;
+  std::int64_t ghost_steps = 0;  ///< in which a cell needed ghost stiffness
+  std::int64_t ghost_facets = 0;
+};
+
+/// The soil on the nodes of its grid in the step under way: weights of the points, active nodes
+/// with mass and motion, their walls, and what is done about small cuts. Refers to model, points
+/// and times. Functions are collective.
+template <int dim>
+class SoilOnGrid {
+ public:
+  SoilOnGrid(const SoilModel<dim>& model, const MaterialPoints<dim>& points, PhaseTimes& times);
+
+  /// Evaluate the basis at the points.
+  void weigh();
+  /// Weigh the points and map their mass and motion to the nodes.
+  /// @param phase         number of the phase, whose walls act
+  /// @param with_inertia  of the step
+  void map(std::size_t phase, bool with_inertia);
+
+  const PointWeights<dim>& weights() const { return weights_; }
+  const GridNodes<dim>& nodes() const { return nodes_; }
+  WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }
+  /// The ghost stiffness that acts in this step, null: none does.
+  const GhostStiffness<dim>* ghost() const { return ghost_acts_ ? &*ghost_ : nullptr; }
+  /// Whether a phase may have ghost stiffness.
+  bool has_ghost() const { return ghost_.has_value(); }
+  const SmallCutCounts& small_cuts() const { return small_cuts_; }
+
+  /// Nodal forces of MpmSettings::body_acceleration at a time [s], empty when there is none.
+  std::vector<double> body_forces(double time) const;
+  /// 1 for each cell of the grid with a point of any rank, else 0.
+  std::vector<std::int32_t> occupied_cells() const;
+  /// @param du  increment of the active nodes [m], num_nodes x dim
+  /// @throws ConvergenceError  it would carry a point out of the grid; cause "outside"
+  void refuse_exits(const Phase& phase, std::span<const double> du) const;
+
+ private:
+  void cure_small_cuts(std::size_t phase, bool with_inertia);
+
+  const SoilModel<dim>& model_;
+  const MaterialPoints<dim>& points_;
+  PhaseTimes& times_;
+  std::vector<WallConditions<dim>> walls_of_phases_;
+  PointWeights<dim> weights_;
+  GridNodes<dim> nodes_;
+  std::optional<GhostStiffness<dim>> ghost_;
+  bool ghost_acts_ = false;
+  SmallCutCounts small_cuts_;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/report/ledger.hpp"
+#include "mpm_solver/step/soil_model.hpp"
+#include "mpm_solver/step/step_control.hpp"
+
+namespace gabion::mpm {
+
+/// The accepted state: everything that later steps and probes depend on.
+template <int dim>
+struct SoilState {
+  /// The state at time 0. Refers to the model. @note Collective.
+  /// @throws ConfigError  a point lies outside the grid; initial stress that the soil does not bear
+  explicit SoilState(const SoilModel<dim>& model);
+
+  State save();
+  /// @param num_cells  of the grid
+  void load(const State& state, std::int32_t num_cells);
+
+  /// Take the points out that are outside the grid.
+  /// @param outside  ascending, of this rank
+  /// @throws Error  there are some and the model does not allow it; a probe is lost; none is left
+  /// @note Collective.
+  void remove(std::span<const std::int32_t> outside, const SoilModel<dim>& model);
+
+  MaterialPoints<dim> points;
+  Surfaces<dim> surfaces;
+  Ledger<dim> ledger;
+  StepControl control;
+  std::vector<Vector<dim>> wall_forces;    ///< on SoilModel::wall_groups [N]
+  std::vector<double> rigid_wall_forces;   ///< Surfaces::forces_on_walls
+  std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it
+  std::int64_t removed_points = 0;         ///< of all ranks
+
+ private:
+  void visit(StateVisitor& visitor);
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/soil_step.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/log.hpp"
+#include "common/base/require.hpp"
+#include "common/mechanics/norm.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/grid/point_domains.hpp"
+#include "mpm_solver/step/end_of_step.hpp"
+#include "mpm_solver/step/first_guess.hpp"
+#include "mpm_solver/stress/point_motion.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
+// it can leave out (second order; first order across the yield surface) stays below that tolerance.
+constexpr double same_strain_share = 0.01;
+
+// Newmark's method with these parameters asks for no acceleration at the start of a step:
+// du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
+constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
+
+// Over all ranks [m].
+template <int dim>
+double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
+  double sums[] = {0, static_cast<double>(points.size())};
+  for (const double volume : points.V0) sums[0] += volume;
+  sum_over_ranks(comm, std::span<double>(sums));
+  return std::pow(sums[0] / sums[1], 1.0 / dim);
+}
+
+}  // namespace
+
+template <int dim>
+SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, PhaseTimes& times)
+    : model_(model),
+      state_(state),
+      times_(times),
+      soil_(model, state.points, times),
+      sizes_(state.control),
+      system_(model.comm, model.settings.linear_solver) {
+  if (!state_.surfaces.contacts().empty()) {
+    reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
+  }
+  soil_.weigh();
+}
+
+template <int dim>
+void SoilStep<dim>::check_initial_stress() {
+  const InitialStress* strictest = nullptr;
+  for (const auto& stress : model_.settings.initial_stress) {
+    if (stress && (!strictest || stress->max_displacement < strictest->max_displacement)) {
+      strictest = &*stress;
+    }
+  }
+  if (!strictest) return;
+  with_inertia_ = false;
+  soil_.map(phase_, with_inertia_);
+  const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
+  make_equilibrium(gravity, gravity, 1);
+  state_.surfaces.receive({});
+  state_.surfaces.move_walls(0);
+  const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
+  std::vector<double> du(n, 0.0), r(n);
+  equilibrium_->evaluate(du, r, &system_.K());
+  state_.wall_forces = forces_on_walls();
+  system_.solve(r, du);
+  double largest = 0;
+  for (std::size_t i = 0; i < n; i += dim) {
+    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
+  }
+  initial_displacement_ = largest;
+  log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
+            largest / model_.cell_size);
+  require<ConfigError>(
+      largest <= strictest->max_displacement * model_.cell_size,
+      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+      "allowed: \"max_displacement\" = {:g}",
+      strictest->where, largest / model_.cell_size, strictest->max_displacement);
+}
+
+// Which phase it is, and how its step goes.
+template <int dim>
+void SoilStep<dim>::enter_phase(double time) {
+  const auto& phases = model_.settings.phases;
+  const std::size_t before = phase_;
+  phase_ = phase_at(phases, time);
+  if (phase_ != before) {
+    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, phases.size(),
+              phase().dynamic ? "dynamic" : "quasi-static", phase().walls.size());
+  }
+  with_inertia_ = phase().dynamic;
+  const bool forces_jump = begins(phase(), time) && (phase_ > 0 || model_.stressed);
+  scheme_ = forces_jump ? starting_scheme : phase().scheme;
+}
+
+// Everything of a step that does not depend on the interface values.
+template <int dim>
+void SoilStep<dim>::begin(const StepRequest& request) {
+  const double end = request.time + request.dt;
+  enter_phase(request.time);
+  require_within(phase(), request.time, request.dt);
+  soil_.walls(phase_).begin_step(request.time, request.dt);
+  dt_ = request.dt;
+  soil_.map(phase_, with_inertia_);
+  f_body_ = soil_.body_forces(end);
+  f_body_start_.clear();
+  if (scheme_.force_memory() != 0) f_body_start_ = soil_.body_forces(request.time);
+  const LoadRamp& ramp = phase().gravity_ramp;
+  const Vector<dim>& gravity = model_.settings.gravity;
+  make_equilibrium(ramp.at(request.time) * gravity, ramp.at(end) * gravity, request.dt);
+}
+
+template <int dim>
+LinearRegime SoilStep<dim>::regime() const {
+  const bool symmetric = model_.symmetric_laws && state_.surfaces.symmetric();
+  const double courant = model_.wave_speed * dt_ / model_.cell_size;
+  return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
+}
+
+/// @param gravity_n, gravity  at the start and at the end of the step
+template <int dim>
+void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity,
+                                     double dt) {
+  const ScopedTimer timer(times_, "pattern");
+  if (!state_.surfaces.contacts().empty()) {
+    const auto occupied = soil_.occupied_cells();
+    state_.surfaces.begin_step({.grid = model_.grid,
+                                .nodes = soil_.nodes(),
+                                .points = state_.points,
+                                .weights = soil_.weights(),
+                                .occupied = occupied,
+                                .reach = reach_});
+  }
+  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
+      .comm = model_.comm,
+      .grid = model_.grid,
+      .bodies = model_.settings.bodies,
+      .points = state_.points,
+      .weights = soil_.weights(),
+      .nodes = soil_.nodes(),
+      .walls = soil_.walls(phase_),
+      .contacts = state_.surfaces.contacts(),
+      .trial = trial_,
+      .scheme = scheme_,
+      .gravity = gravity,
+      .gravity_start = gravity_n,
+      .cell_size = model_.cell_size,
+      .same_strain = same_strain_share * model_.settings.newton.residual_tolerance,
+      .dt = dt,
+      .with_inertia = with_inertia_,
+      .f_body = f_body_,
+      .f_body_start = f_body_start_,
+      .average_volumes = model_.settings.locking.average_volumes,
+      .ghost = soil_.ghost()});
+  system_.begin(*equilibrium_, regime());
+}
+
+template <int dim>
+NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begins) {
+  if (begins || request.iteration == 0) {
+    equilibrium_->internal_forces().forget();
+    FirstGuess guess = first_guess(*equilibrium_, system_, model_.wave_speed, times_);
+    du_ = std::move(guess.du);
+    linear_iterations_ += guess.linear_iterations;
+  }
+  equilibrium_->internal_forces().begin_solution();
+  const NewtonReport newton =
+      system_.solve_newton(*equilibrium_, model_.settings.newton, du_, times_);
+  linear_iterations_ += newton.linear_iterations;
+  sizes_.add_solution(newton.iterations);
+  log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
+             request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
+  return newton;
+}
+
+template <int dim>
+StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValues& received) {
+  try {
+    const bool begins = dt_ != request.dt;
+    if (begins) {
+      sizes_.begin(request);
+      begin(request);
+    }
+    state_.surfaces.receive(received);
+    state_.surfaces.move_walls(request.time + request.dt);
+    const NewtonReport newton = solve_balance(request, begins);
+    if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
+    StepReport report;
+    report.newton_iterations = newton.iterations;
+    report.linear_iterations = newton.linear_iterations;
+    state_.surfaces.report(report);
+    return report;
+  } catch (const ConvergenceError& error) {
+    sizes_.add_failure(error, request.dt);
+    throw;
+  }
+}
+
+template <int dim>
+AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
+  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  const ScopedTimer timer(times_, "grid to points");
+  MaterialPoints<dim>& points = state_.points;
+  state_.wall_forces = forces_on_walls();
+  state_.rigid_wall_forces = state_.surfaces.forces_on_walls(model_.comm);
+  equilibrium_->internal_forces().finish(du_);
+  const double time = request.time + request.dt;
+  const auto& phases = model_.settings.phases;
+  sizes_.accept(measure(), largest_step(phases[phase_at(phases, time)], time));
+  const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
+  const StepBalance<dim> balance =
+      step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
+  capped_domains_ += soil_.weights().num_capped;
+  grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
+  if (!with_inertia_) {
+    std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
+    std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
+  }
+  const double dissipated = accept_stresses(soil_.weights(), trial_, points);
+  state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
+  state_.surfaces.accept();
+  const std::vector<std::int32_t> cell_n = points.cell;
+  const auto outside = find_cells(model_.grid, points);
+  dt_ = 0;
+  AcceptReport report;
+  report.details = details(cell_n);
+  report.proposed_dt = sizes_.proposal().dt;
+  state_.remove(outside, model_);
+  return report;
+}
+
+template <int dim>
+void SoilStep<dim>::reject() {
+  dt_ = 0;
+  sizes_.reject();
+}
+
+template <int dim>
+StepMeasures SoilStep<dim>::measure() const {
+  const StepControlSettings& limits = sizes_.limits();
+  const std::span<const double> du(du_);
+  StepMeasures step;
+  step.dt = dt_;
+  if (limits.advective) {
+    const double largest =
+        max_over_ranks(model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), du));
+    step.travel = largest / model_.cell_size;
+  }
+  if (limits.strain) {
+    step.strain =
+        max_over_ranks(model_.comm, most_strained(soil_.weights(), soil_.nodes(), du).strain);
+  }
+  if (limits.approach && !state_.surfaces.contacts().empty()) {
+    step.approach_dt =
+        state_.surfaces.approach_step(model_.comm, dt_, *limits.approach * model_.cell_size);
+  }
+  return step;
+}
+
+template <int dim>
+std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls() const {
+  const auto& groups = model_.wall_groups;
+  std::vector<Vector<dim>> sums(groups.size(), Vector<dim>::Zero());
+  const auto forces = equilibrium_->wall_forces();
+  for (std::size_t w = 0; w < forces.size(); ++w) {
+    const auto place = std::find(groups.begin(), groups.end(), phase().walls[w].group);
+    sums[static_cast<std::size_t>(place - groups.begin())] += forces[w];
+  }
+  return sums;
+}
+
+/// Numbers of the step that was just accepted. @param cell_n  of each point before the step
+template <int dim>
+Json SoilStep<dim>::details(std::span<const std::int32_t> cell_n) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double J_ratio : trial_.J_ratio) smallest = std::min(smallest, J_ratio);
+  std::int32_t moved = 0;
+  for (std::size_t p = 0; p < cell_n.size(); ++p) moved += state_.points.cell[p] != cell_n[p];
+  sum_over_ranks(model_.comm, std::span<std::int32_t>(&moved, 1));
+  return {{"min_J_ratio", -max_over_ranks(model_.comm, -smallest)},
+          {"active_nodes", soil_.nodes().size()},
+          {"points_changed_cell", moved},
+          {"dt_limit", static_cast<int>(sizes_.proposal().limit)}};
+}
+
+template class SoilStep<2>;
+template class SoilStep<3>;
+
+}  // namespace gabion::mpm
