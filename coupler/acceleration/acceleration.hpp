@@ -22,6 +22,8 @@ struct AccelerationSettings {
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
 AccelerationSettings read_acceleration_settings(ConfigReader in);
+/// All names that AccelerationSettings::method may have.
+const std::vector<std::string>& acceleration_methods();
 
 /// What the last `next` did, for the log.
 struct AccelerationCounters {

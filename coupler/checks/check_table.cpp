@@ -9,17 +9,17 @@
 namespace gabion {
 namespace {
 
-const char* name_of(CheckRow::Verdict verdict) {
-  switch (verdict) {
-    case CheckRow::Verdict::passed:
+const char* name_of(CheckRow::Outcome outcome) {
+  switch (outcome) {
+    case CheckRow::Outcome::passed:
       return "passed";
-    case CheckRow::Verdict::inexact:
+    case CheckRow::Outcome::inexact:
       return "inexact";
-    case CheckRow::Verdict::notice:
+    case CheckRow::Outcome::notice:
       return "NOTICE";
-    case CheckRow::Verdict::failed:
+    case CheckRow::Outcome::failed:
       return "FAILED";
-    case CheckRow::Verdict::not_asked:
+    case CheckRow::Outcome::not_asked:
       return "not asked";
   }
   return "";
@@ -29,12 +29,12 @@ const char* name_of(CheckRow::Verdict verdict) {
 
 bool all_passed(const std::vector<CheckRow>& rows) {
   return std::none_of(rows.begin(), rows.end(),
-                      [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
+                      [](const CheckRow& row) { return row.outcome == CheckRow::Outcome::failed; });
 }
 
 std::string row_text(const CheckRow& row) {
   constexpr int width = 54;  // of the longest name of a check: rows are printed one by one
-  return fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, name_of(row.verdict),
+  return fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, name_of(row.outcome),
                      row.found.empty() ? "" : "  ", row.found);
 }
 

@@ -38,10 +38,11 @@ class ParticipantCheck {
       try_states();
       try_skipped_step();
       try_details();
-      row("summary", [this] { return solver_.summary(), Difference(); });
-      if (settings_.finish) row("the end", [this] { return settings_.finish(), Difference(); });
+      row("summary", [this] { return solver_.summary(), AnswerDifference(); });
+      if (settings_.finish)
+        row("the end", [this] { return settings_.finish(), AnswerDifference(); });
     } catch (const ProtocolError& lost) {
-      add({"it stays", CheckRow::Verdict::failed,
+      add({"it stays", CheckRow::Outcome::failed,
            fmt::format("lost in \"{}\": {}", under_way_, lost.what())});
     }
     return rows_;
@@ -63,41 +64,41 @@ class ParticipantCheck {
     if (settings_.report) settings_.report(row);
   }
 
-  /// @param trial  returns the verdict, and why
+  /// @param trial  returns the outcome, and why
   void judge(const std::string& what,
-             const std::function<std::pair<CheckRow::Verdict, std::string>()>& trial) {
+             const std::function<std::pair<CheckRow::Outcome, std::string>()>& trial) {
     under_way_ = what;
     try {
-      const auto [verdict, found] = trial();
-      add({what, verdict, found});
+      const auto [outcome, found] = trial();
+      add({what, outcome, found});
     } catch (const ConvergenceError& problem) {
-      add({what, CheckRow::Verdict::failed,
+      add({what, CheckRow::Outcome::failed,
            fmt::format("the step has no solution: {}", problem.what())});
     }
   }
 
   /// @param trial      returns how two answers that should be equal differ
-  /// @param tolerance  up to which they may, by Difference::relative
-  void row(const std::string& what, const std::function<Difference()>& trial,
+  /// @param tolerance  up to which they may, by AnswerDifference::relative
+  void row(const std::string& what, const std::function<AnswerDifference()>& trial,
            double tolerance = 0) {
     judge(what, [&] {
-      const Difference found = trial();
-      const auto verdict = found.text.empty()            ? CheckRow::Verdict::passed
-                           : found.relative <= tolerance ? CheckRow::Verdict::inexact
-                                                         : CheckRow::Verdict::failed;
-      return std::pair(verdict, found.text);
+      const AnswerDifference found = trial();
+      const auto outcome = found.text.empty()            ? CheckRow::Outcome::passed
+                           : found.relative <= tolerance ? CheckRow::Outcome::inexact
+                                                         : CheckRow::Outcome::failed;
+      return std::pair(outcome, found.text);
     });
   }
 
   /// Two answers that are equal in few codes only.
   /// @param trial    returns how they differ
   /// @param meaning  what it means when they do not
-  void expect_change(const std::string& what, const std::function<Difference()>& trial,
+  void expect_change(const std::string& what, const std::function<AnswerDifference()>& trial,
                      const std::string& meaning) {
     judge(what, [&] {
       const bool changes = !trial().text.empty();
-      return changes ? std::pair(CheckRow::Verdict::passed, std::string())
-                     : std::pair(CheckRow::Verdict::notice, meaning);
+      return changes ? std::pair(CheckRow::Outcome::passed, std::string())
+                     : std::pair(CheckRow::Outcome::notice, meaning);
     });
   }
 
@@ -110,27 +111,27 @@ class ParticipantCheck {
   }
 
   /// Solve, and compare with an earlier answer to the same.
-  Difference again(const InterfaceValues& values, const InterfaceValues& before,
-                   double part_of_dt = 1) {
-    Difference difference;
+  AnswerDifference again(const InterfaceValues& values, const InterfaceValues& before,
+                         double part_of_dt = 1) {
+    AnswerDifference difference;
     compare(before, solve(values, part_of_dt), difference);
     return difference;
   }
 
   void compare(const InterfaceValues& before, const InterfaceValues& now,
-               Difference& difference) const {
+               AnswerDifference& difference) const {
     for (const InterfaceMesh& mesh : meshes_) {
       difference.add(mesh.name, mesh.dim, before.at(mesh.name), now.at(mesh.name));
     }
   }
 
   void try_output(const std::string& what) {
-    row(what, [this] { return solver_.write_output(time_), Difference(); });
+    row(what, [this] { return solver_.write_output(time_), AnswerDifference(); });
   }
 
   void try_first_step() {
     InterfaceValues answer;
-    row("a first step", [&] { return answer = solve(first_), Difference(); });
+    row("a first step", [&] { return answer = solve(first_), AnswerDifference(); });
     if (answer.empty()) return;
     const auto repeat = [&] { return again(first_, answer); };
     row("the same request again", repeat, warm_start_tolerance);
@@ -188,7 +189,7 @@ class ParticipantCheck {
           solver_.reject_step();
           const InterfaceValues answer = solve(first_);
           solver_.reject_step();
-          const Difference found = again(first_, answer, 0.5);
+          const AnswerDifference found = again(first_, answer, 0.5);
           solver_.reject_step();
           return found;
         },
@@ -201,7 +202,7 @@ class ParticipantCheck {
     row(what, [&] {
       answer = solve(values, part_of_dt);
       accept_last(part_of_dt);
-      return Difference();
+      return AnswerDifference();
     });
     return answer;
   }
@@ -232,9 +233,9 @@ class ParticipantCheck {
 
   void try_details() {
     judge("details: finite numbers, names as in the first step", [this] {
-      const auto verdict =
-          details_problem_.empty() ? CheckRow::Verdict::passed : CheckRow::Verdict::failed;
-      return std::pair(verdict, details_problem_);
+      const auto outcome =
+          details_problem_.empty() ? CheckRow::Outcome::passed : CheckRow::Outcome::failed;
+      return std::pair(outcome, details_problem_);
     });
   }
 
@@ -304,14 +305,14 @@ class ParticipantCheck {
       row(what, [this] { return try_restart(false); });
       row(rejected, [this] { return try_restart(true); });
     } else {
-      add({what, CheckRow::Verdict::not_asked,
+      add({what, CheckRow::Outcome::not_asked,
            "it does not keep its state: a run with it cannot be restarted"});
     }
   }
 
   /// A state that was saved a while ago comes back, though another one was saved since.
   /// @param after_rejection  the state is saved when a solution has just been rejected
-  Difference try_restart(bool after_rejection) {
+  AnswerDifference try_restart(bool after_rejection) {
     solver_.reject_step();
     const State first = solver_.save_state();
     const auto start = std::pair(step_, time_);
@@ -331,7 +332,7 @@ class ParticipantCheck {
     }
     solver_.load_state(saved);
     std::tie(step_, time_) = start;
-    Difference difference;
+    AnswerDifference difference;
     difference.add("probes", 1, probes, solver_.probes());
     const std::vector<InterfaceValues> after = steps_from_here();
     for (std::size_t n = 0; n < before.size(); ++n) compare(before[n], after[n], difference);
@@ -341,7 +342,7 @@ class ParticipantCheck {
   void try_skipped_step() {
     const std::string what = "a skipped step";
     if (!at_rest_) {
-      add({what, CheckRow::Verdict::not_asked, "it is not at rest, so it is never skipped"});
+      add({what, CheckRow::Outcome::not_asked, "it is not at rest, so it is never skipped"});
       return;
     }
     row(what, [&] {
@@ -350,7 +351,7 @@ class ParticipantCheck {
       ++step_;
       solve(first_);
       solver_.reject_step();
-      return Difference();
+      return AnswerDifference();
     });
   }
 
