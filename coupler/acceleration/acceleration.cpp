@@ -15,6 +15,8 @@ namespace gabion {
 
 namespace {
 
+const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn", "mvqn_residual"};
+
 std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings, Eigen::Index size) {
   if (settings.method == "constant") return std::make_unique<Constant>(settings.relaxation);
   if (settings.method == "aitken") return std::make_unique<Aitken>(settings.relaxation);
@@ -25,20 +27,14 @@ std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings, 
     return std::make_unique<ResidualJacobian>(settings, size);
   }
   throw ConfigError(fmt::format("acceleration: found \"{}\", allowed: {}", settings.method,
-                                fmt::join(acceleration_methods(), ", ")));
+                                fmt::join(methods, ", ")));
 }
 
 }  // namespace
 
-const std::vector<std::string>& acceleration_methods() {
-  static const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn",
-                                                   "mvqn_residual"};
-  return methods;
-}
-
 AccelerationSettings read_acceleration_settings(ConfigReader in) {
   AccelerationSettings s;
-  s.method = in.choice_or("method", acceleration_methods(), s.method);
+  s.method = in.choice_or("method", methods, s.method);
   const Range omega{[](double x) { return x > 0 && x <= 2; }, "a number > 0 and <= 2"};
   s.relaxation = in.number_or("relaxation", s.relaxation, omega);
   if (s.method == "iqn_ils" || s.method == "mvqn") {
@@ -53,6 +49,10 @@ AccelerationSettings read_acceleration_settings(ConfigReader in) {
   }
   in.finish();
   return s;
+}
+
+const std::vector<std::string>& acceleration_methods() {
+  return methods;
 }
 
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,

@@ -22,8 +22,6 @@ struct AccelerationSettings {
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
 AccelerationSettings read_acceleration_settings(ConfigReader in);
-/// All names that AccelerationSettings::method may have.
-const std::vector<std::string>& acceleration_methods();
 
 /// What the last `next` did, for the log.
 struct AccelerationCounters {
@@ -58,6 +56,9 @@ class Acceleration {
   /// Save or load what was learned from accepted steps. @pre no step is under way
   virtual void visit_state(StateVisitor& visitor) = 0;
 };
+
+/// All names that AccelerationSettings::method may have.
+const std::vector<std::string>& acceleration_methods();
 
 /// @param fields  sizes of the fields that x consists of, one after the other; with more than one,
 ///                they are weighted (ScaledFields)

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a check found, as text.
+#include "coupler/checks/check_table.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "coupler/checks/participant_check.hpp"
+#include "common/base/error.hpp"
 
 namespace gabion {
 namespace {
@@ -26,6 +27,51 @@ const char* name_of(CheckRow::Outcome outcome) {
 }
 
 }  // namespace
+
+void CheckTable::add(const CheckRow& row) {
+  rows_.push_back(row);
+  if (report_) report_(row);
+}
+
+void CheckTable::judge(const std::string& what,
+                       const std::function<std::pair<CheckRow::Outcome, std::string>()>& trial) {
+  under_way_ = what;
+  try {
+    const auto [outcome, found] = trial();
+    add({what, outcome, found});
+  } catch (const ConvergenceError& problem) {
+    add({what, CheckRow::Outcome::failed,
+         fmt::format("the step has no solution: {}", problem.what())});
+  }
+}
+
+void CheckTable::expect_equal(const std::string& what,
+                              const std::function<AnswerDifference()>& trial, double tolerance) {
+  judge(what, [&] {
+    const AnswerDifference found = trial();
+    const auto outcome = found.text.empty()            ? CheckRow::Outcome::passed
+                         : found.relative <= tolerance ? CheckRow::Outcome::inexact
+                                                       : CheckRow::Outcome::failed;
+    return std::pair(outcome, found.text);
+  });
+}
+
+void CheckTable::expect_change(const std::string& what,
+                               const std::function<AnswerDifference()>& trial,
+                               const std::string& meaning) {
+  judge(what, [&] {
+    const bool changes = !trial().text.empty();
+    return changes ? std::pair(CheckRow::Outcome::passed, std::string())
+                   : std::pair(CheckRow::Outcome::notice, meaning);
+  });
+}
+
+void CheckTable::expect_done(const std::string& what, const std::function<void()>& action) {
+  judge(what, [&] {
+    action();
+    return std::pair(CheckRow::Outcome::passed, std::string());
+  });
+}
 
 bool all_passed(const std::vector<CheckRow>& rows) {
   return std::none_of(rows.begin(), rows.end(),

@@ -15,7 +15,7 @@ namespace gabion {
 namespace {
 
 using WeightRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-using Values = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using VertexValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::string point_text(const Eigen::Vector3d& x, int dim) {
   return dim == 2 ? fmt::format("({}, {})", x(0), x(1))
@@ -169,14 +169,14 @@ void Mapping::to_soil(std::span<const double> structure, std::span<double> soil)
     std::copy(structure.begin(), structure.end(), soil.begin());
     return;
   }
-  Eigen::Map<Values>(soil.data(), H_.rows(), dim_) =
-      H_ * Eigen::Map<const Values>(structure.data(), H_.cols(), dim_);
+  Eigen::Map<VertexValues>(soil.data(), H_.rows(), dim_) =
+      H_ * Eigen::Map<const VertexValues>(structure.data(), H_.cols(), dim_);
 }
 
 void Mapping::add_to_structure(std::span<const double> soil, std::span<double> structure) const {
   assert(std::ssize(soil) == H_.rows() * dim_ && std::ssize(structure) == H_.cols() * dim_);
-  Eigen::Map<Values> sum(structure.data(), H_.cols(), dim_);
-  const Eigen::Map<const Values> values(soil.data(), H_.rows(), dim_);
+  Eigen::Map<VertexValues> sum(structure.data(), H_.cols(), dim_);
+  const Eigen::Map<const VertexValues> values(soil.data(), H_.rows(), dim_);
   if (identity_) {
     sum += values;
   } else {
