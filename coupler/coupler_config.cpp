@@ -26,8 +26,8 @@ std::string name(Scheme scheme) {
 
 namespace {
 
-StepControl read_step_control(ConfigReader in) {
-  StepControl control;
+DtByIterations read_step_control(ConfigReader in) {
+  DtByIterations control;
   control.few = in.integer_or("few", control.few, non_negative());
   control.many = in.integer_or("many", control.many, non_negative());
   in.finish();

@@ -22,7 +22,7 @@ enum class Scheme {
 std::string name(Scheme scheme);
 
 /// The number of coupling iterations as evidence for dt; both counts are off at 0.
-struct StepControl {
+struct DtByIterations {
   int few = 0;   ///< dt may grow only while steps need no more than this
   int many = 0;  ///< the next step is halved after one that needed this or more; > few
 };
@@ -36,7 +36,7 @@ struct CouplingSettings {
   int max_iterations = 50;  ///< of one step, >= 2
   OnLimit on_limit = OnLimit::cut;
   int predictor = 1;  ///< order of extrapolation, 0 to 2
-  StepControl step_control;
+  DtByIterations step_control;
   AccelerationSettings acceleration;
   ConvergenceSettings convergence;
   MappingSettings mapping;

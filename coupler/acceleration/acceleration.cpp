@@ -51,6 +51,10 @@ AccelerationSettings read_acceleration_settings(ConfigReader in) {
   return s;
 }
 
+const std::vector<std::string>& acceleration_methods() {
+  return methods;
+}
+
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
                                                 const std::vector<Eigen::Index>& fields) {
   const Eigen::Index size = std::accumulate(fields.begin(), fields.end(), Eigen::Index{0});

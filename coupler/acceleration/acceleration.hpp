@@ -57,6 +57,9 @@ class Acceleration {
   virtual void visit_state(StateVisitor& visitor) = 0;
 };
 
+/// All names that AccelerationSettings::method may have.
+const std::vector<std::string>& acceleration_methods();
+
 /// @param fields  sizes of the fields that x consists of, one after the other; with more than one,
 ///                they are weighted (ScaledFields)
 /// @throws ConfigError  mvqn_residual with too many unknowns for its dense matrix

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "coupler/step/state_vectors.hpp"
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 

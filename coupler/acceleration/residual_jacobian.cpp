@@ -30,9 +30,9 @@ ResidualJacobian::ResidualJacobian(const AccelerationSettings& settings, Eigen::
 void ResidualJacobian::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
   const Eigen::VectorXd r = x_tilde - x;
   if (x_last_.size() > 0 && x != x_last_) {
-    differences_.push_front({r - r_last_, x - x_last_});
-    if (static_cast<int>(differences_.size()) > settings_.max_columns) {
-      differences_.pop_back();
+    changes_.push_front({r - r_last_, x - x_last_});
+    if (static_cast<int>(changes_.size()) > settings_.max_columns) {
+      changes_.pop_back();
       ++counters_.dropped_by_limit;
     }
   }
@@ -41,13 +41,13 @@ void ResidualJacobian::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd&
 }
 
 Eigen::MatrixXd ResidualJacobian::jacobian() const {
-  if (differences_.empty()) return accepted_;
-  const auto columns = static_cast<Eigen::Index>(differences_.size());
+  if (changes_.empty()) return accepted_;
+  const auto columns = static_cast<Eigen::Index>(changes_.size());
   Eigen::MatrixXd V(accepted_.rows(), columns);
   Eigen::MatrixXd dX(accepted_.rows(), columns);
   for (Eigen::Index k = 0; k < columns; ++k) {
-    V.col(k) = differences_[static_cast<std::size_t>(k)].r;
-    dX.col(k) = differences_[static_cast<std::size_t>(k)].x;
+    V.col(k) = changes_[static_cast<std::size_t>(k)].r;
+    dX.col(k) = changes_[static_cast<std::size_t>(k)].x;
   }
   const Eigen::MatrixXd inverse = dX.completeOrthogonalDecomposition().pseudoInverse();
   return accepted_ + (V - accepted_ * dX) * inverse;
@@ -56,7 +56,7 @@ Eigen::MatrixXd ResidualJacobian::jacobian() const {
 Eigen::VectorXd ResidualJacobian::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
   counters_ = {};
   add_pair(x, x_tilde);
-  counters_.columns = static_cast<int>(differences_.size());
+  counters_.columns = static_cast<int>(changes_.size());
   if (counters_.columns == 0) counters_.omega = settings_.relaxation;
   return x - jacobian().partialPivLu().solve(r_last_);
 }
@@ -68,13 +68,13 @@ void ResidualJacobian::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd&
 }
 
 void ResidualJacobian::discard_step() {
-  differences_.clear();
+  changes_.clear();
   r_last_.resize(0);
   x_last_.resize(0);
 }
 
 int ResidualJacobian::reset() {
-  const auto forgotten = static_cast<int>(differences_.size());
+  const auto forgotten = static_cast<int>(changes_.size());
   discard_step();
   accepted_ = start(accepted_.rows(), settings_.relaxation);
   return forgotten;
@@ -82,9 +82,9 @@ int ResidualJacobian::reset() {
 
 void ResidualJacobian::rescale(const Eigen::VectorXd& ratio) {
   accepted_ = (ratio.asDiagonal() * accepted_ * ratio.cwiseInverse().asDiagonal()).eval();
-  for (Difference& difference : differences_) {
-    difference.r.array() *= ratio.array();
-    difference.x.array() *= ratio.array();
+  for (Change& change : changes_) {
+    change.r.array() *= ratio.array();
+    change.x.array() *= ratio.array();
   }
   if (r_last_.size() == 0) return;
   r_last_.array() *= ratio.array();

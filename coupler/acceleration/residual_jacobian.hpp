@@ -14,7 +14,7 @@ namespace gabion {
 ///
 /// dX, V: differences of x and of r of the newest `max_columns` iterations of this step; J_prev: J
 /// of the step before, -I / omega at the start. Memory grows with the square, work with the cube of
-/// the number of unknowns; there is no filter. Take Mvqn for anything but the comparison.
+/// the number of unknowns; there is no filter. Take QuasiNewton for anything but the comparison.
 /// @see docs/theory/coupling.md, (C8)
 class ResidualJacobian : public Acceleration {
  public:
@@ -35,7 +35,7 @@ class ResidualJacobian : public Acceleration {
   }
 
  private:
-  struct Difference {
+  struct Change {  // from one iteration to the next
     Eigen::VectorXd r;
     Eigen::VectorXd x;
   };
@@ -44,9 +44,9 @@ class ResidualJacobian : public Acceleration {
 
   AccelerationSettings settings_;
   AccelerationCounters counters_;
-  Eigen::MatrixXd accepted_;            // J_prev
-  std::deque<Difference> differences_;  // newest first
-  Eigen::VectorXd r_last_;              // empty before the first iteration of a step
+  Eigen::MatrixXd accepted_;    // J_prev
+  std::deque<Change> changes_;  // newest first
+  Eigen::VectorXd r_last_;      // empty before the first iteration of a step
   Eigen::VectorXd x_last_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupler/acceleration/scaled_fields.hpp"
 
-#include "coupler/step/state_vectors.hpp"
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "coupler/acceleration/vector_sums.hpp"
-#include "coupler/step/state_vectors.hpp"
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 

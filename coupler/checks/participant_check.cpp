@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 
 #include <functional>
-#include <random>
-#include <tuple>
 #include <utility>
 
 #include "common/base/error.hpp"
-#include "common/run/run_record.hpp"
-#include "coupler/checks/answer_difference.hpp"
+#include "coupler/checks/check_table.hpp"
+#include "coupler/checks/driven_participant.hpp"
 
 namespace gabion {
 namespace {
@@ -22,14 +20,14 @@ constexpr double warm_start_tolerance = 1e-8;  // of the largest value
 class ParticipantCheck {
  public:
   ParticipantCheck(Solver& solver, const CheckSettings& settings)
-      : solver_(solver), settings_(settings), meshes_(solver.interfaces()) {
-    first_ = random_values();
-    second_ = random_values();
+      : participant_(solver, settings), table_(settings.report), finish_(settings.finish) {
+    first_ = participant_.random_values();
+    second_ = participant_.random_values();
   }
 
   std::vector<CheckRow> run() {
     try {
-      try_output("output at time 0");
+      table_.expect_done("output at time 0", [this] { participant_.write_output(); });
       try_first_step();
       try_smaller_steps();
       try_other_requests();
@@ -38,216 +36,111 @@ class ParticipantCheck {
       try_states();
       try_skipped_step();
       try_details();
-      row("summary", [this] { return solver_.summary(), Difference(); });
-      if (settings_.finish) row("the end", [this] { return settings_.finish(), Difference(); });
+      table_.expect_done("summary", [this] { participant_.solver().summary(); });
+      if (finish_) table_.expect_done("the end", finish_);
     } catch (const ProtocolError& lost) {
-      add({"it stays", CheckRow::Verdict::failed,
-           fmt::format("lost in \"{}\": {}", under_way_, lost.what())});
+      table_.add({"it stays", CheckRow::Outcome::failed,
+                  fmt::format("lost in \"{}\": {}", table_.under_way(), lost.what())});
     }
-    return rows_;
+    return table_.rows();
   }
 
  private:
-  InterfaceValues random_values() {
-    InterfaceValues values;
-    std::uniform_real_distribution<double> spread(-settings_.amplitude, settings_.amplitude);
-    for (const InterfaceMesh& mesh : meshes_) {
-      std::vector<double>& list = values[mesh.name];
-      for (std::size_t i = 0; i < mesh.coordinates.size(); ++i) list.push_back(spread(random_));
-    }
-    return values;
-  }
-
-  void add(const CheckRow& row) {
-    rows_.push_back(row);
-    if (settings_.report) settings_.report(row);
-  }
-
-  /// @param trial  returns the verdict, and why
-  void judge(const std::string& what,
-             const std::function<std::pair<CheckRow::Verdict, std::string>()>& trial) {
-    under_way_ = what;
-    try {
-      const auto [verdict, found] = trial();
-      add({what, verdict, found});
-    } catch (const ConvergenceError& problem) {
-      add({what, CheckRow::Verdict::failed,
-           fmt::format("the step has no solution: {}", problem.what())});
-    }
-  }
-
-  /// @param trial      returns how two answers that should be equal differ
-  /// @param tolerance  up to which they may, by Difference::relative
-  void row(const std::string& what, const std::function<Difference()>& trial,
-           double tolerance = 0) {
-    judge(what, [&] {
-      const Difference found = trial();
-      const auto verdict = found.text.empty()            ? CheckRow::Verdict::passed
-                           : found.relative <= tolerance ? CheckRow::Verdict::inexact
-                                                         : CheckRow::Verdict::failed;
-      return std::pair(verdict, found.text);
-    });
-  }
-
-  /// Two answers that are equal in few codes only.
-  /// @param trial    returns how they differ
-  /// @param meaning  what it means when they do not
-  void expect_change(const std::string& what, const std::function<Difference()>& trial,
-                     const std::string& meaning) {
-    judge(what, [&] {
-      const bool changes = !trial().text.empty();
-      return changes ? std::pair(CheckRow::Verdict::passed, std::string())
-                     : std::pair(CheckRow::Verdict::notice, meaning);
-    });
-  }
-
-  StepRequest request(double dt) const { return {step_, 0, time_, dt}; }
-
-  InterfaceValues solve(const InterfaceValues& values, double part_of_dt = 1) {
-    InterfaceValues answer;
-    last_report_ = solver_.solve_step(request(part_of_dt * settings_.dt), values, answer);
-    return answer;
-  }
-
-  /// Solve, and compare with an earlier answer to the same.
-  Difference again(const InterfaceValues& values, const InterfaceValues& before,
-                   double part_of_dt = 1) {
-    Difference difference;
-    compare(before, solve(values, part_of_dt), difference);
-    return difference;
-  }
-
-  void compare(const InterfaceValues& before, const InterfaceValues& now,
-               Difference& difference) const {
-    for (const InterfaceMesh& mesh : meshes_) {
-      difference.add(mesh.name, mesh.dim, before.at(mesh.name), now.at(mesh.name));
-    }
-  }
-
-  void try_output(const std::string& what) {
-    row(what, [this] { return solver_.write_output(time_), Difference(); });
-  }
-
   void try_first_step() {
     InterfaceValues answer;
-    row("a first step", [&] { return answer = solve(first_), Difference(); });
+    table_.expect_done("a first step", [&] { answer = participant_.solve(first_); });
     if (answer.empty()) return;
-    const auto repeat = [&] { return again(first_, answer); };
-    row("the same request again", repeat, warm_start_tolerance);
+    const auto repeat = [&] { return participant_.again(first_, answer); };
+    table_.expect_equal("the same request again", repeat, warm_start_tolerance);
     const auto repeat_after_other = [&] {
-      solve(second_);
-      return again(first_, answer);
+      participant_.solve(second_);
+      return participant_.again(first_, answer);
     };
-    row("the same request after another trial", repeat_after_other, warm_start_tolerance);
-    row("the same bits after reject_step", [&] {
-      solve(second_);
-      solver_.reject_step();
-      return again(first_, answer);
+    table_.expect_equal("the same request after another trial", repeat_after_other,
+                        warm_start_tolerance);
+    table_.expect_equal("the same bits after reject_step", [&] {
+      participant_.solve(second_);
+      participant_.reject();
+      return participant_.again(first_, answer);
     });
-    row("the same bits after reject_step twice", [&] {
-      solver_.reject_step();
-      solver_.reject_step();
-      return again(first_, answer);
+    table_.expect_equal("the same bits after reject_step twice", [&] {
+      participant_.reject();
+      participant_.reject();
+      return participant_.again(first_, answer);
     });
   }
 
   void try_smaller_steps() {
-    row("half of dt, rejected: the same bits again", [&] {
-      solver_.reject_step();
-      const InterfaceValues answer = solve(first_, 0.5);
-      solver_.reject_step();
-      return again(first_, answer, 0.5);
+    table_.expect_equal("half of dt, rejected: the same bits again", [&] {
+      participant_.reject();
+      const InterfaceValues answer = participant_.solve(first_, 0.5);
+      participant_.reject();
+      return participant_.again(first_, answer, 0.5);
     });
-    row("the same bits with dt after trials with dt/2 and dt/4", [&] {
-      solver_.reject_step();
-      const InterfaceValues answer = solve(first_);
-      solver_.reject_step();
-      solve(second_, 0.5);
-      solver_.reject_step();
-      solve(second_, 0.25);
-      solver_.reject_step();
-      return again(first_, answer);
+    table_.expect_equal("the same bits with dt after trials with dt/2 and dt/4", [&] {
+      participant_.reject();
+      const InterfaceValues answer = participant_.solve(first_);
+      participant_.reject();
+      participant_.solve(second_, 0.5);
+      participant_.reject();
+      participant_.solve(second_, 0.25);
+      participant_.reject();
+      return participant_.again(first_, answer);
     });
   }
 
   void try_other_requests() {
-    expect_change(
+    table_.expect_change(
         "other values: another answer",
         [&] {
-          solver_.reject_step();
-          const InterfaceValues answer = solve(first_);
-          solver_.reject_step();
-          return again(second_, answer);
+          participant_.reject();
+          const InterfaceValues answer = participant_.solve(first_);
+          participant_.reject();
+          return participant_.again(second_, answer);
         },
-        last_report_.interface_active
+        participant_.last_report().interface_active
             ? "the same bits: right only where these values can not move it"
             : "the same bits: as its report says (interface_active false)");
-    expect_change(
+    table_.expect_change(
         "another dt: another answer",
         [&] {
-          solver_.reject_step();
-          const InterfaceValues answer = solve(first_);
-          solver_.reject_step();
-          const Difference found = again(first_, answer, 0.5);
-          solver_.reject_step();
+          participant_.reject();
+          const InterfaceValues answer = participant_.solve(first_);
+          participant_.reject();
+          const AnswerDifference found = participant_.again(first_, answer, 0.5);
+          participant_.reject();
           return found;
         },
         "the same bits with dt and dt/2: right only without inertia, damping and rates");
   }
 
-  InterfaceValues accept(const std::string& what, const InterfaceValues& values,
-                         double part_of_dt = 1) {
+  InterfaceValues accept(const std::string& what, const InterfaceValues& values, double part = 1) {
     InterfaceValues answer;
-    row(what, [&] {
-      answer = solve(values, part_of_dt);
-      accept_last(part_of_dt);
-      return Difference();
+    table_.expect_done(what, [&] {
+      answer = participant_.solve(values, part);
+      participant_.accept(part);
     });
     return answer;
   }
 
-  void accept_last(double part_of_dt) {
-    const StepRequest accepted = request(part_of_dt * settings_.dt);
-    const AcceptReport report = solver_.accept_step(accepted, true);
-    at_rest_ = report.at_rest;
-    note_details(last_report_.details, report.details);
-    time_ += accepted.dt;
-    ++step_;
-  }
-
-  /// As a run does that writes them into its table of steps.
-  void note_details(const Json& of_solution, const Json& of_acceptance) {
-    Json details = Json::object();
-    for (const Json* report : {&of_solution, &of_acceptance}) {
-      for (const auto& item : report->items()) details[item.key()] = item.value();
-    }
-    if (!details_.started()) details_.start(details);
-    try {
-      std::vector<CsvValue> cells;
-      details_.append(details, cells);
-    } catch (const Error& problem) {
-      if (details_problem_.empty()) details_problem_ = problem.what();
-    }
-  }
-
   void try_details() {
-    judge("details: finite numbers, names as in the first step", [this] {
-      const auto verdict =
-          details_problem_.empty() ? CheckRow::Verdict::passed : CheckRow::Verdict::failed;
-      return std::pair(verdict, details_problem_);
+    table_.judge("details: finite numbers, names as in the first step", [this] {
+      const std::string& problem = participant_.details_problem();
+      return std::pair(problem.empty() ? CheckRow::Outcome::passed : CheckRow::Outcome::failed,
+                       problem);
     });
   }
 
   void try_accepted_step() {
-    const std::int64_t step = step_;
+    const std::int64_t step = participant_.step();
     const InterfaceValues answer = accept("an accepted step", first_);
-    if (step_ == step) return;  // it has no solution
+    if (participant_.step() == step) return;  // it has no solution
     try_second_step();
-    expect_change(
+    table_.expect_change(
         "after it: another answer to the same values",
         [&] {
-          solver_.reject_step();
-          return again(first_, answer);
+          participant_.reject();
+          return participant_.again(first_, answer);
         },
         fmt::format("the same bits, as if step {} had not been accepted: right only without "
                     "inertia and memory",
@@ -255,33 +148,34 @@ class ParticipantCheck {
   }
 
   void try_second_step() {
-    row("after it: the same bits after reject_step", [&] {
-      const InterfaceValues answer = solve(second_);
-      solve(first_);
-      solver_.reject_step();
-      return again(second_, answer);
+    table_.expect_equal("after it: the same bits after reject_step", [&] {
+      const InterfaceValues answer = participant_.solve(second_);
+      participant_.solve(first_);
+      participant_.reject();
+      return participant_.again(second_, answer);
     });
-    row("after it: the same bits after output", [&] {
-      solver_.reject_step();
-      const InterfaceValues answer = solve(second_);
-      solver_.reject_step();
-      solver_.write_output(time_);
-      return again(second_, answer);
+    table_.expect_equal("after it: the same bits after output", [&] {
+      participant_.reject();
+      const InterfaceValues answer = participant_.solve(second_);
+      participant_.reject();
+      participant_.write_output();
+      return participant_.again(second_, answer);
     });
   }
 
   void try_many_steps() {
     for (int n = 1; n <= num_rejecting_steps; ++n) {
-      const InterfaceValues values = random_values();
+      const InterfaceValues values = participant_.random_values();
       const double part = n % 2 == 0 ? 0.5 : 1;
-      row(fmt::format("step {}: the same bits after reject_step", step_), [&] {
-        solver_.reject_step();
-        const InterfaceValues answer = solve(values, part);
-        solve(first_);
-        solver_.reject_step();
-        return again(values, answer, part);
-      });
-      accept(fmt::format("step {} accepted", step_), values, part);
+      table_.expect_equal(
+          fmt::format("step {}: the same bits after reject_step", participant_.step()), [&] {
+            participant_.reject();
+            const InterfaceValues answer = participant_.solve(values, part);
+            participant_.solve(first_);
+            participant_.reject();
+            return participant_.again(values, answer, part);
+          });
+      accept(fmt::format("step {} accepted", participant_.step()), values, part);
     }
   }
 
@@ -291,8 +185,8 @@ class ParticipantCheck {
     std::vector<InterfaceValues> answers;
     for (const auto& [values, part] :
          {std::pair(&first_, 1.0), std::pair(&second_, 0.5), std::pair(&first_, 0.5)}) {
-      answers.push_back(solve(*values, part));
-      accept_last(part);
+      answers.push_back(participant_.solve(*values, part));
+      participant_.accept(part);
     }
     return answers;
   }
@@ -300,73 +194,61 @@ class ParticipantCheck {
   void try_states() {
     const std::string what = "the same steps after save, other steps and load";
     const std::string rejected = "the same steps from a state saved after reject_step";
-    if (solver_.keeps_state()) {
-      row(what, [this] { return try_restart(false); });
-      row(rejected, [this] { return try_restart(true); });
+    if (participant_.solver().keeps_state()) {
+      table_.expect_equal(what, [this] { return try_restart(false); });
+      table_.expect_equal(rejected, [this] { return try_restart(true); });
     } else {
-      add({what, CheckRow::Verdict::not_asked,
-           "it does not keep its state: a run with it cannot be restarted"});
+      table_.add({what, CheckRow::Outcome::not_asked,
+                  "it does not keep its state: a run with it cannot be restarted"});
     }
   }
 
   /// A state that was saved a while ago comes back, though another one was saved since.
   /// @param after_rejection  the state is saved when a solution has just been rejected
-  Difference try_restart(bool after_rejection) {
-    solver_.reject_step();
-    const State first = solver_.save_state();
-    const auto start = std::pair(step_, time_);
-    const std::vector<double> probes = solver_.probes();
+  AnswerDifference try_restart(bool after_rejection) {
+    Solver& solver = participant_.solver();
+    solver.reject_step();
+    const State first = solver.save_state();
+    const DrivenParticipant::Place start = participant_.place();
+    const std::vector<double> probes = solver.probes();
     const std::vector<InterfaceValues> before = steps_from_here();
     State saved = first;
     if (after_rejection) {
-      solver_.load_state(first);
-      std::tie(step_, time_) = start;
-      solve(second_);
-      solver_.reject_step();
-      saved = solver_.save_state();
-      steps_from_here();
+      participant_.load(first, start);
+      participant_.solve(second_);
+      solver.reject_step();
+      saved = solver.save_state();
     } else {
-      solver_.save_state();
-      steps_from_here();
+      solver.save_state();
     }
-    solver_.load_state(saved);
-    std::tie(step_, time_) = start;
-    Difference difference;
-    difference.add("probes", 1, probes, solver_.probes());
+    steps_from_here();
+    participant_.load(saved, start);
+    AnswerDifference difference;
+    difference.add("probes", 1, probes, solver.probes());
     const std::vector<InterfaceValues> after = steps_from_here();
-    for (std::size_t n = 0; n < before.size(); ++n) compare(before[n], after[n], difference);
+    for (std::size_t n = 0; n < before.size(); ++n) {
+      participant_.compare(before[n], after[n], difference);
+    }
     return difference;
   }
 
   void try_skipped_step() {
     const std::string what = "a skipped step";
-    if (!at_rest_) {
-      add({what, CheckRow::Verdict::not_asked, "it is not at rest, so it is never skipped"});
+    if (!participant_.at_rest()) {
+      table_.add({what, CheckRow::Outcome::not_asked, "it is not at rest, so it is never skipped"});
       return;
     }
-    row(what, [&] {
-      solver_.accept_step(request(settings_.dt), false);
-      time_ += settings_.dt;
-      ++step_;
-      solve(first_);
-      solver_.reject_step();
-      return Difference();
+    table_.expect_done(what, [&] {
+      participant_.skip_step();
+      participant_.solve(first_);
+      participant_.reject();
     });
   }
 
-  Solver& solver_;
-  CheckSettings settings_;
-  std::vector<InterfaceMesh> meshes_;
-  std::mt19937_64 random_{1};
+  DrivenParticipant participant_;
+  CheckTable table_;
+  std::function<void()> finish_;
   InterfaceValues first_, second_;
-  std::vector<CheckRow> rows_;
-  std::string under_way_;  // the check that the next row will tell of
-  StepReport last_report_;
-  DetailColumns details_;
-  std::string details_problem_;
-  std::int64_t step_ = 1;
-  double time_ = 0;
-  bool at_rest_ = false;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace gabion {
 
 /// What one trial of a participant showed.
 struct CheckRow {
-  enum class Verdict {
+  enum class Outcome {
     passed,
     inexact,  ///< equal to the solver's tolerance, as a warm start from the last solution makes it
     notice,   ///< right for some codes, a mistake in most
@@ -19,7 +19,7 @@ struct CheckRow {
     not_asked
   };
   std::string what;
-  Verdict verdict = Verdict::passed;
+  Outcome outcome = Outcome::passed;
   std::string found;  ///< why it is not passed
 };
 

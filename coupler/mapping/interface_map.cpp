@@ -10,7 +10,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "coupler/checks/surface_check.hpp"
-#include "coupler/step/state_vectors.hpp"
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 
@@ -47,15 +47,13 @@ void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const M
   }
 }
 
-const std::vector<double>& checked(const InterfaceValues& sent, const std::string& participant,
-                                   const InterfaceMesh& mesh) {
-  const auto found = sent.find(mesh.name);
-  require(found != sent.end(), "participant \"{}\" sent nothing for interface \"{}\"", participant,
-          mesh.name);
-  require(found->second.size() == mesh.coordinates.size(),
-          "participant \"{}\" sent {} values for interface \"{}\", expected {}", participant,
-          found->second.size(), mesh.name, mesh.coordinates.size());
-  return found->second;
+/// The part of a vector over all interfaces that belongs to the one with this mesh.
+std::span<const double> part(const Eigen::VectorXd& all, Eigen::Index begin,
+                             const InterfaceMesh& mesh) {
+  return {all.data() + begin, mesh.coordinates.size()};
+}
+std::span<double> part(Eigen::VectorXd& all, Eigen::Index begin, const InterfaceMesh& mesh) {
+  return {all.data() + begin, mesh.coordinates.size()};
 }
 
 template <int dim>
@@ -117,50 +115,84 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
                          "interface \"{}\" has dimension {}, interface \"{}\" has {}; "
                          "allowed: equal",
                          names.name, structure.dim, interfaces.front().name, dim_);
-    const auto size = static_cast<Eigen::Index>(structure.coordinates.size());
-    interfaces_.push_back(
-        {names, soil, structure, make_mapping(structure, soil, settings), size_, size, {}, {}});
-    interfaces_.back().reach = settings.moved * extent(structure);
-    size_ += size;
-    const Mapping& mapping = interfaces_.back().mapping;
-    log_report(names, mapping, settings.method);
+    interfaces_.push_back({.names = names,
+                           .soil_mesh = soil,
+                           .structure_mesh = structure,
+                           .mapping = make_mapping(structure, soil, settings),
+                           .begin = size_,
+                           .reach = settings.moved * extent(structure)});
+    size_ += std::ssize(structure.coordinates);
+    log_report(names, interfaces_.back().mapping, settings.method);
+  }
+  place_soils();
+}
+
+/// Soil by soil, and the interfaces of each by name.
+void InterfaceMap::place_soils() {
+  std::map<std::pair<std::string, std::string>, Interface*> ordered;
+  for (Interface& interface : interfaces_) {
+    ordered[{interface.names.soil, interface.names.name}] = &interface;
+  }
+  for (const auto& entry : ordered) {
+    entry.second->soil_begin = soil_size_;
+    soil_size_ += std::ssize(entry.second->soil_mesh.coordinates);
   }
 }
 
-InterfaceValues InterfaceMap::soil_displacement(const std::string& soil,
-                                                const Eigen::VectorXd& x) const {
-  InterfaceValues result;
+InterfaceLayout InterfaceMap::layout(const std::string& participant) const {
+  std::vector<InterfacePlace> places;
   for (const Interface& interface : interfaces_) {
-    if (interface.names.soil == soil) result[interface.names.name] = soil_values(interface, x);
+    const bool is_soil = interface.names.soil == participant;
+    if (!is_soil && interface.names.structure != participant) continue;
+    const InterfaceMesh& mesh = is_soil ? interface.soil_mesh : interface.structure_mesh;
+    places.push_back({.name = interface.names.name,
+                      .begin = is_soil ? interface.soil_begin : interface.begin,
+                      .size = std::ssize(mesh.coordinates)});
   }
-  return result;
+  return {participant, places};
 }
 
-std::vector<double> InterfaceMap::soil_values(const Interface& interface,
-                                              const Eigen::VectorXd& x) const {
-  std::vector<double> values(interface.soil_mesh.coordinates.size());
-  const auto own = x.segment(interface.offset, interface.size);
-  if (interface.x_b.size() == 0) {
-    interface.mapping.to_soil({own.data(), static_cast<std::size_t>(own.size())}, values);
-    return values;
+Eigen::VectorXd InterfaceMap::soil_displacement(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd u(soil_size_);
+  for (const Interface& interface : interfaces_) {
+    to_soil(interface, x, part(u, interface.soil_begin, interface.soil_mesh));
   }
-  const Eigen::VectorXd dx = own - interface.x_b;
-  interface.mapping.to_soil({dx.data(), static_cast<std::size_t>(dx.size())}, values);
-  for (Eigen::Index i = 0; i < interface.u_b.size(); ++i) values[i] += interface.u_b(i);
-  return values;
+  return u;
+}
+
+void InterfaceMap::to_soil(const Interface& interface, const Eigen::VectorXd& x,
+                           std::span<double> u) const {
+  const auto own = part(x, interface.begin, interface.structure_mesh);
+  if (interface.x_b.size() == 0) return interface.mapping.to_soil(own, u);
+  std::vector<double> dx(own.begin(), own.end());
+  for (Eigen::Index i = 0; i < interface.x_b.size(); ++i) dx[i] -= interface.x_b(i);
+  interface.mapping.to_soil(dx, u);
+  for (Eigen::Index i = 0; i < interface.u_b.size(); ++i) u[i] += interface.u_b(i);
+}
+
+Eigen::VectorXd InterfaceMap::structure_force(const Eigen::VectorXd& f_soil) const {
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(size_);
+  for (const Interface& interface : interfaces_) {
+    interface.mapping.add_to_structure(part(f_soil, interface.soil_begin, interface.soil_mesh),
+                                       part(f, interface.begin, interface.structure_mesh));
+  }
+  return f;
 }
 
 void InterfaceMap::accept(const Eigen::VectorXd& x) {
   if (!settings_.deformed) return;
   for (Interface& interface : interfaces_) {
     if (interface.mapping.is_identity()) continue;
-    Eigen::VectorXd moved = x.segment(interface.offset, interface.size);
+    const Eigen::VectorXd x_own =
+        x.segment(interface.begin, std::ssize(interface.structure_mesh.coordinates));
+    Eigen::VectorXd moved = x_own;
     if (interface.x_b.size() > 0) moved -= interface.x_b;
     const double farthest = moved.reshaped(dim_, moved.size() / dim_).colwise().norm().maxCoeff();
     if (farthest <= interface.reach) continue;
-    const std::vector<double> u = soil_values(interface, x);
-    interface.u_b = Eigen::Map<const Eigen::VectorXd>(u.data(), std::ssize(u));
-    interface.x_b = x.segment(interface.offset, interface.size);
+    Eigen::VectorXd u(std::ssize(interface.soil_mesh.coordinates));
+    to_soil(interface, x, part(u, 0, interface.soil_mesh));
+    interface.u_b = u;
+    interface.x_b = x_own;
     set_up(interface);
     ++interface.num_set_ups;
   }
@@ -189,37 +221,6 @@ void InterfaceMap::visit_state(StateVisitor& visitor) {
   }
 }
 
-void InterfaceMap::add_soil_force(const std::string& soil, const InterfaceValues& sent,
-                                  Eigen::VectorXd& force) const {
-  for (const Interface& interface : interfaces_) {
-    if (interface.names.soil != soil) continue;
-    interface.mapping.add_to_structure(
-        checked(sent, soil, interface.soil_mesh),
-        {force.data() + interface.offset, static_cast<std::size_t>(interface.size)});
-  }
-}
-
-InterfaceValues InterfaceMap::structure_values(const std::string& structure,
-                                               const Eigen::VectorXd& all) const {
-  InterfaceValues result;
-  for (const Interface& interface : interfaces_) {
-    if (interface.names.structure != structure) continue;
-    const double* begin = all.data() + interface.offset;
-    result[interface.names.name].assign(begin, begin + interface.size);
-  }
-  return result;
-}
-
-void InterfaceMap::put_structure_values(const std::string& structure, const InterfaceValues& sent,
-                                        Eigen::VectorXd& all) const {
-  for (const Interface& interface : interfaces_) {
-    if (interface.names.structure != structure) continue;
-    const auto& values = checked(sent, structure, interface.structure_mesh);
-    all.segment(interface.offset, interface.size) =
-        Eigen::Map<const Eigen::VectorXd>(values.data(), interface.size);
-  }
-}
-
 Json InterfaceMap::report() const {
   Json all = Json::object();
   for (const Interface& interface : interfaces_) {
@@ -236,23 +237,27 @@ Json InterfaceMap::report() const {
   return all;
 }
 
-Resultant InterfaceMap::soil_resultant(const std::string& soil, const InterfaceValues& displacement,
-                                       const InterfaceValues& force) const {
-  Resultant sum;
+Resultant InterfaceMap::soil_resultant(const Eigen::VectorXd& u,
+                                       const Eigen::VectorXd& f_soil) const {
+  std::map<std::string, Resultant> of_soil;
   for (const Interface& interface : interfaces_) {
-    if (interface.names.soil != soil) continue;
-    add_resultant(interface.soil_mesh, displacement.at(interface.names.name).data(),
-                  force.at(interface.names.name).data(), sum);
+    add_resultant(interface.soil_mesh, u.data() + interface.soil_begin,
+                  f_soil.data() + interface.soil_begin, of_soil[interface.names.soil]);
+  }
+  Resultant sum;
+  for (const auto& entry : of_soil) {
+    sum.force += entry.second.force;
+    sum.moment += entry.second.moment;
   }
   return sum;
 }
 
 Resultant InterfaceMap::structure_resultant(const Eigen::VectorXd& x,
-                                            const Eigen::VectorXd& force) const {
+                                            const Eigen::VectorXd& f) const {
   Resultant sum;
   for (const Interface& interface : interfaces_) {
-    add_resultant(interface.structure_mesh, x.data() + interface.offset,
-                  force.data() + interface.offset, sum);
+    add_resultant(interface.structure_mesh, x.data() + interface.begin, f.data() + interface.begin,
+                  sum);
   }
   return sum;
 }

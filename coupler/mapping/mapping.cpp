@@ -14,8 +14,8 @@ namespace gabion {
 
 namespace {
 
-using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-using Values = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using WeightRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using VertexValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::string point_text(const Eigen::Vector3d& x, int dim) {
   return dim == 2 ? fmt::format("({}, {})", x(0), x(1))
@@ -39,14 +39,14 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
 }
 
 /// A row of weights an image.
-Rows interpolation(const std::vector<SurfacePoint>& images, std::int64_t num_columns) {
+WeightRows interpolation(const std::vector<SurfacePoint>& images, std::int64_t num_columns) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t v = 0; v < images.size(); ++v) {
     for (int a = 0; a < images[v].count; ++a) {
       entries.emplace_back(v, images[v].vertices[a], images[v].weights[a]);
     }
   }
-  Rows H(static_cast<Eigen::Index>(images.size()), num_columns);
+  WeightRows H(static_cast<Eigen::Index>(images.size()), num_columns);
   H.setFromTriplets(entries.begin(), entries.end());
   return H;
 }
@@ -153,7 +153,7 @@ void Mapping::measure(const Surface& from, const Surface& to) {
   std::vector<bool> used(static_cast<std::size_t>(from.num_vertices()), false);
   for (Eigen::Index v = 0; v < H_.rows(); ++v) {
     Eigen::Vector3d image = Eigen::Vector3d::Zero();
-    for (Rows::InnerIterator entry(H_, v); entry; ++entry) {
+    for (WeightRows::InnerIterator entry(H_, v); entry; ++entry) {
       image += entry.value() * from.vertex(entry.col());
       report_.largest_weight = std::max(report_.largest_weight, std::abs(entry.value()));
       if (entry.value() != 0) used[static_cast<std::size_t>(entry.col())] = true;
@@ -169,14 +169,14 @@ void Mapping::to_soil(std::span<const double> structure, std::span<double> soil)
     std::copy(structure.begin(), structure.end(), soil.begin());
     return;
   }
-  Eigen::Map<Values>(soil.data(), H_.rows(), dim_) =
-      H_ * Eigen::Map<const Values>(structure.data(), H_.cols(), dim_);
+  Eigen::Map<VertexValues>(soil.data(), H_.rows(), dim_) =
+      H_ * Eigen::Map<const VertexValues>(structure.data(), H_.cols(), dim_);
 }
 
 void Mapping::add_to_structure(std::span<const double> soil, std::span<double> structure) const {
   assert(std::ssize(soil) == H_.rows() * dim_ && std::ssize(structure) == H_.cols() * dim_);
-  Eigen::Map<Values> sum(structure.data(), H_.cols(), dim_);
-  const Eigen::Map<const Values> values(soil.data(), H_.rows(), dim_);
+  Eigen::Map<VertexValues> sum(structure.data(), H_.cols(), dim_);
+  const Eigen::Map<const VertexValues> values(soil.data(), H_.rows(), dim_);
   if (identity_) {
     sum += values;
   } else {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string>
 
 #include "common/settings/config_reader.hpp"
 
@@ -22,13 +23,18 @@ struct CouplingCounts {
   std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
   std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
 
-  void add_step(int iterations, bool contact) {
+  /// @param skipped  as in StepRow
+  void add_step(int iterations, const std::string& skipped) {
     ++steps;
     accepted += iterations;
     max = std::max(max, iterations);
-    if (!contact) return;
-    ++steps_in_contact;
-    accepted_in_contact += iterations;
+    if (skipped == "none") {
+      ++steps_in_contact;
+      accepted_in_contact += iterations;
+    } else {
+      ++skipped_acceleration;
+    }
+    if (skipped == "structure") ++skipped_structure;
   }
 
   Json json() const {

@@ -14,11 +14,11 @@ namespace gabion {
 
 /// All that one coupling iteration leaves for the log.
 struct IterationRow {
-  StepRequest request;
-  ConvergenceState state;
-  AccelerationCounters acceleration;  ///< of the call that made this x; zeros for a predicted x
-  Resultant soil;
-  Resultant structure;
+  StepRequest request = {};
+  ConvergenceState state = {};
+  AccelerationCounters acceleration = {};  ///< of the call that made x; zeros for a predicted x
+  Resultant soil = {};
+  Resultant structure = {};
   int soil_newton = 0;
   int structure_newton = 0;
   double soil_seconds = 0;
@@ -28,12 +28,12 @@ struct IterationRow {
 
 /// All that one accepted step leaves for the log.
 struct StepRow {
-  IterationRow last;
-  double time = 0;      ///< [s] of the accepted state
-  int iterations = 0;   ///< of the accepted solution
-  std::string status;   ///< converged, inactive, explicit, or why it was accepted all the same
-  std::string skipped;  ///< none, acceleration, structure
-  int soil_newton = 0;  ///< all iterations of the accepted solution
+  IterationRow last = {};
+  double time = 0;           ///< [s] of the accepted state
+  int iterations = 0;        ///< of the accepted solution
+  std::string status = {};   ///< converged, inactive, explicit, or why it was accepted all the same
+  std::string skipped = {};  ///< none, acceleration, structure
+  int soil_newton = 0;       ///< all iterations of the accepted solution
   int structure_newton = 0;
   double soil_work = 0;       ///< [J] of the interface forces on the soils, in this step
   double structure_work = 0;  ///< [J] on the structures

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One try to solve a step: the iterations of CouplingLoop.
+#include "coupler/step/coupled_step.hpp"
+
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <exception>
-#include <functional>
 #include <utility>
 
 #include "common/base/log.hpp"
-#include "common/base/require.hpp"
-#include "coupler/coupling_loop.hpp"
 
 namespace gabion {
 
@@ -19,90 +15,140 @@ std::string number_or(const std::optional<double>& value, const std::string& tex
   return value ? fmt::format("{:.3g}", *value) : text;
 }
 
-/// Take the answers of all these sides, also when one of them failed: nothing may be left under way
-/// when the step is rejected.
-/// @throws ConvergenceError  the first failure
-void finish_all(const std::vector<Side*>& sides, const std::function<void(Side&)>& finish) {
-  std::exception_ptr failure;
-  for (Side* side : sides) {
-    try {
-      finish(*side);
-    } catch (const ConvergenceError&) {
-      if (!failure) failure = std::current_exception();
-    }
+/// Why a step has ended without convergence.
+std::string failure_text(const Attempt& now) {
+  const ConvergenceState& state = now.row.state;
+  std::string text = fmt::format(
+      "coupling {} after {} iterations: displacement residual {:.3g} m (allowed {}), force "
+      "residual {} N (allowed {})",
+      name(state.verdict), now.iterations(), state.displacement_residual,
+      number_or(state.displacement_limit, "any"), number_or(state.force_residual, "none yet"),
+      number_or(state.force_limit, "any"));
+  if (!state.below_round_off.empty()) {
+    text += fmt::format("; the limit of the {} is below the round-off of its values",
+                        state.below_round_off);
   }
-  if (failure) std::rethrow_exception(failure);
+  return text;
 }
 
 }  // namespace
 
-CouplingLoop::Attempt CouplingLoop::try_step(const StepRequest& request) {
+CoupledStep::CoupledStep(const CouplingSettings& settings, Sides& sides, CouplingRecord& record,
+                         CouplingCounts& counts, PhaseTimes& phases)
+    : settings_(settings),
+      sides_(sides),
+      record_(record),
+      counts_(counts),
+      phases_(phases),
+      scheme_(make_scheme(settings.scheme)),
+      acceleration_(make_acceleration(settings.acceleration, scheme_->fields(sides.map().size()))),
+      predictor_(settings.predictor),
+      convergence_(settings.convergence) {}
+
+Attempt CoupledStep::solve(const StepRequest& request) {
   try {
     return iterate(request);
   } catch (const ConvergenceError& error) {
-    Attempt failed;
-    failed.row.request = request;
-    failed.failure = error.what();
-    failed.solver_failed = true;
-    return failed;
+    return {.row = {.request = request}, .failure = error.what(), .solver_failed = true};
   }
 }
 
-/// The method: x is the displacement of the structures' wet surfaces.
-CouplingLoop::Attempt CouplingLoop::iterate(StepRequest request) {
-  Attempt now;
-  for (Side* side : sides()) side->begin_solution();
-  acceleration_->begin_step();
-  convergence_.begin_step();
-  now.row.request = request;
-  predict(now);
-  const bool parallel = settings_.coupling.scheme == Scheme::parallel_implicit;
+/// The method.
+Attempt CoupledStep::iterate(const StepRequest& request) {
+  Attempt now = predict(request);
   for (;; ++now.row.request.iteration) {
     const Stopwatch watch;
-    const bool contact = parallel ? solve_parallel(now) : solve_serial(now);
-    if (!contact || settings_.coupling.scheme == Scheme::explicit_) {
-      now.status = contact ? "explicit" : "inactive";
-      if (!contact) now.x = now.x_tilde;  // the force is the same for every x
-      check_one_pass(now);
-      log_iteration(now, watch);
-      return now;
+    const bool contact = scheme_->solve(sides_, now);  // f = H^T MPM(H x), x_tilde = FEM(f)
+    if (contact && scheme_->repeats()) {
+      measure(now);
+    } else {
+      accept_one_pass(contact, now);
     }
-    if (now.row.request.iteration == 0 && contact_.changed(soil_reports())) {
-      forgotten_columns_ = acceleration_->reset();
-      ++counts_.history_resets;
-    }
-    now.row.state = parallel ? convergence_.check(now.x, now.x_tilde, now.force_given, now.force)
-                             : convergence_.check(now.x, now.x_tilde, now.force);
-    const bool done = finished(now);
     log_iteration(now, watch);
-    if (done) return now;
+    if (!now.status.empty()) return now;
     accelerate(now);
   }
 }
 
-/// What the scheme iterates on: the displacement, and the force too where both sides work at once.
-Eigen::VectorXd CouplingLoop::stacked(const Eigen::VectorXd& displacement,
-                                      const Eigen::VectorXd& force) const {
-  if (settings_.coupling.scheme != Scheme::parallel_implicit) return displacement;
-  Eigen::VectorXd result(displacement.size() + force.size());
-  result << displacement, force;
-  return result;
+Attempt CoupledStep::predict(const StepRequest& request) {
+  sides_.begin_solution();
+  acceleration_->begin_step();
+  convergence_.begin_step();
+  Attempt now{.row = {.request = request}};
+  scheme_->set_guess(predictor_.predict(request.time + request.dt), now);
+  return now;
 }
 
-void CouplingLoop::predict(Attempt& now) const {
-  const StepRequest& request = now.row.request;
-  const Eigen::VectorXd state = predictor_.predict(request.time + request.dt);
-  now.x = state.head(map_->size());
-  now.force_given = state.tail(map_->size());  // serial: replaced by what the soils answer
+/// No residual is asked for: the scheme is explicit, or without contact the force is the same for
+/// every x.
+void CoupledStep::accept_one_pass(bool contact, Attempt& now) {
+  now.status = contact ? "explicit" : "inactive";
+  if (!contact) {
+    now.x = now.x_tilde;
+    now.u = sides_.map().soil_displacement(now.x);
+    now.skipped = sides_.all_structures_solved() ? "acceleration" : "structure";
+  }
+  now.row.state = Convergence::one_pass(now.x, now.x_tilde, now.f);
+  if (now.row.state.verdict == Verdict::not_finite) now.failure = "values are not finite";
 }
 
-void CouplingLoop::accelerate(Attempt& now) {
+void CoupledStep::measure(Attempt& now) {
+  if (now.row.request.iteration == 0) forget_if_contact_changed();
+  ConvergenceState& state = now.row.state;
+  state = scheme_->check(convergence_, now);
+  if (state.verdict == Verdict::converged && !sides_.all_structures_solved()) {
+    state.verdict = Verdict::going_on;
+  }
+  if (state.verdict != Verdict::converged) warn_of_round_off(state);
+  if (state.verdict == Verdict::going_on && now.iterations() >= settings_.max_iterations) {
+    state.verdict = Verdict::limit_reached;
+  }
+  if (state.verdict == Verdict::going_on) return;
+  now.status = name(state.verdict);
+  if (state.verdict != Verdict::converged) end_unconverged(now);
+}
+
+void CoupledStep::end_unconverged(Attempt& now) {
+  const Verdict verdict = now.row.state.verdict;
+  const bool usable = verdict == Verdict::limit_reached || verdict == Verdict::stagnated;
+  if (settings_.on_limit != OnLimit::accept || !usable) {
+    now.failure = failure_text(now);
+    return;
+  }
+  log::warn("step {} accepted all the same: {}", now.row.request.step, failure_text(now));
+  ++counts_.accepted_unconverged;
+}
+
+void CoupledStep::forget_if_contact_changed() {
+  if (!contact_.changed(sides_.soil_reports())) return;
+  forgotten_columns_ = acceleration_->reset();
+  ++counts_.history_resets;
+}
+
+void CoupledStep::warn_of_round_off(const ConvergenceState& state) {
+  if (warned_round_off_ || state.below_round_off.empty()) return;
+  warned_round_off_ = true;
+  log::warn(
+      "coupling/convergence: the limit of the {} is below the round-off of its values; "
+      "iterations will stagnate",
+      state.below_round_off);
+}
+
+void CoupledStep::log_iteration(Attempt& now, const Stopwatch& watch) {
+  now.row.wall_seconds = watch.seconds();
+  record_.iteration(now.row);
+  log::debug("step {} iteration {}: displacement residual {:.3e} m, force residual {:.3e} N, {}",
+             now.row.request.step, now.row.request.iteration, now.row.state.displacement_residual,
+             now.row.state.force_residual.value_or(0), name(now.row.state.verdict));
+  ++counts_.total;
+}
+
+void CoupledStep::accelerate(Attempt& now) {
   const ScopedTimer timer(phases_, "acceleration");
   const Stopwatch watch;
-  const Eigen::VectorXd next =
-      acceleration_->next(stacked(now.x, now.force_given), stacked(now.x_tilde, now.force));
-  now.x = next.head(map_->size());
-  now.force_given = next.tail(map_->size());
+  scheme_->set_guess(acceleration_->next(scheme_->unknowns(now.x, now.f_given),
+                                         scheme_->unknowns(now.x_tilde, now.f)),
+                     now);
   acceleration_seconds_ += watch.seconds();
   now.row.acceleration = acceleration_->counters();
   now.row.acceleration.dropped_by_contact = std::exchange(forgotten_columns_, 0);
@@ -114,177 +160,31 @@ void CouplingLoop::accelerate(Attempt& now) {
       now.row.request.step, now.row.request.iteration, Filter().limit);
 }
 
-/// @returns whether the soils may answer another force to another x
-bool CouplingLoop::solve_serial(Attempt& now) {
-  solve_soils(now);  // force = H^T MPM(H x)
-  now.force_given = now.force;
-  const bool contact = now.row.request.iteration > 0 || contact_possible(now);
-  solve_structures(now, /*may_sleep=*/!contact);  // x_tilde = FEM(force)
-  return contact;
-}
-
-bool CouplingLoop::solve_parallel(Attempt& now) {
-  const Stopwatch watch;
-  const bool no_load = now.force_given.isZero(0);
-  start_soils(now);
-  const std::vector<Side*> structures = start_structures(now, /*may_sleep=*/no_load);
-  std::exception_ptr failure;
-  try {
-    finish_soils(now, watch);
-  } catch (const ConvergenceError&) {
-    failure = std::current_exception();
+void CoupledStep::accept(const Attempt& done, double time) {
+  if (done.skipped == "none" && scheme_->repeats()) {
+    const Stopwatch watch;
+    acceleration_->end_step(scheme_->unknowns(done.x, done.f_given),
+                            scheme_->unknowns(done.x_tilde, done.f));
+    acceleration_seconds_ += watch.seconds();
   }
-  finish_structures(now, structures, watch);
-  if (failure) std::rethrow_exception(failure);
-  const bool contact = now.row.request.iteration > 0 || contact_possible(now);
-  if (!contact && !no_load) {  // a force was predicted, and there is none
-    now.force_given = now.force;
-    solve_structures(now, /*may_sleep=*/true);
-  }
-  return contact;
+  contact_.accept(sides_.soil_reports());
+  predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
 }
 
-void CouplingLoop::solve_soils(Attempt& now) {
-  const Stopwatch watch;
-  start_soils(now);
-  finish_soils(now, watch);
+void CoupledStep::start_at_rest() {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(sides_.map().size());
+  predictor_.accept(0, scheme_->unknowns(none, none));
 }
 
-void CouplingLoop::solve_structures(Attempt& now, bool may_sleep) {
-  const Stopwatch watch;
-  finish_structures(now, start_structures(now, may_sleep), watch);
+double CoupledStep::take_acceleration_seconds() {
+  return std::exchange(acceleration_seconds_, 0);
 }
 
-void CouplingLoop::start_soils(Attempt& now) {
-  for (Side& soil : soils_) {
-    InterfaceValues& given = now.soil_displacement[soil.name()];
-    given = map_->soil_displacement(soil.name(), now.x);
-    soil.start_solve(now.row.request, given);
-  }
-}
-
-void CouplingLoop::finish_soils(Attempt& now, const Stopwatch& watch) {
-  now.force = Eigen::VectorXd::Zero(map_->size());
-  now.soil_forces.clear();
-  now.row.soil = {};
-  now.row.soil_newton = 0;
-  std::vector<Side*> soils;
-  for (Side& soil : soils_) soils.push_back(&soil);
-  finish_all(soils, [&](Side& soil) {
-    const ScopedTimer timer(phases_, soil.name());
-    InterfaceValues sent;
-    soil.finish_solve(sent);
-    map_->add_soil_force(soil.name(), sent, now.force);
-    const Resultant resultant =
-        map_->soil_resultant(soil.name(), now.soil_displacement.at(soil.name()), sent);
-    now.row.soil.force += resultant.force;
-    now.row.soil.moment += resultant.moment;
-    now.row.soil_newton += soil.report().newton_iterations;
-    now.soil_forces.push_back(std::move(sent));
-  });
-  now.row.structure = map_->structure_resultant(now.x, now.force);
-  now.soil_newton += now.row.soil_newton;
-  now.row.soil_seconds = watch.seconds();
-}
-
-std::vector<Side*> CouplingLoop::start_structures(Attempt& now, bool may_sleep) {
-  now.x_tilde = accepted_x_;
-  std::vector<Side*> started;
-  for (Side& structure : structures_) {
-    if (may_sleep && structure.may_sleep) {
-      structure.skip();
-      continue;
-    }
-    structure.start_solve(now.row.request,
-                          map_->structure_values(structure.name(), now.force_given));
-    started.push_back(&structure);
-  }
-  return started;
-}
-
-void CouplingLoop::finish_structures(Attempt& now, const std::vector<Side*>& started,
-                                     const Stopwatch& watch) {
-  now.row.structure_newton = 0;
-  finish_all(started, [&](Side& structure) {
-    const ScopedTimer timer(phases_, structure.name());
-    InterfaceValues sent;
-    structure.finish_solve(sent);
-    map_->put_structure_values(structure.name(), sent, now.x_tilde);
-    now.row.structure_newton += structure.report().newton_iterations;
-  });
-  now.structure_newton += now.row.structure_newton;
-  now.row.structure_seconds = watch.seconds();
-}
-
-bool CouplingLoop::contact_possible(const Attempt& now) const {
-  const bool active = std::any_of(soils_.begin(), soils_.end(),
-                                  [](const Side& soil) { return soil.report().interface_active; });
-  require(active || now.force.isZero(0),
-          "step {}: the soil sends a force (largest component {} N) and says that its "
-          "interfaces are not active",
-          now.row.request.step, now.force.cwiseAbs().maxCoeff());
-  return active;
-}
-
-void CouplingLoop::check_one_pass(Attempt& now) const {
-  now.row.state = Convergence::one_pass(now.x, now.x_tilde, now.force);
-  if (now.row.state.verdict == Verdict::not_finite) now.failure = "values are not finite";
-  if (now.status != "inactive") return;
-  const bool slept = std::any_of(structures_.begin(), structures_.end(),
-                                 [](const Side& structure) { return !structure.solved(); });
-  now.skipped = slept ? "structure" : "acceleration";
-}
-
-bool CouplingLoop::finished(Attempt& now) {
-  ConvergenceState& state = now.row.state;
-  const int iterations = now.row.request.iteration + 1;
-  const bool all_solved = std::all_of(structures_.begin(), structures_.end(),
-                                      [](const Side& structure) { return structure.solved(); });
-  if (state.verdict == Verdict::converged && !all_solved) state.verdict = Verdict::going_on;
-  if (state.verdict != Verdict::converged) warn_of_round_off(state);
-  if (state.verdict == Verdict::going_on && iterations >= settings_.coupling.max_iterations) {
-    state.verdict = Verdict::limit_reached;
-  }
-  if (state.verdict == Verdict::going_on) return false;
-  now.status = name(state.verdict);
-  if (state.verdict == Verdict::converged) return true;
-  std::string text = fmt::format(
-      "coupling {} after {} iterations: displacement residual {:.3g} m (allowed {}), force "
-      "residual {} N (allowed {})",
-      now.status, iterations, state.displacement_residual,
-      number_or(state.displacement_limit, "any"), number_or(state.force_residual, "none yet"),
-      number_or(state.force_limit, "any"));
-  if (!state.below_round_off.empty()) {
-    text += fmt::format("; the limit of the {} is below the round-off of its values",
-                        state.below_round_off);
-  }
-  const bool usable =
-      state.verdict == Verdict::limit_reached || state.verdict == Verdict::stagnated;
-  if (settings_.coupling.on_limit == OnLimit::accept && usable) {
-    log::warn("step {} accepted all the same: {}", now.row.request.step, text);
-    ++counts_.accepted_unconverged;
-  } else {
-    now.failure = text;
-  }
-  return true;
-}
-
-void CouplingLoop::warn_of_round_off(const ConvergenceState& state) {
-  if (warned_round_off_ || state.below_round_off.empty()) return;
-  warned_round_off_ = true;
-  log::warn(
-      "coupling/convergence: the limit of the {} is below the round-off of its values; "
-      "iterations will stagnate",
-      state.below_round_off);
-}
-
-void CouplingLoop::log_iteration(Attempt& now, const Stopwatch& watch) {
-  now.row.wall_seconds = watch.seconds();
-  record_->iteration(now.row);
-  log::debug("step {} iteration {}: displacement residual {:.3e} m, force residual {:.3e} N, {}",
-             now.row.request.step, now.row.request.iteration, now.row.state.displacement_residual,
-             now.row.state.force_residual.value_or(0), name(now.row.state.verdict));
-  ++counts_.total;
+void CoupledStep::visit_state(StateVisitor& visitor) {
+  acceleration_->visit_state(visitor);
+  predictor_.visit_state(visitor);
+  contact_.visit_state(visitor);
+  visitor.integer("forgotten_columns", forgotten_columns_);
 }
 
 }  // namespace gabion

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "coupler/step/state_vectors.hpp"
+#include "coupler/state_vectors.hpp"
 
 namespace gabion {
 

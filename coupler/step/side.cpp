@@ -30,27 +30,26 @@ void Side::begin_step() {
   busy_seconds_ = 0;
 }
 
-void Side::solve(const StepRequest& request, const InterfaceValues& received,
-                 InterfaceValues& sent) {
-  const CallTimer timer(*this);
-  note_solution(solver_.solve_step(request, received, sent));
-}
-
-void Side::start_solve(const StepRequest& request, const InterfaceValues& received) {
+void Side::start_solve(const StepRequest& request, const Eigen::VectorXd& given) {
   under_way_ = UnderWay{request, {}, Stopwatch()};
   if (AsynchronousSolver* solver = asynchronous()) {
-    solver->start_solve(request, received);
+    solver->start_solve(request, layout_.values_in(given));
   } else {
-    under_way_->received = received;
+    under_way_->received = layout_.values_in(given);
   }
 }
 
-void Side::finish_solve(InterfaceValues& sent) {
+void Side::finish_solve(Eigen::VectorXd& answer) {
   const UnderWay task = *std::exchange(under_way_, std::nullopt);
-  AsynchronousSolver* solver = asynchronous();
-  if (!solver) return solve(task.request, task.received, sent);
-  const CallTimer timer(*this, task.watch);
-  note_solution(solver->finish_solve(sent));
+  InterfaceValues sent;
+  if (AsynchronousSolver* solver = asynchronous()) {
+    const CallTimer timer(*this, task.watch);
+    note_solution(solver->finish_solve(sent));
+  } else {
+    const CallTimer timer(*this);
+    note_solution(solver_.solve_step(task.request, task.received, sent));
+  }
+  layout_.put(sent, answer);
 }
 
 void Side::note_solution(const StepReport& report) {
@@ -64,10 +63,11 @@ void Side::skip() {
   solved_ = false;
 }
 
-AcceptReport Side::accept(const StepRequest& request) {
+AcceptReport Side::accept(const StepRequest& request, const Eigen::VectorXd& given) {
   const CallTimer timer(*this);
   AcceptReport report = solver_.accept_step(request, solved_);
   accepted_details_ = report.details;
+  may_sleep_ = report.at_rest && layout_.is_zero_in(given);
   return report;
 }
 
@@ -77,7 +77,7 @@ void Side::reject() {
 }
 
 void Side::add_details(double wall_seconds, Json& details) const {
-  const std::string prefix = name_ + ".";
+  const std::string prefix = name() + ".";
   for (const Json* report : {&report_.details, &accepted_details_}) {
     for (const auto& item : report->items()) details[prefix + item.key()] = item.value();
   }

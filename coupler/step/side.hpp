@@ -6,41 +6,47 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
+#include "coupler/mapping/interface_layout.hpp"
 
 namespace gabion {
 
-/// A participant and what became of it in the step under way.
+/// A participant and what became of it in the step under way. It takes its share of the vectors of
+/// its side, and puts its answers in their place.
 ///
-///     begin_step, (begin_solution, solve or skip, ..., reject)*, begin_solution, solve or skip,
-///     ..., accept
+///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ..., accept
+///     solution: start_solve, finish_solve; or skip
 class Side {
  public:
-  Side(std::string name, Solver& solver) : name_(std::move(name)), solver_(solver) {}
+  Side(InterfaceLayout layout, Solver& solver) : layout_(std::move(layout)), solver_(solver) {}
 
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return layout_.participant(); }
   Solver& solver() const { return solver_; }
 
   void begin_step();
   void begin_solution() { linear_iterations_ = 0; }
-  void solve(const StepRequest& request, const InterfaceValues& received, InterfaceValues& sent);
   /// Begin to solve, and return at once when the solver is in another process.
-  void start_solve(const StepRequest& request, const InterfaceValues& received);
-  /// @throws ConvergenceError  the solver could not solve
-  void finish_solve(InterfaceValues& sent);
+  /// @param given  values at all interfaces of this side
+  void start_solve(const StepRequest& request, const Eigen::VectorXd& given);
+  bool is_under_way() const { return under_way_.has_value(); }
+  /// @param[in,out] answer  of all interfaces of this side: this participant's share is set
+  /// @throws ConvergenceError  the solver could not solve; nothing is under way then
+  void finish_solve(Eigen::VectorXd& answer);
   /// The solver is not asked in this iteration.
   void skip();
-  AcceptReport accept(const StepRequest& request);
+  /// @param given  values at all interfaces of this side in the accepted solution
+  AcceptReport accept(const StepRequest& request, const Eigen::VectorXd& given);
   void reject();
 
   const StepReport& report() const { return report_; }  ///< of the last solution
   bool solved() const { return solved_; }               ///< in the last iteration
+  /// After the last accepted step: at rest, and nothing was given to it but zeros.
+  bool may_sleep() const { return may_sleep_; }
 
   /// Add the numbers of the accepted step as "name.number": the solver's own ones,
   /// `linear_iterations` of all iterations of the accepted solution, and where `wall_seconds` of
   /// the step went.
   void add_details(double wall_seconds, Json& details) const;
-
-  bool may_sleep = false;  ///< after the last accepted step: at rest, and no force was on it
+  void visit_state(StateVisitor& visitor) { visitor.flag("may_sleep." + name(), may_sleep_); }
 
  private:
   class CallTimer;
@@ -52,10 +58,11 @@ class Side {
   AsynchronousSolver* asynchronous() const { return dynamic_cast<AsynchronousSolver*>(&solver_); }
   void note_solution(const StepReport& report);
 
-  std::string name_;
+  InterfaceLayout layout_;
   Solver& solver_;
   StepReport report_;
   bool solved_ = false;
+  bool may_sleep_ = false;
   std::optional<UnderWay> under_way_;
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "coupler/coupling_loop.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/support/solver_server.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
@@ -18,6 +19,7 @@ namespace gabion {
 namespace {
 
 namespace fs = std::filesystem;
+using test::expect_error;
 using test::SoilSprings;
 using test::StructureSprings;
 
@@ -78,6 +80,12 @@ struct CoupledRun {
     }
     return rows;
   }
+  /// The run ends with a ConvergenceError that says all this, and so does its summary.
+  void expect_failure(const std::vector<std::string_view>& parts) {
+    expect_error<ConvergenceError>([this] { go(); }, parts);
+    EXPECT_EQ(summary()["completed"], false);
+    test::expect_parts(summary()["reason"], parts);
+  }
   std::vector<std::string> column(const std::string& file, const std::string& name) const {
     const auto rows = table(file);
     const auto at = std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin();
@@ -124,34 +132,53 @@ Eigen::VectorXd monolithic_history(double dt, int steps) {
   return history;
 }
 
+struct Way {
+  Scheme scheme = Scheme::serial_implicit;
+  std::string method;
+  int predictor = 0;
+};
+
+/// Every method in both implicit schemes, with every predictor. But Aitken's single factor finds no
+/// fixed point of [x; f], whose iteration has complex eigenvalues.
+std::vector<Way> all_ways() {
+  std::vector<Way> ways;
+  for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
+    for (const std::string& method : acceleration_methods()) {
+      if (scheme == Scheme::parallel_implicit && method == "aitken") continue;
+      for (const int predictor : {0, 1, 2}) ways.push_back({scheme, method, predictor});
+    }
+  }
+  return ways;
+}
+
 TEST(CouplingLoop, equals_the_monolithic_solution_for_every_method_and_predictor) {
   const Eigen::VectorXd expected = monolithic_history(0.01, 20);
-  const std::vector<std::pair<Scheme, std::string>> ways = {
-      {Scheme::serial_implicit, "aitken"},    {Scheme::serial_implicit, "iqn_ils"},
-      {Scheme::serial_implicit, "mvqn"},      {Scheme::serial_implicit, "mvqn_residual"},
-      {Scheme::parallel_implicit, "iqn_ils"}, {Scheme::parallel_implicit, "mvqn"}};
-  for (const auto& [scheme, method] : ways) {
-    for (const int predictor : {0, 1, 2}) {
-      CoupledRun run("monolithic");
-      run.settings.coupling.scheme = scheme;
-      run.settings.coupling.acceleration.method = method;
-      run.settings.coupling.predictor = predictor;
-      run.go();
-      const auto u = run.column("probes.csv", "structure.u");
-      ASSERT_EQ(u.size(), 21u);
-      EXPECT_EQ(std::stod(u[0]), 0);
-      for (int n = 0; n < 20; ++n) {
-        EXPECT_NEAR(std::stod(u[std::size_t(n) + 1]), expected(n), 1e-8 * expected.maxCoeff())
-            << name(scheme) << " " << method << " predictor " << predictor << " step " << n;
-      }
-      const Json summary = run.summary();
-      EXPECT_EQ(summary["completed"], true);
-      EXPECT_EQ(summary["steps"], 20);
-      EXPECT_EQ(summary["end_time"], 0.2);
-      EXPECT_EQ(summary["methods"]["acceleration"], method);
-      EXPECT_EQ(summary["methods"]["scheme"], name(scheme));
-      EXPECT_EQ(summary["participants"]["soil"]["linear_solver"], "none");
+  for (const auto& [scheme, method, predictor] : all_ways()) {
+    SCOPED_TRACE(fmt::format("{} {} predictor {}", name(scheme), method, predictor));
+    CoupledRun run("monolithic");
+    run.settings.coupling.scheme = scheme;
+    run.settings.coupling.acceleration.method = method;
+    run.settings.coupling.predictor = predictor;
+    if (method == "constant") {  // the soil is as heavy as four structures
+      run.settings.coupling.acceleration.relaxation = 0.05;
+      run.settings.coupling.max_iterations = 3000;
+      run.settings.coupling.convergence.stagnation = 1000;
     }
+    run.go();
+    const auto u = run.column("probes.csv", "structure.u");
+    ASSERT_EQ(u.size(), 21u);
+    EXPECT_EQ(std::stod(u[0]), 0);
+    for (int n = 0; n < 20; ++n) {
+      EXPECT_NEAR(std::stod(u[std::size_t(n) + 1]), expected(n), 1e-8 * expected.maxCoeff())
+          << "step " << n;
+    }
+    const Json summary = run.summary();
+    EXPECT_EQ(summary["completed"], true);
+    EXPECT_EQ(summary["steps"], 20);
+    EXPECT_EQ(summary["end_time"], 0.2);
+    EXPECT_EQ(summary["methods"]["acceleration"], method);
+    EXPECT_EQ(summary["methods"]["scheme"], name(scheme));
+    EXPECT_EQ(summary["participants"]["soil"]["linear_solver"], "none");
   }
 }
 
@@ -302,16 +329,8 @@ TEST(CouplingLoop, failure_below_dt_min_ends_the_run_and_keeps_what_was_written)
   run.structure.on_solve = [](const StepRequest& request) {
     if (request.time > 0.045) throw ConvergenceError("wall is gone");
   };
-  try {
-    run.go();
-    FAIL();
-  } catch (const ConvergenceError& error) {
-    EXPECT_NE(std::string(error.what()).find("wall is gone"), std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("dt_min"), std::string::npos);
-  }
-  EXPECT_EQ(run.summary()["completed"], false);
+  run.expect_failure({"wall is gone", "dt_min"});
   EXPECT_EQ(run.summary()["steps"], 5);
-  EXPECT_NE(run.summary()["reason"].get<std::string>().find("wall is gone"), std::string::npos);
   EXPECT_EQ(run.table("steps.csv").size(), 6u);
   EXPECT_NEAR(run.soil.written.back(), 0.05, 1e-14);
 }
@@ -320,14 +339,13 @@ TEST(CouplingLoop, the_iteration_limit_is_never_a_silent_success) {
   CoupledRun cut("limit_cut");
   cut.settings.coupling.max_iterations = 2;
   cut.settings.coupling.predictor = 0;
-  EXPECT_THROW(cut.go(), ConvergenceError);
-  EXPECT_NE(cut.summary()["reason"].get<std::string>().find("limit_reached after 2 iterations"),
-            std::string::npos);
+  cut.expect_failure({"coupling limit_reached after 2 iterations", "dt_min"});
+  EXPECT_EQ(cut.summary()["steps"], 0);
 
   CoupledRun stop("limit_stop");
   stop.settings.coupling.max_iterations = 2;
   stop.settings.coupling.on_limit = OnLimit::stop;
-  EXPECT_THROW(stop.go(), ConvergenceError);
+  stop.expect_failure({"coupling limit_reached after 2 iterations", "(on_limit is \"stop\")"});
   EXPECT_EQ(stop.summary()["cuts"], 0);
 
   CoupledRun accept("limit_accept");
@@ -345,8 +363,7 @@ TEST(CouplingLoop, gauss_seidel_with_a_heavy_soil_diverges_even_when_limits_are_
   run.settings.coupling.acceleration.relaxation = 1;
   run.settings.coupling.on_limit = OnLimit::accept;
   run.soil.scatter = run.structure.scatter = 0;
-  EXPECT_THROW(run.go(), ConvergenceError);
-  EXPECT_NE(run.summary()["reason"].get<std::string>().find("diverged"), std::string::npos);
+  run.expect_failure({"coupling diverged after"});
 }
 
 TEST(CouplingLoop, without_contact_there_is_one_pass_and_no_structure_solve) {
@@ -390,14 +407,16 @@ TEST(CouplingLoop, the_parallel_scheme_skips_without_contact_and_solves_again_wh
 }
 
 TEST(CouplingLoop, a_failure_in_the_parallel_scheme_leaves_nothing_under_way) {
-  for (const bool of_soil : {true, false}) {
+  for (const auto& [of_soil, wire] :
+       {std::pair(true, false), {false, false}, {true, true}, {false, true}}) {
     CoupledRun run("parallel_cut");
     run.settings.coupling.scheme = Scheme::parallel_implicit;
     auto& solver = of_soil ? static_cast<test::MassSprings&>(run.soil) : run.structure;
     solver.on_solve = [](const StepRequest& request) {
       if (request.step == 4 && request.dt > 0.006) throw ConvergenceError("too large");
     };
-    run.go();
+    wire ? run.go_behind_the_wire() : run.go();
+    EXPECT_EQ(run.summary()["completed"], true);
     EXPECT_EQ(run.summary()["cuts"], 1);
     EXPECT_EQ(run.soil.solves, run.structure.solves + (run.structure.slept ? 1 : 0));
   }
@@ -432,7 +451,8 @@ TEST(CouplingLoop, many_iterations_halve_dt_and_few_let_it_grow) {
 
 TEST(CouplingLoop, every_method_ends_with_a_reason_and_never_in_success) {
   for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
-    for (const std::string method : {"constant", "aitken", "iqn_ils", "mvqn", "mvqn_residual"}) {
+    for (const std::string& method : acceleration_methods()) {
+      SCOPED_TRACE(name(scheme) + " " + method);
       CoupledRun run("reasons");
       run.settings.coupling.scheme = scheme;
       run.settings.coupling.acceleration.method = method;
@@ -441,16 +461,12 @@ TEST(CouplingLoop, every_method_ends_with_a_reason_and_never_in_success) {
       int solves = 0;
       run.soil.on_solve = [&](const StepRequest&) { ++solves; };
       run.soil.load = [&](double) { return 5 + 1e-3 * (solves % 3); };
-      try {
-        run.go();
-        FAIL() << method;
-      } catch (const ConvergenceError& error) {
-        EXPECT_EQ(error.exit_code(), 3);
-        const std::string text = error.what();
-        const std::string status = run.column("iterations.csv", "status").back();
-        EXPECT_TRUE(status == "stagnated" || status == "diverged") << method << ": " << status;
-        EXPECT_NE(text.find(status), std::string::npos) << text;
-      }
+      const std::string text = test::error_of<ConvergenceError>([&] { run.go(); });
+      const std::string status = run.column("iterations.csv", "status").back();
+      EXPECT_TRUE(status == "stagnated" || status == "diverged") << status;
+      test::expect_parts(text, {"coupling " + status + " after"});
+      EXPECT_EQ(run.summary()["completed"], false);
+      EXPECT_EQ(run.summary()["reason"], text);
     }
   }
 }
@@ -461,14 +477,7 @@ TEST(CouplingLoop, a_limit_below_round_off_is_named_when_it_is_missed) {
   int solves = 0;
   run.soil.on_solve = [&](const StepRequest&) { ++solves; };
   run.soil.load = [&](double) { return 5 + 1e-3 * (solves % 3); };
-  try {
-    run.go();
-    FAIL();
-  } catch (const ConvergenceError& error) {
-    EXPECT_NE(std::string(error.what()).find("limit of the force is below the round-off"),
-              std::string::npos)
-        << error.what();
-  }
+  run.expect_failure({"the limit of the force is below the round-off of its values"});
 }
 
 TEST(CouplingLoop, skipping_does_not_change_the_result) {
@@ -490,16 +499,19 @@ TEST(CouplingLoop, skipping_does_not_change_the_result) {
 TEST(CouplingLoop, a_soil_that_pushes_but_calls_itself_inactive_is_refused) {
   CoupledRun run("pretend");
   run.soil.pretend_inactive = true;
-  EXPECT_THROW(run.go(), Error);
-  EXPECT_NE(run.summary()["reason"].get<std::string>().find("not active"), std::string::npos);
+  expect_error<Error>([&] { run.go(); },
+                      {"the soil sends a force (largest component 7.5 N) and says "
+                       "that its interfaces are not active"});
+  EXPECT_EQ(run.summary()["completed"], false);
 }
 
 TEST(CouplingLoop, values_that_are_not_finite_are_cut_and_end_the_run) {
   CoupledRun run("nan");
   run.soil.load = [](double t) { return t > 0.055 ? std::nan("") : 5.0; };
-  EXPECT_THROW(run.go(), ConvergenceError);
+  run.expect_failure({"coupling not_finite after 1 iterations", "dt_min"});
   const auto status = run.column("iterations.csv", "status");
   EXPECT_EQ(status.back(), "not_finite");
+  EXPECT_GT(run.summary()["cuts"], 0);
 }
 
 TEST(CouplingLoop, deformed_positions_of_surfaces_that_fit_change_nothing_but_rounding) {
@@ -557,7 +569,7 @@ TEST(CouplingLoop, both_solvers_work_at_once_in_the_parallel_scheme) {
   const auto meet = [&](std::atomic<int>& mine, std::atomic<int>& theirs) {
     const int now = ++mine;
     const Stopwatch watch;
-    while (theirs < now && watch.seconds() < 5) std::this_thread::yield();
+    while (theirs < now && watch.seconds() < 60) std::this_thread::yield();
     if (theirs < now) ++missed;
   };
   remote.soil.on_solve = [&](const StepRequest&) { meet(soil_began, structure_began); };
@@ -573,12 +585,11 @@ TEST(CouplingLoop, both_solvers_work_at_once_in_the_parallel_scheme) {
 TEST(CouplingLoop, a_participant_that_is_missing_is_named) {
   CoupledRun run("missing");
   RunRecord files(run.folder.string(), "coupler");
-  try {
-    CouplingLoop(run.settings, {{"soil", run.soil}}, files);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("\"structure\""), std::string::npos);
-  }
+  expect_error<ConfigError>(
+      [&] {
+        CouplingLoop(run.settings, {{"soil", run.soil}}, files);
+      },
+      {"participant \"structure\" of coupler.json is not there"});
 }
 
 }  // namespace

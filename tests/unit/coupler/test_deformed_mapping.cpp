@@ -78,16 +78,6 @@ InterfaceMap map_of(const SurfacePair& pair, bool deformed, double moved_share =
           settings};
 }
 
-Eigen::VectorXd soil(const InterfaceMap& map, const Eigen::VectorXd& x) {
-  return vector_of(map.soil_displacement("soil", x).at("wall"));
-}
-
-Eigen::VectorXd force_on_structure(const InterfaceMap& map, const Eigen::VectorXd& f) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(map.size());
-  map.add_soil_force("soil", {{"wall", {f.begin(), f.end()}}}, sum);
-  return sum;
-}
-
 int num_set_ups(const InterfaceMap& map) {
   return map.report()["wall"]["set_ups"];
 }
@@ -109,7 +99,8 @@ TEST(DeformedMapping, vertices_on_the_surface_keep_their_weights) {
     roll_up(pair, map);
     EXPECT_EQ(num_set_ups(map), 6);
     const Eigen::VectorXd x = random_vector(map.size(), 1);
-    EXPECT_LE((soil(map, x) - soil(reference, x)).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LE((map.soil_displacement(x) - reference.soil_displacement(x)).cwiseAbs().maxCoeff(),
+              1e-12);
   }
 }
 
@@ -119,13 +110,14 @@ TEST(DeformedMapping, constants_are_exact_and_nothing_jumps) {
     const int dim = pair.structure.dim;
     for (int k = 1; k <= 3; ++k) {
       const Eigen::VectorXd x = displacement_of(pair.structure, roll(dim, 0.4 * k));
-      const Eigen::VectorXd before = soil(map, x);
+      const Eigen::VectorXd before = map.soil_displacement(x);
       map.accept(x);
-      EXPECT_EQ(soil(map, x), before);
+      EXPECT_EQ(map.soil_displacement(x), before);
       const Motion shift = [](const Eigen::Vector3d& X) -> Eigen::Vector3d {
         return X + Eigen::Vector3d(0.5, -2, 3);
       };
-      const Eigen::VectorXd step = soil(map, x + displacement_of(pair.structure, shift)) - before;
+      const Eigen::VectorXd step =
+          map.soil_displacement(x + displacement_of(pair.structure, shift)) - before;
       EXPECT_LE((step - displacement_of(pair.soil, shift)).cwiseAbs().maxCoeff(), 1e-14);
     }
     EXPECT_EQ(num_set_ups(map), 4);
@@ -139,11 +131,11 @@ TEST(DeformedMapping, force_moment_and_work_are_conserved_in_deformed_positions)
       const Eigen::VectorXd x1 = roll_up(pair, map);
       const Eigen::VectorXd x2 = x1 + 0.1 * random_vector(map.size(), 2);
       const Eigen::VectorXd f = random_vector(std::ssize(pair.soil.coordinates), 3);
-      const Eigen::VectorXd F = force_on_structure(map, f);
-      EXPECT_NEAR(f.dot(soil(map, x2) - soil(map, x1)), F.dot(x2 - x1), 1e-12);
+      const Eigen::VectorXd F = map.structure_force(f);
+      EXPECT_NEAR(f.dot(map.soil_displacement(x2) - map.soil_displacement(x1)), F.dot(x2 - x1),
+                  1e-12);
 
-      const Resultant here = map.soil_resultant("soil", map.soil_displacement("soil", x2),
-                                                {{"wall", {f.begin(), f.end()}}});
+      const Resultant here = map.soil_resultant(map.soil_displacement(x2), f);
       const Resultant there = map.structure_resultant(x2, F);
       EXPECT_GT(here.moment.norm(), 0.1);
       EXPECT_LE((here.force - there.force).norm(), 1e-12);
@@ -158,13 +150,12 @@ TEST(DeformedMapping, across_a_gap_the_moment_of_normal_forces_is_kept) {
   const SurfacePair pair = {line({0, 0.4, 1}), line({0.3, 0.5, 0.8}, gap)};
   const Motion upright = [](const Eigen::Vector3d& X) { return Eigen::Vector3d(-X(1), X(0), 0); };
   const Eigen::VectorXd x = displacement_of(pair.structure, upright);
-  const InterfaceValues push = {{"wall", {1, 0, 1, 0, 1, 0}}};  // along the normal
+  const Eigen::VectorXd push = vector_of({1, 0, 1, 0, 1, 0});  // along the normal
   const auto mismatch = [&](bool deformed) {
     InterfaceMap map = map_of(pair, deformed);
     map.accept(x);
-    const Resultant here = map.soil_resultant("soil", map.soil_displacement("soil", x), push);
-    const Eigen::VectorXd F = force_on_structure(map, vector_of(push.at("wall")));
-    return (here.moment - map.structure_resultant(x, F).moment).norm();
+    const Resultant here = map.soil_resultant(map.soil_displacement(x), push);
+    return (here.moment - map.structure_resultant(x, map.structure_force(push)).moment).norm();
   };
   EXPECT_NEAR(mismatch(false), 3 * gap, 1e-14);  // the gap did not turn with the structure
   EXPECT_LE(mismatch(true), 1e-14);
@@ -183,7 +174,8 @@ TEST(DeformedMapping, a_rigid_motion_of_both_sides_leaves_the_map_unchanged) {
     const InterfaceMap there =
         map_of({moved(pair.structure, motion), moved(pair.soil, motion)}, false);
     const Eigen::VectorXd x = random_vector(here.size(), 4);
-    EXPECT_LE((soil(here, x) - soil(there, x)).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LE((here.soil_displacement(x) - there.soil_displacement(x)).cwiseAbs().maxCoeff(),
+              1e-12);
   }
 }
 
@@ -199,9 +191,9 @@ TEST(DeformedMapping, a_state_that_was_saved_gives_the_same_bits) {
     again.visit_state(reader);
     const Eigen::VectorXd x = random_vector(map.size(), 5);
     const Eigen::VectorXd f = random_vector(std::ssize(pair.soil.coordinates), 6);
-    EXPECT_NE(soil(again, x), soil(map_of(pair, true), x));
-    EXPECT_EQ(soil(again, x), soil(map, x));
-    EXPECT_EQ(force_on_structure(again, f), force_on_structure(map, f));
+    EXPECT_NE(again.soil_displacement(x), map_of(pair, true).soil_displacement(x));
+    EXPECT_EQ(again.soil_displacement(x), map.soil_displacement(x));
+    EXPECT_EQ(again.structure_force(f), map.structure_force(f));
   }
 }
 
@@ -226,7 +218,7 @@ TEST(DeformedMapping, equal_vertices_stay_copied) {
   const Eigen::VectorXd x = displacement_of(pair.structure, roll(2, 1));
   map.accept(x);
   EXPECT_EQ(num_set_ups(map), 1);
-  EXPECT_EQ(soil(map, x), x);
+  EXPECT_EQ(map.soil_displacement(x), x);
 }
 
 }  // namespace

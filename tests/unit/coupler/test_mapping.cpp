@@ -5,12 +5,14 @@
 
 #include "coupler/mapping/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/coupler/sequence.hpp"
 #include "tests/unit/coupler/surface_meshes.hpp"
 
 namespace gabion {
 namespace {
 
+using test::expect_error;
 using test::SurfacePair;
 using Values = std::vector<double>;
 
@@ -54,12 +56,6 @@ Values random_values(std::size_t count, int seed) {
   return values;
 }
 
-double dot(const Values& a, const Values& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 TEST(Mapping, projection_reproduces_constants_and_linear_fields) {
   Eigen::Matrix3d B;
   B << 1, 2, -1, 0.3, -0.7, 0.2, 2, 1, 0.1;
@@ -101,18 +97,19 @@ TEST(Mapping, forces_keep_sum_moment_and_work) {
     const Values x_values = random_values(pair.structure.coordinates.size(), 1);
     const Eigen::VectorXd x =
         Eigen::Map<const Eigen::VectorXd>(x_values.data(), Eigen::Index(x_values.size()));
-    const InterfaceValues u = map.soil_displacement("soil", x);
-    const InterfaceValues f_soil = {{"wall", random_values(pair.soil.coordinates.size(), 2)}};
-    Eigen::VectorXd f = Eigen::VectorXd::Zero(map.size());
-    map.add_soil_force("soil", f_soil, f);
+    const Eigen::VectorXd u = map.soil_displacement(x);
+    const Values f_values = random_values(pair.soil.coordinates.size(), 2);
+    const Eigen::VectorXd f_soil =
+        Eigen::Map<const Eigen::VectorXd>(f_values.data(), Eigen::Index(f_values.size()));
+    const Eigen::VectorXd f = map.structure_force(f_soil);
 
-    const Resultant here = map.soil_resultant("soil", u, f_soil);
+    const Resultant here = map.soil_resultant(u, f_soil);
     const Resultant there = map.structure_resultant(x, f);
     EXPECT_GT(here.force.norm(), 0.1);
     EXPECT_GT(here.moment.norm(), 0.1);
     EXPECT_LE((here.force - there.force).norm(), 1e-12);
     EXPECT_LE((here.moment - there.moment).norm(), 1e-12);
-    EXPECT_NEAR(dot(u.at("wall"), f_soil.at("wall")), x.dot(f), 1e-12);
+    EXPECT_NEAR(u.dot(f_soil), x.dot(f), 1e-12);
   }
 }
 
@@ -187,35 +184,26 @@ TEST(ClosestPoint, agrees_with_a_search_over_the_facet) {
   }
 }
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(Mapping, surfaces_too_far_apart_are_refused_with_the_place) {
   InterfaceMesh soil = polyline({0, 0.5, 1});
   soil.coordinates[2] += 0.25;  // vertex 1 to (0.75, 1)
-  const std::string text = error_of([&] {
-    Mapping(polyline({0, 1}), soil, {"nearest_projection", 1e-3});
-  });
-  EXPECT_NE(text.find("interface \"wall\": soil vertex 1 at (0.75, 1) is 0.2236"),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("allowed: 0.001 m (coupling/mapping/tolerance)"), std::string::npos) << text;
+  expect_error<ConfigError>(
+      [&] {
+        Mapping(polyline({0, 1}), soil, {"nearest_projection", 1e-3});
+      },
+      {"interface \"wall\": soil vertex 1 at (0.75, 1) is 0.2236",
+       "allowed: 0.001 m (coupling/mapping/tolerance)"});
 }
 
 TEST(Mapping, nearest_neighbor_measures_to_the_vertex_that_it_takes) {
   const InterfaceMesh structure = polyline({0, 1}), soil = polyline({0, 0.3, 1});
   EXPECT_NEAR(Mapping(structure, soil, {"nearest_neighbor", 0.7}).report().farthest,
               0.3 * std::sqrt(5), 1e-15);
-  const std::string text = error_of([&] { Mapping(structure, soil, {"nearest_neighbor", 0.1}); });
-  EXPECT_NE(text.find("away from the structure's nearest vertex, allowed: 0.1 m"),
-            std::string::npos)
-      << text;
+  expect_error<ConfigError>(
+      [&] {
+        Mapping(structure, soil, {"nearest_neighbor", 0.1});
+      },
+      {"away from the structure's nearest vertex, allowed: 0.1 m"});
   EXPECT_LE(Mapping(structure, soil, {"nearest_projection", 0.1}).report().farthest, 1e-15);
 }
 
@@ -227,27 +215,28 @@ TEST(Mapping, equal_vertices_need_no_facets) {
 TEST(Mapping, opposite_normals_are_refused) {
   InterfaceMesh soil = polyline({0, 0.5, 1});
   std::swap(soil.facets[2], soil.facets[3]);
-  const std::string text = error_of([&] { Mapping(polyline({0, 1}), soil, projection); });
-  EXPECT_NE(text.find("facet 1 of the soil's side"), std::string::npos) << text;
-  EXPECT_NE(text.find("normals that agree"), std::string::npos) << text;
+  expect_error<ConfigError>(
+      [&] {
+        Mapping(polyline({0, 1}), soil, projection);
+      },
+      {"facet 1 of the soil's side", "normals that agree"});
 }
 
 TEST(Mapping, unusable_meshes_are_refused) {
   const InterfaceMesh good = polyline({0, 1});
   InterfaceMesh bad = good;
   bad.facets[1] = 7;
-  EXPECT_NE(error_of([&] { Mapping(bad, good, projection); }).find("names vertex 7"),
-            std::string::npos);
+  expect_error<ConfigError>([&] { Mapping(bad, good, projection); }, {"names vertex 7"});
   bad = good;
   bad.coordinates = {0, 0, 0, 0};
-  EXPECT_NE(error_of([&] { Mapping(bad, good, projection); }).find("facet 0 has no extent"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] { Mapping(plane(1, 1, 3), good, projection); }).find("dimension"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] {
-              Mapping(polyline({0, 1}, false), polyline({0, 0.5, 1}), {"nearest_projection", 2});
-            }).find("allowed: nearest_neighbor, radial_basis"),
-            std::string::npos);
+  expect_error<ConfigError>([&] { Mapping(bad, good, projection); }, {"facet 0 has no extent"});
+  expect_error<ConfigError>([&] { Mapping(plane(1, 1, 3), good, projection); },
+                            {"the structure's side has dimension 3, the soil's 2"});
+  expect_error<ConfigError>(
+      [&] {
+        Mapping(polyline({0, 1}, false), polyline({0, 0.5, 1}), {"nearest_projection", 2});
+      },
+      {"allowed: nearest_neighbor, radial_basis"});
 }
 
 TEST(InterfaceMap, several_interfaces_and_structures_share_one_vector) {
@@ -258,30 +247,71 @@ TEST(InterfaceMap, several_interfaces_and_structures_share_one_vector) {
   const InterfaceMap map({{"left", "soil", "post"}, {"right", "soil", "net"}},
                          {{"soil", {right, left}}, {"post", {left}}, {"net", {right}}}, projection);
   ASSERT_EQ(map.size(), 10);
+  ASSERT_EQ(map.soil_size(), 10);
+  const InterfaceLayout net = map.layout("net"), soil = map.layout("soil");
   Eigen::VectorXd x = Eigen::VectorXd::Zero(10);
-  map.put_structure_values("post", {{"left", {1, 2, 3, 4}}}, x);
-  map.put_structure_values("net", {{"right", {5, 6, 7, 8, 9, 10}}}, x);
+  map.layout("post").put({{"left", {1, 2, 3, 4}}}, x);
+  net.put({{"right", {5, 6, 7, 8, 9, 10}}}, x);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(x(i), i + 1);
-  EXPECT_EQ(map.structure_values("net", x).at("right"), (Values{5, 6, 7, 8, 9, 10}));
-  EXPECT_EQ(map.soil_displacement("soil", x).at("left"), (Values{1, 2, 3, 4}));
-  EXPECT_THROW(map.put_structure_values("net", {{"right", {5}}}, x), Error);
-  EXPECT_THROW(map.put_structure_values("net", {{"left", {5}}}, x), Error);
+  EXPECT_EQ(net.values_in(x), (InterfaceValues{{"right", {5, 6, 7, 8, 9, 10}}}));
+  EXPECT_EQ(soil.values_in(map.soil_displacement(x)),
+            (InterfaceValues{{"left", {1, 2, 3, 4}}, {"right", {5, 6, 7, 8, 9, 10}}}));
+}
+
+TEST(InterfaceMap, values_of_one_soil_stand_together_in_the_order_of_names) {
+  InterfaceMesh front = polyline({0, 1}), back = front, top = front;
+  front.name = "front";
+  back.name = "back";
+  top.name = "top";
+  const InterfaceMap map(
+      {{"top", "sand", "box"}, {"front", "clay", "box"}, {"back", "sand", "box"}},
+      {{"sand", {back, top}}, {"clay", {front}}, {"box", {top, front, back}}}, projection);
+  Eigen::VectorXd x(12);
+  map.layout("box").put({{"top", {1, 2, 3, 4}}, {"front", {5, 6, 7, 8}}, {"back", {9, 10, 11, 12}}},
+                        x);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(x(i), i + 1);  // as in coupler.json
+  Eigen::VectorXd expected(12);
+  expected << 5, 6, 7, 8, 9, 10, 11, 12, 1, 2, 3, 4;  // clay: front; sand: back, top
+  EXPECT_EQ(map.soil_displacement(x), expected);
+  EXPECT_EQ(map.structure_force(expected), x);
+}
+
+TEST(InterfaceLayout, what_a_participant_sends_has_to_fit) {
+  const InterfaceLayout layout("net", {{.name = "right", .begin = 2, .size = 2}});
+  Eigen::VectorXd all = Eigen::VectorXd::Ones(4);
+  expect_error<Error>(
+      [&] {
+        layout.put({{"right", {5}}}, all);
+      },
+      {"participant \"net\" sent 1 values for interface \"right\", expected 2"});
+  expect_error<Error>(
+      [&] {
+        layout.put({{"left", {5, 6}}}, all);
+      },
+      {"participant \"net\" sent nothing for interface \"right\""});
+  EXPECT_EQ(all, Eigen::VectorXd::Ones(4));
+  EXPECT_FALSE(layout.is_zero_in(all));
+  layout.put({{"right", {0, -0.0}}}, all);
+  EXPECT_EQ(all, Eigen::Vector4d(1, 1, 0, 0));
+  EXPECT_TRUE(layout.is_zero_in(all));
 }
 
 TEST(InterfaceMap, interfaces_that_do_not_pair_up_are_refused) {
   const InterfaceMesh wall = polyline({0, 1});
   InterfaceMesh roof = wall;
   roof.name = "roof";
-  EXPECT_NE(error_of([&] {
-              InterfaceMap({{"wall", "soil", "structure"}}, {{"soil", {wall}}, {"structure", {}}},
-                           projection);
-            }).find("participant \"structure\" does not have it; it has: none"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] {
-              InterfaceMap({{"wall", "soil", "structure"}},
-                           {{"soil", {wall, roof}}, {"structure", {wall}}}, projection);
-            }).find("offers the interface \"roof\""),
-            std::string::npos);
+  const auto map_of = [](const std::vector<InterfaceMesh>& of_soil,
+                         const std::vector<InterfaceMesh>& of_structure) {
+    InterfaceMap({{"wall", "soil", "structure"}}, {{"soil", of_soil}, {"structure", of_structure}},
+                 projection);
+  };
+  expect_error<ConfigError>([&] { map_of({wall}, {}); },
+                            {"participant \"structure\" does not have it; it has: none"});
+  expect_error<ConfigError>(
+      [&] {
+        map_of({wall, roof}, {wall});
+      },
+      {"participant \"soil\" offers the interface \"roof\""});
 }
 
 }  // namespace

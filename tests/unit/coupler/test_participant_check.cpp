@@ -124,9 +124,9 @@ TEST(ParticipantCheck, a_good_one_passes_every_trial) {
     const auto rows = check(Habit::good, rests);
     EXPECT_TRUE(all_passed(rows)) << table_text(rows);
     EXPECT_GT(rows.size(), 20u);
-    EXPECT_EQ(row(rows, restart).verdict, CheckRow::Verdict::passed);
-    EXPECT_EQ(row(rows, "a skipped step").verdict,
-              rests ? CheckRow::Verdict::passed : CheckRow::Verdict::not_asked);
+    EXPECT_EQ(row(rows, restart).outcome, CheckRow::Outcome::passed);
+    EXPECT_EQ(row(rows, "a skipped step").outcome,
+              rests ? CheckRow::Outcome::passed : CheckRow::Outcome::not_asked);
   }
 }
 
@@ -149,10 +149,10 @@ TEST(ParticipantCheck, bad_habits_are_found) {
   for (const auto& [habit, what] : cases) {
     const auto rows = check(habit);
     EXPECT_FALSE(all_passed(rows));
-    EXPECT_EQ(row(rows, what).verdict, CheckRow::Verdict::failed) << table_text(rows);
+    EXPECT_EQ(row(rows, what).outcome, CheckRow::Outcome::failed) << table_text(rows);
   }
-  EXPECT_EQ(row(check(Habit::keeps_rejected), "the same request again").verdict,
-            CheckRow::Verdict::passed);
+  EXPECT_EQ(row(check(Habit::keeps_rejected), "the same request again").outcome,
+            CheckRow::Outcome::passed);
 }
 
 TEST(ParticipantCheck, what_few_codes_may_do_is_a_notice) {
@@ -164,8 +164,8 @@ TEST(ParticipantCheck, what_few_codes_may_do_is_a_notice) {
     const auto rows = check(habit);
     EXPECT_TRUE(all_passed(rows)) << table_text(rows);
     for (const auto& [other, row_of_other] : cases) {
-      EXPECT_EQ(row(rows, row_of_other).verdict,
-                other == habit ? CheckRow::Verdict::notice : CheckRow::Verdict::passed)
+      EXPECT_EQ(row(rows, row_of_other).outcome,
+                other == habit ? CheckRow::Outcome::notice : CheckRow::Outcome::passed)
           << table_text(rows);
     }
   }
@@ -176,7 +176,7 @@ TEST(ParticipantCheck, what_few_codes_may_do_is_a_notice) {
 }
 
 TEST(ParticipantCheck, a_state_of_a_rejected_solution_is_found_by_its_own_row) {
-  EXPECT_EQ(row(check(Habit::saves_trial), restart).verdict, CheckRow::Verdict::passed);
+  EXPECT_EQ(row(check(Habit::saves_trial), restart).outcome, CheckRow::Outcome::passed);
   EXPECT_NE(row(check(Habit::new_detail), details).found.find("\"late\""), std::string::npos);
 }
 
@@ -202,14 +202,14 @@ TEST(ParticipantCheck, the_end_is_the_last_row) {
       check_participant(solver, {.dt = 0.1, .amplitude = 1e-3, .report = {}, .finish = [] {
                                    throw ProtocolError("it does not end");
                                  }});
-  EXPECT_EQ(rows.back().verdict, CheckRow::Verdict::failed);
+  EXPECT_EQ(rows.back().outcome, CheckRow::Outcome::failed);
   EXPECT_EQ(rows.back().found, "lost in \"the end\": it does not end");
 }
 
 TEST(ParticipantCheck, one_that_keeps_no_state_is_told) {
   const auto rows = check(Habit::keeps_no_state);
   EXPECT_TRUE(all_passed(rows)) << table_text(rows);
-  EXPECT_EQ(row(rows, restart).verdict, CheckRow::Verdict::not_asked);
+  EXPECT_EQ(row(rows, restart).outcome, CheckRow::Outcome::not_asked);
   const std::string found = row(check(Habit::spoils_probes), restart).found;
   EXPECT_NE(found.find("at \"probes\", vertex 0"), std::string::npos) << found;
 }
@@ -217,8 +217,8 @@ TEST(ParticipantCheck, one_that_keeps_no_state_is_told) {
 TEST(ParticipantCheck, a_warm_start_within_the_step_is_told_and_allowed) {
   const auto rows = check(Habit::warm_start);
   EXPECT_TRUE(all_passed(rows)) << table_text(rows);
-  EXPECT_EQ(row(rows, "the same request again").verdict, CheckRow::Verdict::inexact);
-  EXPECT_EQ(row(rows, "the same bits after reject_step").verdict, CheckRow::Verdict::passed);
+  EXPECT_EQ(row(rows, "the same request again").outcome, CheckRow::Outcome::inexact);
+  EXPECT_EQ(row(rows, "the same bits after reject_step").outcome, CheckRow::Outcome::passed);
 }
 
 TEST(ParticipantCheck, the_table_says_where_and_by_how_much) {

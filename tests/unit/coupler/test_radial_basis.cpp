@@ -8,6 +8,7 @@
 #include "coupler/mapping/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
 #include "tests/support/convergence_rate.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/coupler/sequence.hpp"
 
 namespace gabion {
@@ -150,33 +151,34 @@ TEST(RadialBasis, forces_keep_sum_moment_and_work) {
     test::Sequence random(3);
     Eigen::VectorXd x(map.size());
     for (double& value : x) value = random();
-    InterfaceValues force = {{"wall", Values(soil.coordinates.size())}};
-    for (double& value : force["wall"]) value = random();
-    const InterfaceValues u = map.soil_displacement("soil", x);
-    Eigen::VectorXd f = Eigen::VectorXd::Zero(map.size());
-    map.add_soil_force("soil", force, f);
-    const Resultant here = map.soil_resultant("soil", u, force),
-                    there = map.structure_resultant(x, f);
+    Eigen::VectorXd f_soil(map.soil_size());
+    for (double& value : f_soil) value = random();
+    const Eigen::VectorXd u = map.soil_displacement(x), f = map.structure_force(f_soil);
+    const Resultant here = map.soil_resultant(u, f_soil), there = map.structure_resultant(x, f);
     EXPECT_GT(here.force.norm(), 0.1);
     EXPECT_LE((here.force - there.force).norm(), 1e-12);
-    double work = 0;
-    for (std::size_t i = 0; i < u.at("wall").size(); ++i)
-      work += u.at("wall")[i] * force["wall"][i];
-    EXPECT_NEAR(work, x.dot(f), 1e-11);
-    const Resultant still =
-        map.soil_resultant("soil", {{"wall", Values(soil.coordinates.size(), 0.0)}}, force);
+    EXPECT_NEAR(u.dot(f_soil), x.dot(f), 1e-11);
+    const Resultant still = map.soil_resultant(Eigen::VectorXd::Zero(map.soil_size()), f_soil);
     const Resultant there_still = map.structure_resultant(Eigen::VectorXd::Zero(map.size()), f);
     EXPECT_GT(still.moment.norm(), 0.1);
     EXPECT_LE((still.moment - there_still.moment).norm(), 1e-11);
   }
 }
 
-/// Cut into clusters or not, the field is the same to the accuracy of the interpolation.
 TEST(RadialBasis, memory_grows_linearly) {
+  const auto weights_of_a_vertex = [](int n) {
+    const InterfaceMesh structure = curved(3, n, 0), soil = curved(3, 3 * n / 4, 0.3);
+    const Mapping mapping(structure, soil, method("radial_basis", Kernel::wendland_c6, 30));
+    return static_cast<double>(mapping.num_weights()) / static_cast<double>(soil.num_vertices());
+  };
+  const double coarse = weights_of_a_vertex(20), fine = weights_of_a_vertex(40);  // 4 times as many
+  EXPECT_LT(fine, 1.2 * coarse);
+  EXPECT_LT(fine, 30 * 6);
+}
+
+TEST(RadialBasis, a_surface_cut_into_clusters_gives_the_accuracy_of_the_interpolation) {
   const InterfaceMesh structure = curved(3, 40, 0), soil = curved(3, 30, 0.3);
   const Mapping clusters(structure, soil, method("radial_basis", Kernel::wendland_c6, 30));
-  EXPECT_LT(static_cast<double>(clusters.num_weights()) / static_cast<double>(soil.num_vertices()),
-            30 * 6);
   const Field wave = [](const Vector3d& x) { return std::sin(3 * x(0) + 2 * x(1) - x(2)); };
   EXPECT_LT(largest_error(clusters, structure, soil, wave), 1e-3);
 }
@@ -187,16 +189,9 @@ TEST(RadialBasis, vertices_that_determine_nothing_are_refused) {
   twice.coordinates[3] = twice.coordinates[1];
   twice.facets.clear();
   twice.vertices_per_facet = 0;
-  try {
-    const Mapping mapping(twice, soil, method("radial_basis"));
-    FAIL() << "no error";
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("interface \"wall\": radial basis functions"),
-              std::string::npos)
-        << error.what();
-    EXPECT_NE(std::string(error.what()).find("none stands twice"), std::string::npos)
-        << error.what();
-  }
+  test::expect_error<ConfigError>(
+      [&] { Mapping(twice, soil, method("radial_basis")); },
+      {"interface \"wall\": radial basis functions", "none stands twice"});
 }
 
 }  // namespace

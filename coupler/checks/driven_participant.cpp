@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/checks/driven_participant.hpp"
+
+#include "common/base/error.hpp"
+
+namespace gabion {
+
+InterfaceValues DrivenParticipant::random_values() {
+  InterfaceValues values;
+  std::uniform_real_distribution<double> spread(-settings_.amplitude, settings_.amplitude);
+  for (const InterfaceMesh& mesh : meshes_) {
+    std::vector<double>& list = values[mesh.name];
+    for (std::size_t i = 0; i < mesh.coordinates.size(); ++i) list.push_back(spread(random_));
+  }
+  return values;
+}
+
+InterfaceValues DrivenParticipant::solve(const InterfaceValues& values, double part) {
+  InterfaceValues answer;
+  last_report_ = solver_.solve_step(request(part), values, answer);
+  return answer;
+}
+
+AnswerDifference DrivenParticipant::again(const InterfaceValues& values,
+                                          const InterfaceValues& before, double part) {
+  AnswerDifference difference;
+  compare(before, solve(values, part), difference);
+  return difference;
+}
+
+void DrivenParticipant::compare(const InterfaceValues& before, const InterfaceValues& now,
+                                AnswerDifference& difference) const {
+  for (const InterfaceMesh& mesh : meshes_) {
+    difference.add(mesh.name, mesh.dim, before.at(mesh.name), now.at(mesh.name));
+  }
+}
+
+void DrivenParticipant::accept(double part) {
+  const StepRequest accepted = request(part);
+  const AcceptReport report = solver_.accept_step(accepted, true);
+  at_rest_ = report.at_rest;
+  note_details(last_report_.details, report.details);
+  end_step(accepted);
+}
+
+void DrivenParticipant::skip_step() {
+  const StepRequest skipped = request(1);
+  solver_.accept_step(skipped, false);
+  end_step(skipped);
+}
+
+void DrivenParticipant::end_step(const StepRequest& done) {
+  time_ += done.dt;
+  ++step_;
+}
+
+void DrivenParticipant::load(const State& state, const Place& place) {
+  solver_.load_state(state);
+  step_ = place.step;
+  time_ = place.time;
+}
+
+/// As a run does that writes them into its table of steps.
+void DrivenParticipant::note_details(const Json& of_solution, const Json& of_acceptance) {
+  Json details = Json::object();
+  for (const Json* report : {&of_solution, &of_acceptance}) {
+    for (const auto& item : report->items()) details[item.key()] = item.value();
+  }
+  if (!details_.started()) details_.start(details);
+  try {
+    std::vector<CsvValue> cells;
+    details_.append(details, cells);
+  } catch (const Error& problem) {
+    if (details_problem_.empty()) details_problem_ = problem.what();
+  }
+}
+
+}  // namespace gabion

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/base/timer.hpp"
+#include "coupler/acceleration/acceleration.hpp"
+#include "coupler/coupler_config.hpp"
+#include "coupler/report/coupling_counts.hpp"
+#include "coupler/report/coupling_record.hpp"
+#include "coupler/step/attempt.hpp"
+#include "coupler/step/contact_watch.hpp"
+#include "coupler/step/convergence.hpp"
+#include "coupler/step/coupling_scheme.hpp"
+#include "coupler/step/predictor.hpp"
+#include "coupler/step/sides.hpp"
+
+namespace gabion {
+
+/// The coupling of both sides within one step (README.md section 1), and what it learns from step
+/// to step.
+///
+///     (solve, reject)*, solve, accept
+class CoupledStep {
+ public:
+  /// @param record, counts  get each iteration
+  /// @param phases          gets the time of the acceleration
+  CoupledStep(const CouplingSettings& settings, Sides& sides, CouplingRecord& record,
+              CouplingCounts& counts, PhaseTimes& phases);
+
+  /// Iterate until both sides agree, or it is clear that they will not. A step that a solver cannot
+  /// solve is an attempt that failed.
+  Attempt solve(const StepRequest& request);
+  /// The sides have accepted this attempt. @param time  [s] at the end of the step
+  void accept(const Attempt& done, double time);
+  void reject() { acceleration_->discard_step(); }
+  /// At time 0: no displacement, no force.
+  void start_at_rest();
+
+  /// [s] wall time of the acceleration since the last call.
+  double take_acceleration_seconds();
+  void visit_state(StateVisitor& visitor);
+
+ private:
+  Attempt iterate(const StepRequest& request);
+  Attempt predict(const StepRequest& request);
+  void accept_one_pass(bool contact, Attempt& now);
+  void measure(Attempt& now);
+  void end_unconverged(Attempt& now);
+  void forget_if_contact_changed();
+  void warn_of_round_off(const ConvergenceState& state);
+  void log_iteration(Attempt& now, const Stopwatch& watch);
+  void accelerate(Attempt& now);
+
+  CouplingSettings settings_;
+  Sides& sides_;
+  CouplingRecord& record_;
+  CouplingCounts& counts_;
+  PhaseTimes& phases_;
+  std::unique_ptr<CouplingScheme> scheme_;
+  std::unique_ptr<Acceleration> acceleration_;
+  Predictor predictor_;
+  Convergence convergence_;
+  ContactWatch contact_;
+  int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
+  bool warned_round_off_ = false;
+  double acceleration_seconds_ = 0;
+};
+
+}  // namespace gabion

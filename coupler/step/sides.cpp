@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupler/step/sides.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "common/base/require.hpp"
+#include "common/settings/scene.hpp"
+#include "coupler/state_vectors.hpp"
+
+namespace gabion {
+
+namespace {
+
+Solver& find_solver(const std::vector<NamedSolver>& participants, const std::string& name) {
+  const auto found = std::find_if(participants.begin(), participants.end(),
+                                  [&](const NamedSolver& p) { return p.name == name; });
+  require<ConfigError>(found != participants.end(),
+                       "participant \"{}\" of coupler.json is not there", name);
+  return found->solver;
+}
+
+template <class Value>
+std::string bytes_of(const std::vector<Value>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
+}
+
+}  // namespace
+
+Sides::Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
+             PhaseTimes& phases)
+    : phases_(phases) {
+  std::map<std::string, std::vector<InterfaceMesh>> meshes;
+  for (const ParticipantRole& role : settings.participants) {
+    meshes[role.name] = find_solver(participants, role.name).interfaces();
+    for (const InterfaceMesh& mesh : meshes[role.name]) {
+      surfaces_[role.name][mesh.name] =
+          hash_text(bytes_of(mesh.coordinates) + bytes_of(mesh.facets));
+    }
+  }
+  map_ = std::make_unique<InterfaceMap>(settings.interfaces, meshes, settings.coupling.mapping);
+  for (const ParticipantRole& role : settings.participants) {
+    (role.sends_force ? soils_ : structures_)
+        .emplace_back(map_->layout(role.name), find_solver(participants, role.name));
+  }
+  accepted_x_ = Eigen::VectorXd::Zero(map_->size());
+}
+
+std::vector<Side*> Sides::all() {
+  std::vector<Side*> all;
+  for (Side& soil : soils_) all.push_back(&soil);
+  for (Side& structure : structures_) all.push_back(&structure);
+  return all;
+}
+
+std::vector<StepReport> Sides::soil_reports() const {
+  std::vector<StepReport> reports;
+  for (const Side& soil : soils_) reports.push_back(soil.report());
+  return reports;
+}
+
+bool Sides::all_structures_solved() const {
+  return std::all_of(structures_.begin(), structures_.end(),
+                     [](const Side& structure) { return structure.solved(); });
+}
+
+bool Sides::contact_possible(const Attempt& now) const {
+  const bool active = std::any_of(soils_.begin(), soils_.end(),
+                                  [](const Side& soil) { return soil.report().interface_active; });
+  require(active || now.f.isZero(0),
+          "step {}: the soil sends a force (largest component {} N) and says that its "
+          "interfaces are not active",
+          now.row.request.step, now.f.cwiseAbs().maxCoeff());
+  return active;
+}
+
+void Sides::begin_step() {
+  for (Side* side : all()) side->begin_step();
+}
+
+void Sides::begin_solution() {
+  for (Side* side : all()) side->begin_solution();
+}
+
+void Sides::start_soils(Attempt& now) {
+  now.u = map_->soil_displacement(now.x);
+  for (Side& soil : soils_) soil.start_solve(now.row.request, now.u);
+}
+
+void Sides::start_structures(Attempt& now, bool may_sleep) {
+  for (Side& structure : structures_) {
+    if (may_sleep && structure.may_sleep()) {
+      structure.skip();
+    } else {
+      structure.start_solve(now.row.request, now.f_given);
+    }
+  }
+}
+
+/// @returns the Newton iterations of all these solutions
+int Sides::finish_all(std::vector<Side>& sides, Eigen::VectorXd& answer) {
+  int newton_iterations = 0;
+  std::exception_ptr failure;
+  for (Side& side : sides) {
+    if (!side.is_under_way()) continue;
+    try {
+      const ScopedTimer timer(phases_, side.name());
+      side.finish_solve(answer);
+      newton_iterations += side.report().newton_iterations;
+    } catch (const ConvergenceError&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+  return newton_iterations;
+}
+
+void Sides::finish_soils(Attempt& now, const Stopwatch& since) {
+  now.f_soil = Eigen::VectorXd::Zero(map_->soil_size());
+  now.row.soil_newton = finish_all(soils_, now.f_soil);
+  now.soil_newton += now.row.soil_newton;
+  now.f = map_->structure_force(now.f_soil);
+  now.row.soil = map_->soil_resultant(now.u, now.f_soil);
+  now.row.structure = map_->structure_resultant(now.x, now.f);
+  now.row.soil_seconds = since.seconds();
+}
+
+void Sides::finish_structures(Attempt& now, const Stopwatch& since) {
+  now.x_tilde = accepted_x_;  // of structures that are not solved
+  now.row.structure_newton = finish_all(structures_, now.x_tilde);
+  now.structure_newton += now.row.structure_newton;
+  now.row.structure_seconds = since.seconds();
+}
+
+void Sides::solve_soils(Attempt& now) {
+  const Stopwatch watch;
+  start_soils(now);
+  finish_soils(now, watch);
+}
+
+void Sides::solve_structures(Attempt& now, bool may_sleep) {
+  const Stopwatch watch;
+  start_structures(now, may_sleep);
+  finish_structures(now, watch);
+}
+
+AcceptReport Sides::accept(const Attempt& now) {
+  const ScopedTimer timer(phases_, "accept");
+  AcceptReport both;
+  const auto take = [&](const AcceptReport& report) {
+    both.probes.insert(both.probes.end(), report.probes.begin(), report.probes.end());
+    if (report.proposed_dt <= 0) return;
+    both.proposed_dt =
+        both.proposed_dt > 0 ? std::min(both.proposed_dt, report.proposed_dt) : report.proposed_dt;
+  };
+  for (Side& soil : soils_) take(soil.accept(now.row.request, now.u));
+  for (Side& structure : structures_) take(structure.accept(now.row.request, now.f_given));
+  accepted_x_ = now.x_tilde;
+  return both;
+}
+
+void Sides::reject() {
+  for (Side* side : all()) side->reject();
+}
+
+/// A foreign code does not read the scene, so its surface may be another one than it was.
+void Sides::visit_surfaces(StateVisitor& visitor) const {
+  Json saved = surfaces_;
+  visitor.fact("surfaces", saved);
+  for (const auto& participant : surfaces_.items()) {
+    const Json before = saved.value(participant.key(), Json::object());
+    for (const auto& surface : participant.value().items()) {
+      require<ConfigError>(
+          before.value(surface.key(), "") == surface.value(),
+          "participant \"{}\": found another mesh of interface \"{}\", allowed: that "
+          "of the run that is continued",
+          participant.key(), surface.key());
+    }
+  }
+}
+
+void Sides::visit_state(StateVisitor& visitor) {
+  visit_surfaces(visitor);
+  map_->visit_state(visitor);
+  visit_vector(visitor, "accepted_x", accepted_x_);
+  for (Side* side : all()) side->visit_state(visitor);
+}
+
+}  // namespace gabion

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/timer.hpp"
+#include "coupler/coupler_config.hpp"
+#include "coupler/mapping/interface_map.hpp"
+#include "coupler/step/attempt.hpp"
+#include "coupler/step/side.hpp"
+
+namespace gabion {
+
+/// A solver, in this process or behind a proxy, and the name that coupler.json gives it.
+struct NamedSolver {
+  std::string name;
+  Solver& solver;
+};
+
+/// Soils and structures of a run, and the map between their surfaces.
+///
+///     soils:       x -> u = H x -> f_soil = MPM(u) -> f = H^T f_soil
+///     structures:  f_given -> x_tilde = FEM(f_given)
+///
+/// A side that is started has to be finished before the other functions are called.
+class Sides {
+ public:
+  /// @param participants  one for each entry of settings.participants, in any order
+  /// @throws ConfigError  participants or interfaces do not fit the settings
+  Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
+        PhaseTimes& phases);
+
+  std::vector<Side*> all();  ///< soils first
+  const InterfaceMap& map() const { return *map_; }
+  const Eigen::VectorXd& accepted_x() const { return accepted_x_; }
+  std::vector<StepReport> soil_reports() const;
+  bool all_structures_solved() const;  ///< in the last iteration
+  /// Whether any soil may answer another force to another x.
+  /// @throws Error  a force comes from soils that say they are not active
+  bool contact_possible(const Attempt& now) const;
+
+  void begin_step();
+  void begin_solution();
+  void start_soils(Attempt& now);
+  void start_structures(Attempt& now, bool may_sleep);
+  /// Take all answers, also when a solver failed: nothing is under way then.
+  /// @param since  the side's wall time runs from here on
+  /// @throws ConvergenceError  the first failure
+  void finish_soils(Attempt& now, const Stopwatch& since);
+  void finish_structures(Attempt& now, const Stopwatch& since);
+  void solve_soils(Attempt& now);
+  void solve_structures(Attempt& now, bool may_sleep);
+
+  /// @returns probes of all sides, the smallest of the proposed dt
+  AcceptReport accept(const Attempt& now);
+  void reject();
+  /// See InterfaceMap::accept. @pre the step was accepted
+  void renew_map() { map_->accept(accepted_x_); }
+
+  void visit_state(StateVisitor& visitor);
+
+ private:
+  int finish_all(std::vector<Side>& sides, Eigen::VectorXd& answer);
+  void visit_surfaces(StateVisitor& visitor) const;
+
+  std::vector<Side> soils_;
+  std::vector<Side> structures_;
+  std::unique_ptr<InterfaceMap> map_;
+  Json surfaces_ = Json::object();  // participant -> interface -> hash of its mesh
+  Eigen::VectorXd accepted_x_;
+  PhaseTimes& phases_;
+};
+
+}  // namespace gabion
