@@ -7,14 +7,7 @@
 namespace gabion {
 
 void run_fem(const ProgramOptions& options, const MpiSession& session) {
-  run_solver_program({.name = "fem_solver",
-                      .participant = "structure",
-                      .file = "fem.json",
-                      .folder = "fem",
-                      .receives = force(),
-                      .sends = displacement(),
-                      .make = fem::make_fem_solver},
-                     options, session);
+  run_solver_program("fem_solver", fem::make_fem_solver, options, session);
 }
 
 }  // namespace gabion
