@@ -414,8 +414,8 @@ class Deadlines(ParticipantCase):
 
 
 class LastWords(ParticipantCase):
-    """What came counts before what died: the coupler's process is gone while its words are in the queue. The sign of
-    life before them makes the participant look for that process."""
+    """What came counts before what died: the coupler's process is gone while its words are in the queue. The sign
+    of life before them makes the participant look for that process."""
 
     def hear(self, kind: str, signal_came: bool = False, **fields: Any) -> str:
         """How a participant ends that gets this last."""

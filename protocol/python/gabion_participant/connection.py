@@ -235,8 +235,8 @@ class Connection:
         return None
 
     def _last_words(self) -> Message | None:
-        """Of a coupler that is gone, or about to go: why (raised), or that the run is finished. What else it asked,
-        nobody awaits."""
+        """Of a coupler that is gone, or about to go: why (raised), or that the run is finished. What else it
+        asked, nobody awaits."""
         end = time.monotonic() + LAST_WORDS
         while time.monotonic() < end:
             request = self._receive_request()

@@ -14,8 +14,8 @@ ME = "this participant"  # in messages
 
 
 class OwnLoop(RequestHandler):
-    """The step under way, as the coupler asked for it and as the code has answered. An answer that has to wait for the
-    code, which has to go back first, say, is pending."""
+    """The step under way, as the coupler asked for it and as the code has answered. An answer that has to
+    wait for the code, which has to go back first, say, is pending."""
 
     def __init__(self) -> None:
         self.output: Callable[[float], None] | None = None

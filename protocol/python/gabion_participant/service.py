@@ -49,7 +49,8 @@ class Service(RequestHandler):
         self._settings = settings
         self._interfaces = solver.interfaces()
         self._keeps_state = keeps_state(solver)
-        self._machine = StateMachine(self, settings.receives, self._interfaces, f"protocol {PROTOCOL_VERSION}")
+        self._machine = StateMachine(self, settings.receives, self._interfaces,
+                                     f"protocol {PROTOCOL_VERSION}")
         self.under_way = ""  # the solver's function that was called last
 
     def answer(self, request: Message) -> Message:

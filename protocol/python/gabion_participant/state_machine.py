@@ -53,9 +53,11 @@ def unknown(kind: str, me: str) -> ProtocolError:
 
 
 class StateMachine:
-    """The same for all kinds of participants. `me`: who does not know an unknown request, for its message."""
+    """The same for all kinds of participants. `me`: who does not know an unknown request, for its
+    message."""
 
-    def __init__(self, handler: RequestHandler, receives: str, interfaces: Sequence[InterfaceMesh], me: str) -> None:
+    def __init__(self, handler: RequestHandler, receives: str, interfaces: Sequence[InterfaceMesh],
+                 me: str) -> None:
         self._handler = handler
         self._receives, self._interfaces = receives, interfaces
         self._me = me
@@ -65,12 +67,13 @@ class StateMachine:
         self._rules = {
             "solve_step": (self._solve, True), "accept_step": (self._accept, True),
             "reject_step": (self._reject, True), "write_output": (self._write, True),
-            "summarize": (lambda _: handler.summarize(), True), "save": (lambda _: handler.save_state(), False),
-            "load": (self._load, False), "finish": (self._finish, True)}
+            "summarize": (lambda _: handler.summarize(), True),
+            "save": (lambda _: handler.save_state(), False), "load": (self._load, False),
+            "finish": (self._finish, True)}
 
     def handle(self, request: Message) -> Message | None:
-        """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known, not
-        allowed now, or not complete."""
+        """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known,
+        not allowed now, or not complete."""
         if request.type not in self._rules:
             raise unknown(request.type, self._me)
         action, inside_step = self._rules[request.type]
