@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -59,7 +60,7 @@ void warn_all(const std::vector<std::string>& warnings) {
 /// `--check`: the rules from file to file and, beside other programs, all that comes before the
 /// first step.
 void check_scene(const CouplerSettings& settings, const Scene& scene,
-                 const std::vector<SolverFile>& files, const ProgramOptions& options,
+                 const std::vector<ProgramEntry>& files, const ProgramOptions& options,
                  const MpiSession& session) {
   if (!options.restart.empty()) {
     Checkpoints::load(options.restart, options.output, "coupler", scene);
@@ -85,11 +86,17 @@ void check_scene(const CouplerSettings& settings, const Scene& scene,
   }
 }
 
-/// For scripts/run, which starts the commands.
-void list_participants(const CouplerSettings& settings) {
+/// For scripts/run, which starts the commands, and the programs whose files the scene has.
+void list_participants(const CouplerSettings& settings, const Scene& scene) {
   std::vector<std::string> items = {settings.server.endpoint};
+  const std::vector<ProgramEntry> own =
+      files_read(scene, settings, [](const std::string&) { return true; });
   for (const ParticipantRole& role : settings.participants) {
-    items.insert(items.end(), {role.name, std::to_string(role.command.size())});
+    const auto program = std::find_if(own.begin(), own.end(), [&](const ProgramEntry& entry) {
+      return entry.participant == role.name;
+    });
+    items.insert(items.end(), {role.name, program == own.end() ? "" : program->name,
+                               std::to_string(role.command.size())});
     items.insert(items.end(), role.command.begin(), role.command.end());
   }
   for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
@@ -203,11 +210,11 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
     if (!file->empty()) *file = scene.path(*file);
   }
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
-  if (options.list_participants) return list_participants(settings);
+  if (options.list_participants) return list_participants(settings, scene);
   if (!options.check_participant.empty()) {
     return check_one(settings, scene, options, session);
   }
-  const std::vector<SolverFile> read = files_read(scene, settings, [&](const std::string& name) {
+  const std::vector<ProgramEntry> read = files_read(scene, settings, [&](const std::string& name) {
     return session.launched_with(name) || (options.check && session.is_only_process());
   });
   const std::vector<std::string> warnings = check_files(scene, settings, read);

@@ -26,14 +26,7 @@ std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MP
 }
 
 void run_fem(const ProgramOptions& options, const MpiSession& session) {
-  run_solver_program({.name = "fem_solver",
-                      .participant = "structure",
-                      .file = "fem.json",
-                      .folder = "fem",
-                      .receives = force(),
-                      .sends = displacement(),
-                      .make = make_fem_solver},
-                     options, session);
+  run_solver_program("fem_solver", make_fem_solver, options, session);
 }
 
 }  // namespace gabion

@@ -25,14 +25,7 @@ std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MP
 }
 
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {
-  run_solver_program({.name = "mpm_solver",
-                      .participant = "soil",
-                      .file = "mpm.json",
-                      .folder = "mpm",
-                      .receives = displacement(),
-                      .sends = force(),
-                      .make = make_mpm_solver},
-                     options, session);
+  run_solver_program("mpm_solver", make_mpm_solver, options, session);
 }
 
 }  // namespace gabion

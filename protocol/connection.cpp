@@ -19,6 +19,7 @@ namespace {
 constexpr int slice_milliseconds = 100;
 constexpr double health_check_period = 0.05;  // [s]
 constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
+constexpr double last_words_wait = 0.3;       // [s] for what a coupler said before it went
 
 std::string random_text() {
   std::random_device device;
@@ -141,32 +142,36 @@ Message Connection::await_answer_to_hello() {
                   settings_.name, settings_.endpoint, settings_.connect_deadline, hint));
 }
 
-Message Connection::next_request() {
+Message Connection::next_request(Frames* frames) {
   require<ProtocolError>(welcomed() && socket_, "next_request before the handshake or after close");
   require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
   heartbeat_->set_phase("waiting", false);
   const Stopwatch waited;
-  for (;;) {
-    const auto frames = socket_->receive(slice_milliseconds);
-    if (frames) {
-      Message request = accept_request(*frames);
-      if (request.type != "alive") return request;
-    }
-    check_health(!frames);
-    if (waited.seconds() > deadlines_.idle) {
+  std::optional<Request> request;
+  while (!request) {
+    // Judged before the look at the queue: what came counts.
+    const bool was_silent = coupler_->silence(deadlines_.silence).has_value();
+    request = receive_request(slice_milliseconds);
+    if (!request) request = look_after_coupler(was_silent);
+    if (!request && waited.seconds() > deadlines_.idle) {
       fail(fmt::format("{} is alive but has asked nothing for {:.1f} s (limit {} s, {}); {}",
                        coupler_->label(), waited.seconds(), deadlines_.idle,
                        deadline_option("idle_deadline"), coupler_->last_words()));
     }
   }
+  if (frames) *frames = std::move(request->frames);
+  return std::move(request->message);
 }
 
-Message Connection::accept_request(const std::vector<std::string>& frames) {
-  Message request;
+/// Signs of life are noted and left out.
+std::optional<Connection::Request> Connection::receive_request(int milliseconds) {
+  auto frames = socket_->receive(milliseconds);
+  if (!frames) return std::nullopt;
+  Message message;
   try {
-    request = decode(std::span(frames));
-    if (request.type == "abort") {
-      failure_ = "the coupler ended the run: " + request.text("reason");
+    message = decode(std::span(*frames));
+    if (message.type == "abort") {
+      failure_ = "the coupler ended the run: " + message.text("reason");
     }
   } catch (const ProtocolError& problem) {
     throw ProtocolError(fmt::format("{} sent a message that is not understood: {}",
@@ -174,33 +179,45 @@ Message Connection::accept_request(const std::vector<std::string>& frames) {
   }
   if (!failure_.empty()) throw ProtocolError(failure_);
   coupler_->sign_of_life();
-  if (request.type == "alive") return request;
-  require<ProtocolError>(request.sequence > last_sequence_,
+  if (message.type == "alive") return std::nullopt;
+  require<ProtocolError>(message.sequence > last_sequence_,
                          "{} sent \"{}\" with sequence number {} after {}", coupler_->label(),
-                         request.type, request.sequence, last_sequence_);
-  last_sequence_ = request.sequence;
-  heartbeat_->set_phase(describe(request), true);
-  return request;
+                         message.type, message.sequence, last_sequence_);
+  last_sequence_ = message.sequence;
+  // After "finish" nothing is computed: the coupler may end.
+  heartbeat_->set_phase(describe(message), message.type != "finish");
+  return Request{std::move(message), std::move(*frames)};
 }
 
-void Connection::check_health(bool queue_is_empty) {
+/// Throws when the coupler is lost, or a signal came, unless the run is finished: then its request.
+std::optional<Connection::Request> Connection::look_after_coupler(bool was_silent) {
   const double elapsed = since_health_check_.seconds();
   const int signal = interrupt::requested();
-  if (elapsed < health_check_period && signal == 0) return;
+  if (elapsed < health_check_period && signal == 0) return std::nullopt;
   since_health_check_ = Stopwatch();
   if (elapsed > own_sleep) coupler_->forgive();
-  if (const auto death = coupler_->death()) {
-    collect_last_words(0.1);
-    fail(*death);
-  }
-  if (signal != 0 && !waits_for_last_checkpoint()) {
+  const bool ends = signal != 0 && !waits_for_last_checkpoint();
+  if (ends || coupler_->death()) {
     // A launcher that saw another process die sends the signal before the coupler can explain.
-    collect_last_words(0.3);
+    if (auto finish = last_words()) return finish;
     if (const auto death = coupler_->death()) fail(*death);
     interrupt::check();
   }
-  if (!queue_is_empty) return;
-  if (const auto silence = coupler_->silence(deadlines_.silence)) fail(*silence);
+  if (was_silent) {
+    if (const auto silence = coupler_->silence(deadlines_.silence)) fail(*silence);
+  }
+  return std::nullopt;
+}
+
+/// Of a coupler that is gone, or about to go: why (thrown), or that the run is finished. What else
+/// it asked, nobody awaits.
+std::optional<Connection::Request> Connection::last_words() {
+  const Stopwatch waited;
+  while (waited.seconds() < last_words_wait) {
+    auto request = receive_request(20);
+    if (request && request->message.type == "finish") return request;
+  }
+  return std::nullopt;
 }
 
 /// A launcher sends the signal to all programs; the coupler then ends the run after the step under
@@ -209,13 +226,6 @@ bool Connection::waits_for_last_checkpoint() {
   if (!run_.value("checkpoints", false)) return false;
   if (!since_signal_) since_signal_.emplace();
   return since_signal_->seconds() < interrupt::patience();
-}
-
-void Connection::collect_last_words(double seconds) {
-  const Stopwatch waited;
-  while (waited.seconds() < seconds) {
-    if (const auto frames = socket_->receive(20)) accept_request(*frames);
-  }
 }
 
 void Connection::reply(Message message) {

@@ -11,6 +11,7 @@
 #include "protocol/heartbeat.hpp"
 #include "protocol/message.hpp"
 #include "protocol/peer_watch.hpp"
+#include "protocol/request_source.hpp"
 #include "protocol/socket.hpp"
 
 namespace gabion {
@@ -41,10 +42,10 @@ Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceM
 
 /// The participant's end of the wire: one coupler, one thread that talks, one that beats.
 /// Any failure is final. Destroyed before the run is finished, it tells the coupler.
-class Connection {
+class Connection final : public RequestSource {
  public:
   explicit Connection(const ParticipantSettings& settings);
-  ~Connection();
+  ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
   Connection(Connection&&) = delete;
@@ -64,12 +65,13 @@ class Connection {
   const Json& run_settings() const { return run_; }
   const ParticipantSettings& settings() const { return settings_; }
 
-  /// Wait for the coupler's next request.
+  /// Wait for the coupler's next request. What came counts before what died: "finish" is given also
+  /// when the coupler is gone already.
   /// @throws ProtocolError  the coupler aborted, died, froze, or asked nothing for too long
   /// @throws Interrupted    a signal came, and nothing that happened to the coupler explains it
-  Message next_request();
-  /// Answer the request that next_request() gave last.
-  void reply(Message message);
+  Message next_request(std::vector<std::string>* frames) override;
+  Message next_request() { return next_request(nullptr); }
+  void reply(Message message) override;
   /// The last request was "finish" and is answered: wait until the answer is on its way, and close.
   void close();
 
@@ -77,12 +79,16 @@ class Connection {
   void abort(const std::string& reason);
 
  private:
+  using Frames = std::vector<std::string>;
+  struct Request {
+    Message message;
+    Frames frames;
+  };
   Message await_answer_to_hello();
-  Message accept_request(const std::vector<std::string>& frames);
-  void check_health(bool queue_is_empty);
+  std::optional<Request> receive_request(int milliseconds);
+  std::optional<Request> look_after_coupler(bool was_silent);
   bool waits_for_last_checkpoint();
-  /// After a death or a signal: the coupler may have said why.
-  void collect_last_words(double seconds);
+  std::optional<Request> last_words();
   [[noreturn]] void fail(const std::string& reason);
   bool send(const Message& message);
   void post(const Message& message);

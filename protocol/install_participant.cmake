@@ -12,7 +12,7 @@ foreach(header base/error.hpp base/timer.hpp settings/config_reader.hpp run/solv
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
 endforeach()
 install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
-  process.hpp serve.hpp socket.hpp step_order.hpp gabion_participant.h
+  process.hpp request_source.hpp serve.hpp socket.hpp state_machine.hpp step_order.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake
   DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)

@@ -87,6 +87,8 @@ void Participant::initialize() {
     throw UsageError(problem.what());
   }
   connection_ = std::make_unique<Connection>(settings_);
+  machine_ = std::make_unique<StateMachine>(static_cast<RequestHandler&>(*this),
+                                            settings_.receives.name, meshes_, "this participant");
   guarded([&] { connection_->handshake(meshes_, probe_names_, probes_, keeps_state); });
   must_write_ = true;
   settle();
@@ -162,7 +164,7 @@ void Participant::advance(double dt, const StepReport& report) {
   put_values(answer, settings_.sends.name, meshes_, std::move(written_));
   const StepRequest solved = request;  // answer_step() closes the open one
   answer_step(std::move(answer));
-  order_.solved(solved);
+  machine_->solved(solved);
   guarded([this] { await_verdict(); });
 }
 
@@ -196,98 +198,68 @@ void Participant::await_step() {
     reply(std::move(*pending_));
     pending_.reset();
   }
-  while (!request_ && !finished_) {
-    Message request = next();
-    if (request.type == "accept_step") {
-      order_.accept(read_step_request(request), request.boolean("solved"));
-      write_if_asked(request);
-      reply(accepted_of(accepted_probes_));
-    } else if (request.type == "reject_step") {
-      reply(new_message("rejected"));
-    } else {
-      other_request(std::move(request));
-    }
-  }
+  while (!request_ && !finished_) do_next_request();
 }
 
 /// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
 void Participant::await_verdict() {
-  while (!finished_) {
-    Message request = next();
-    if (request.type == "accept_step") return accepted(request);
-    if (request.type == "reject_step") {
-      pending_ = new_message("rejected");
-      must_read_ = true;
-      order_.reject();
-      return;
-    }
-    require<ProtocolError>(request.type != "write_output" || !output_,
-                           "the coupler wants the accepted state on disk in the middle of a step: "
-                           "this participant writes it between steps only");
-    require<ProtocolError>(request.type != "save" && request.type != "load",
-                           "the coupler asked for \"{}\" in the middle of a step", request.type);
-    other_request(std::move(request));
-    if (request_) {
-      must_read_ = true;
-      return;
-    }
-  }
+  while (awaits_verdict_ && !finished_) do_next_request();
 }
 
-void Participant::accepted(const Message& request) {
-  const bool solved = request.boolean("solved");
-  order_.accept(read_step_request(request), solved);
-  if (solved) {
-    accepted_probes_ = probes_;
-    must_write_ = window_complete_ = true;
-    write_if_asked(request);
-  } else {
-    must_read_ = true;  // asked, but accepted as if it had not been: the accepted state stays
-  }
-  pending_ = accepted_of(accepted_probes_);
-}
-
-void Participant::other_request(Message request) {
-  if (request.type == "solve_step") {
-    const StepRequest step = read_step_request(request);
-    order_.check(step);
-    order_.reject();
-    received_.clear();
-    if (!request.arrays.empty()) {
-      received_ = read_values(std::move(request), settings_.receives.name, meshes_);
-    }
-    written_.clear();
-    remaining_ = step.dt;
-    request_ = step;
-  } else if (request.type == "write_output") {
-    if (output_) output_(request.number("time"));
-    reply(new_message("written"));
-  } else if (request.type == "save" && save_) {
-    save_state();
-  } else if (request.type == "load" && load_) {
-    load_state(request);
-  } else if (request.type == "summarize") {
-    Message answer = new_message("summary");
-    answer.fields["summary"] = summary_;
-    reply(std::move(answer));
-  } else if (request.type == "finish") {
-    reply(new_message("finished"));
-    finished_ = true;
-    connection_->close();
-  } else {
-    throw ProtocolError(fmt::format(
-        "the coupler asked for \"{}\", which this participant does not know", request.type));
-  }
-}
-
-void Participant::write_if_asked(const Message& request) {
-  if (request.boolean("write_output") && output_) output_(request.number("output_time"));
-}
-
-Message Participant::next() {
+void Participant::do_next_request() {
   Message request = connection_->next_request();
   busy_ = Stopwatch();
-  return request;
+  if (auto answer = machine_->handle(std::move(request))) reply(std::move(*answer));
+  if (!machine_->is_finished()) return;
+  finished_ = true;
+  connection_->close();
+}
+
+Participant::Answer Participant::solve_step(const StepRequest& step, InterfaceValues received) {
+  if (std::exchange(awaits_verdict_, false)) must_read_ = true;
+  received_ = std::move(received);
+  written_.clear();
+  remaining_ = step.dt;
+  request_ = step;
+  return {};
+}
+
+Participant::Answer Participant::accept_step(const StepRequest&, bool solved,
+                                             std::optional<double> output_time) {
+  const bool was_tried = std::exchange(awaits_verdict_, false);
+  if (was_tried && !solved) {
+    must_read_ = true;  // accepted as if it had not been asked: the accepted state stays
+  } else {
+    if (was_tried) {
+      accepted_probes_ = probes_;
+      must_write_ = window_complete_ = true;
+    }
+    if (output_time && output_) output_(*output_time);
+  }
+  Message answer = accepted_of(accepted_probes_);
+  if (!was_tried) return answer;
+  pending_ = std::move(answer);
+  return {};
+}
+
+Participant::Answer Participant::reject_step() {
+  Message answer = new_message("rejected");
+  if (!std::exchange(awaits_verdict_, false)) return answer;
+  must_read_ = true;
+  pending_ = std::move(answer);
+  return {};
+}
+
+Participant::Answer Participant::write_output(double time) {
+  require<ProtocolError>(!awaits_verdict_ || !output_,
+                         "the coupler wants the accepted state on disk in the middle of a step: "
+                         "this participant writes it between steps only");
+  if (output_) output_(time);
+  return new_message("written");
+}
+
+Participant::Answer Participant::summarize() {
+  return new_message("summary", {{"summary", summary_}});
 }
 
 void Participant::reply(Message message) {
@@ -299,6 +271,7 @@ void Participant::answer_step(Message message) {
   guarded([&] { reply(std::move(message)); });
   request_.reset();
   remaining_ = 0;
+  awaits_verdict_ = true;
 }
 
 /// Whatever fails is told to the coupler.

@@ -13,7 +13,7 @@
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
 #include "protocol/connection.hpp"
-#include "protocol/step_order.hpp"
+#include "protocol/state_machine.hpp"
 
 namespace gabion {
 
@@ -41,10 +41,10 @@ class UsageError : public Error {
 ///     participant.finalize();
 ///
 /// All calls throw UsageError, ProtocolError or Interrupted; what is wrong on the wire is final.
-class Participant {
+class Participant : private RequestHandler {
  public:
   explicit Participant(ParticipantSettings settings);
-  ~Participant();  ///< before the end of the coupling: tells the coupler
+  ~Participant() override;  ///< before the end of the coupling: tells the coupler
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
   Participant(Participant&&) = delete;
@@ -116,15 +116,22 @@ class Participant {
   std::size_t num_values(const std::string& interface) const;
 
  private:
+  // What the coupler asks. An answer that waits for the code, which has to go back first, say, is
+  // pending.
+  Answer solve_step(const StepRequest& step, InterfaceValues received) override;
+  Answer accept_step(const StepRequest& step, bool solved,
+                     std::optional<double> output_time) override;
+  Answer reject_step() override;
+  Answer write_output(double time) override;
+  Answer save_state() override;
+  Answer load_state(const Message& request) override;
+  Answer summarize() override;
+  bool is_inside_step() const override { return awaits_verdict_; }
+
   void settle();
   void await_step();
   void await_verdict();
-  void accepted(const Message& request);
-  void other_request(Message request);
-  void write_if_asked(const Message& request);
-  void save_state();
-  void load_state(const Message& request);
-  Message next();
+  void do_next_request();
   void reply(Message message);
   void answer_step(Message message);
   template <class Action>
@@ -147,9 +154,10 @@ class Participant {
   Json summary_ = Json::object();
   std::unique_ptr<Connection> connection_;  // after initialize()
 
-  StepOrder order_;
-  std::optional<StepRequest> request_;  // the open solve_step
-  std::optional<Message> pending_;      // answer that waits until the code has done its part
+  std::unique_ptr<StateMachine> machine_;  // after initialize()
+  std::optional<StepRequest> request_;     // the open solve_step
+  bool awaits_verdict_ = false;            // it was answered, neither accepted nor rejected
+  std::optional<Message> pending_;         // answer that waits until the code has done its part
   InterfaceValues received_;
   InterfaceValues written_;
   double remaining_ = 0;                         // [s] of the open step

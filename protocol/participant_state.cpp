@@ -16,16 +16,17 @@ void Participant::set_state(std::function<std::vector<std::byte>()> save,
 }
 
 /// Between two steps, when the code's current state is the accepted one.
-void Participant::save_state() {
-  reply(saved(pack_bytes(save_())));
+Participant::Answer Participant::save_state() {
+  if (!save_) machine_->refuse("save");
+  return saved(pack_bytes(save_()));
 }
 
-void Participant::load_state(const Message& request) {
+Participant::Answer Participant::load_state(const Message& request) {
+  if (!load_) machine_->refuse("load");
   load_(unpack_bytes(read_state(request)));
-  order_.forget();
   accepted_probes_ = probes_;
   must_write_ = true;  // what the code saved for repeated steps is of another state
-  reply(loaded(probes_));
+  return loaded(probes_);
 }
 
 }  // namespace gabion

@@ -5,6 +5,7 @@
 
 #include "common/run/solver.hpp"
 #include "protocol/connection.hpp"
+#include "protocol/request_source.hpp"
 
 namespace gabion {
 
@@ -17,5 +18,16 @@ namespace gabion {
 ///
 /// @throws ProtocolError  refused, coupler lost, or the coupler ended the run
 void serve(Solver& solver, Connection& connection, const std::function<void()>& welcomed = {});
+
+/// The same after the handshake, where somebody stands between the connection and the solver.
+/// @param requests  gives on what the connection gets
+void serve(Solver& solver, Connection& connection, RequestSource& requests);
+
+/// Have the solver do what is asked until the run is finished.
+/// @param receives, sends  by the solver
+/// @throws ProtocolError  a request that is unknown, not allowed now, or not complete
+/// @throws Error          of the solver, but for a ConvergenceError of solve_step
+void answer_requests(Solver& solver, const Quantity& receives, const Quantity& sends,
+                     RequestSource& requests);
 
 }  // namespace gabion

@@ -16,8 +16,10 @@ namespace {
 
 constexpr int slice_milliseconds = 100;  // of any wait: a peer's death is noticed after one slice
 constexpr double health_check_period = 0.05;  // [s]
-constexpr double wait_log_period = 3;         // [s]
-constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
+constexpr double last_words_wait = 0.5;  // [s] until the connection of a process that ended closes
+constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
+constexpr double wait_log_period = 3;    // [s]
+constexpr double own_sleep = 1.0;        // [s] between two checks: this process did not run
 
 }  // namespace
 
@@ -80,7 +82,7 @@ void Switchboard::add_participant(const std::string& name, const std::string& ro
 
 std::optional<Switchboard::Arrival> Switchboard::next_arrival() {
   require_usable();
-  if (arrivals_.empty()) check_health(!pump(slice_milliseconds));
+  if (arrivals_.empty()) listen(nullptr);
   if (arrivals_.empty()) return std::nullopt;
   Arrival arrival = std::move(arrivals_.front());
   arrivals_.erase(arrivals_.begin());
@@ -89,6 +91,10 @@ std::optional<Switchboard::Arrival> Switchboard::next_arrival() {
 
 std::uint64_t Switchboard::send(const std::string& participant, Message request) {
   return guarded([&] {
+    if (signal_ends_wait()) {
+      check_deaths(nullptr);
+      interrupt::check();
+    }
     Peer& to = peer(participant);
     request.sequence = ++to.last_sequence;
     to.watch->asked(describe(request));
@@ -100,8 +106,9 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
     }
     if (!sent) {
       // A dying process closes its connection a moment before it is gone.
-      collect_last_words();
-      check_deaths();
+      const Stopwatch waited;
+      while (!to.watch->death() && waited.seconds() < closing_wait) pump(20);
+      check_deaths(nullptr);
       throw ProtocolError(fmt::format("{} cannot be reached: its connection is closed; {}",
                                       to.watch->label(), to.watch->last_words()));
     }
@@ -111,22 +118,24 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
 
 Message Switchboard::wait_reply(const std::string& participant, std::uint64_t sequence) {
   return guarded([&] {
+    const Peer& awaited = peer(participant);
     const Stopwatch waited;
+    std::optional<Stopwatch> late;
     Stopwatch since_log;
     for (;;) {
       if (auto reply = take_reply(participant, sequence)) return std::move(*reply);
-      const bool came = pump(slice_milliseconds);
+      if (!late && waited.seconds() > deadlines_.answer) late.emplace();  // before the look
+      const bool came = listen(&awaited);
       refuse_late_arrivals();
-      check_health(!came);
+      if (!awaited.inbox.empty()) continue;
+      const PeerWatch& watch = *awaited.watch;
       if (logs_waits_ && since_log.seconds() > wait_log_period) {
         since_log = Stopwatch();
-        const PeerWatch& watch = *peer(participant).watch;
         log::info("waiting for {}, {}, since {:.0f} s", watch.label(), watch.question(),
                   waited.seconds());
       }
       // What came may be a sign of life with the answer close behind it.
-      if (waited.seconds() > deadlines_.answer + (came ? own_sleep : 0)) {
-        const PeerWatch& watch = *peer(participant).watch;
+      if (late && (!came || late->seconds() > own_sleep)) {
         throw ProtocolError(
             fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
                         watch.label(), waited.seconds(), deadlines_.answer,
@@ -250,51 +259,83 @@ void Switchboard::refuse_late_arrivals() {
   arrivals_.clear();
 }
 
-void Switchboard::check_health(bool queue_is_empty) {
+/// Wait a slice for what comes, then look after all participants. Silence is judged before the look
+/// at the queue, deaths and signals after it; none of them matters while the awaited one has
+/// answered. @returns whether anything came
+bool Switchboard::listen(const Peer* awaited) {
+  const auto has_answered = [awaited] { return awaited && !awaited->inbox.empty(); };
+  const bool was_silent = is_somebody_silent();
+  const bool came = pump(slice_milliseconds);
+  const bool ends = signal_ends_wait();
   const double elapsed = since_health_check_.seconds();
-  const int signal = interrupt::requested();
-  if (signal != 0 && !since_signal_) since_signal_.emplace();
-  const bool ends =
-      since_signal_ && (signals_end_waits_ || since_signal_->seconds() > interrupt::patience());
-  if (elapsed < health_check_period && !ends) return;
+  if (has_answered() || (elapsed < health_check_period && !ends)) return came;
   since_health_check_ = Stopwatch();
   if (elapsed > own_sleep) {
     for (auto& [name, checked] : peers_) checked.watch->forgive();
   }
-  check_deaths();
+  check_deaths(awaited);
+  if (has_answered()) return true;
   if (ends) interrupt::check();
-  if (!queue_is_empty) return;
-  for (auto& [name, checked] : peers_) {
-    if (checked.released || !checked.sends_heartbeat) continue;
+  for (const auto& [name, checked] : peers_) {
+    if (!was_silent || checked.released || !checked.sends_heartbeat) continue;
     if (const auto silence = checked.watch->silence(deadlines_.silence)) {
       throw ProtocolError(*silence);
     }
   }
+  return came;
 }
 
-void Switchboard::check_deaths() {
-  for (auto& [name, checked] : peers_) {
+bool Switchboard::is_somebody_silent() const {
+  return std::any_of(peers_.begin(), peers_.end(), [this](const auto& entry) {
+    const Peer& checked = entry.second;
+    return !checked.released && checked.sends_heartbeat &&
+           checked.watch->silence(deadlines_.silence);
+  });
+}
+
+bool Switchboard::signal_ends_wait() {
+  if (interrupt::requested() != 0 && !since_signal_) since_signal_.emplace();
+  return since_signal_ && (signals_end_waits_ || since_signal_->seconds() > interrupt::patience());
+}
+
+/// What came counts before what died: last words are taken first.
+void Switchboard::check_deaths(const Peer* awaited) {
+  for (const auto& [name, checked] : peers_) {
     if (checked.released) continue;
-    if (const auto death = checked.watch->death()) {
-      collect_last_words();
-      throw ProtocolError(*death);
-    }
+    const auto death = checked.watch->death();
+    if (!death) continue;
+    hear_out(checked);
+    if (checked.released) continue;
+    if (awaited && !awaited->inbox.empty()) return;  // whoever is asked next finds the death
+    throw ProtocolError(*death);
   }
 }
 
-/// A participant that ended may have said why: its abort then is the better message.
-void Switchboard::collect_last_words() {
+/// All that a process said before it ended: until its connection is closed. Its abort, if that is
+/// there, is the better message.
+void Switchboard::hear_out(const Peer& gone) {
   const Stopwatch waited;
-  while (waited.seconds() < 0.1) pump(20);
+  bool connected = true;
+  while (connected && !gone.released && waited.seconds() < last_words_wait) {
+    pump(20);
+    const std::lock_guard lock(socket_mutex_);
+    connected = post(gone.route, new_beat());
+  }
+  pump(0);
+}
+
+/// With socket_mutex_ held.
+Message Switchboard::new_beat() {
+  return {.type = "alive",
+          .sequence = ++num_beats_,
+          .fields = {{"phase", phase_}, {"seconds", in_phase_.seconds()}},
+          .arrays = {}};
 }
 
 void Switchboard::beat_when_due() {
   if (since_beat_.seconds() < deadlines_.heartbeat) return;
   since_beat_ = Stopwatch();
-  const Message alive{.type = "alive",
-                      .sequence = ++num_beats_,
-                      .fields = {{"phase", phase_}, {"seconds", in_phase_.seconds()}},
-                      .arrays = {}};
+  const Message alive = new_beat();
   for (auto& [name, to] : peers_) {
     if (to.released || !to.sends_heartbeat) continue;
     post(to.heartbeat_route.empty() ? to.route : to.heartbeat_route, alive);

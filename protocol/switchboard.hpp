@@ -55,7 +55,8 @@ class Switchboard {
 
   /// Send a request; returns its sequence number.
   std::uint64_t send(const std::string& participant, Message request);
-  /// The reply to that request.
+  /// The reply to that request. What came counts before what died: a reply that is there is given,
+  /// and a participant that has said "finished" may end.
   /// @throws ProtocolError  this or another participant died, froze, aborted or spoke nonsense; the
   ///                        answer deadline passed
   /// @throws Interrupted    a signal came, and no participant's death explains it
@@ -90,16 +91,19 @@ class Switchboard {
     std::uint64_t last_sequence = 0;
   };
 
+  bool listen(const Peer* awaited);
   bool pump(int milliseconds);
   void dispatch(const std::vector<std::string>& frames);
   void release(const std::string& participant);
   void heartbeat_came(const std::string& route, const Message& message);
-  void check_health(bool queue_is_empty);
-  void check_deaths();
-  void collect_last_words();
+  bool is_somebody_silent() const;
+  bool signal_ends_wait();
+  void check_deaths(const Peer* awaited);
+  void hear_out(const Peer& gone);
   void refuse_late_arrivals();
   std::optional<Message> take_reply(const std::string& participant, std::uint64_t sequence);
   bool post(const std::string& route, const Message& message);
+  Message new_beat();
   void beat_when_due();
   void beat_in_background();
   Peer& peer(const std::string& name);

@@ -10,12 +10,14 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
-#include "common/mechanics/ranks/ranked_solver.hpp"
-#include "common/mechanics/ranks/ranked_state.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/program/programs.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
 #include "protocol/serve.hpp"
+#include "solver_program/ranked_requests.hpp"
+#include "solver_program/ranked_solver.hpp"
+#include "solver_program/ranked_state.hpp"
 
 namespace gabion {
 
@@ -40,50 +42,88 @@ std::string coupler_endpoint(const ProgramOptions& options, const MpiSession& se
   return options.coupler;
 }
 
-void follow_coupler(const SolverProgram& program, const ProgramOptions& options,
-                    const MpiSession& session, const Scene& scene, ConfigReader& reader,
-                    const std::string& endpoint) {
-  const std::string own = options.name == program.participant ? program.folder : options.name;
-  const std::string folder = options.check ? "" : options.output + "/" + own;
-  const auto solver = program.make(scene, reader, session.comm(), folder, nullptr);
+/// One program's part of a run.
+struct SolverRun {
+  const ProgramEntry& program;
+  const MakeSolver& make;
+  const ProgramOptions& options;
+  const MpiSession& session;
+  const Scene& scene;
+  ConfigReader& reader;
+};
+
+ParticipantSettings participant_settings(const SolverRun& run, const std::string& endpoint) {
   ParticipantSettings settings;
   settings.endpoint = endpoint;
-  settings.name = options.name;
-  settings.program = program.name;
-  if (scene.has("coupler.json")) settings.scene_hash = scene.hash();
-  settings.dimension = static_cast<int>(reader.resolved().at("dimension"));
-  settings.receives = program.receives;
-  settings.sends = program.sends;
-  settings.connect_deadline = options.connect_deadline;
-  settings.key_file = options.key_file;
-  settings.coupler_key_file = options.coupler_key_file;
+  settings.name = run.options.name;
+  settings.program = run.program.name;
+  if (run.scene.has("coupler.json")) settings.scene_hash = run.scene.hash();
+  settings.dimension = static_cast<int>(run.reader.resolved().at("dimension"));
+  settings.receives = run.program.sends_force ? displacement() : force();
+  settings.sends = run.program.sends_force ? force() : displacement();
+  settings.connect_deadline = run.options.connect_deadline;
+  settings.key_file = run.options.key_file;
+  settings.coupler_key_file = run.options.coupler_key_file;
+  return settings;
+}
+
+/// The first rank talks to the coupler, the others do what it is asked.
+/// @param welcomed  on the first rank, after the handshake
+void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& settings,
+                    const std::function<void(const Connection&)>& welcomed) {
+  RankedSolver solver(comm, inner);
+  const std::vector<double> probes = solver.probes();
+  if (rank_of(comm) != 0) {
+    FollowingRequests requests(comm);
+    answer_requests(solver, settings.receives, settings.sends, requests);
+    return;
+  }
+  std::optional<Connection> connection;
+  try {
+    connection.emplace(settings);
+    connection->handshake(solver.interfaces(), solver.probe_names(), probes, solver.keeps_state());
+    welcomed(*connection);
+  } catch (const std::exception& problem) {
+    if (connection && connection->welcomed()) connection->abort(problem.what());
+    end_followers(comm, problem.what());
+    throw;
+  }
+  LeadingRequests requests(comm, *connection);
+  serve(solver, *connection, requests);
+}
+
+void follow_coupler(const SolverRun& run, const std::string& endpoint) {
+  const ProgramOptions& options = run.options;
+  const bool is_main = options.name == run.program.participant;
+  const std::string folder =
+      options.check ? "" : options.output + "/" + (is_main ? run.program.folder : options.name);
+  const auto solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
   interrupt::install();  // all ranks: the first one ends the run
-  drive_ranks(session.comm(), *solver, [&](Solver& ranked) {
-    Connection connection(settings);
-    serve(ranked, connection, [&] {
-      if (options.check || connection.run_settings().value("check", false)) return;
-      std::filesystem::create_directories(folder);
-      write_json_file(folder + "/resolved_config.json", {{program.file, reader.resolved()}});
-    });
-  });
+  const auto welcomed = [&](const Connection& connection) {
+    if (options.check || connection.run_settings().value("check", false)) return;
+    std::filesystem::create_directories(folder);
+    write_json_file(folder + "/resolved_config.json", {{run.program.file, run.reader.resolved()}});
+  };
+  serve_on_ranks(run.session.comm(), *solver, participant_settings(run, endpoint), welcomed);
 }
 
 /// The checkpoint that the run goes on from, if any; each rank reads it.
-std::optional<Checkpoint> load_checkpoint(const SolverProgram& program,
-                                          const ProgramOptions& options, const Scene& scene) {
+std::optional<Checkpoint> load_checkpoint(const SolverRun& run) {
+  const ProgramOptions& options = run.options;
   if (options.restart.empty()) return std::nullopt;
-  return Checkpoints::load(options.restart, options.output, program.name, scene);
+  return Checkpoints::load(options.restart, options.output, run.program.name, run.scene);
 }
 
-void drive_alone(const SolverProgram& program, const ProgramOptions& options,
-                 const MpiSession& session, const Scene& scene, ConfigReader& reader) {
-  const MPI_Comm comm = session.comm();
-  const auto checkpoint = load_checkpoint(program, options, scene);
-  RunRecord record(options.output, program.name, session.is_root());
+void drive_alone(const SolverRun& run) {
+  const ProgramOptions& options = run.options;
+  const ProgramEntry& program = run.program;
+  const MPI_Comm comm = run.session.comm();
+  const auto checkpoint = load_checkpoint(run);
+  RunRecord record(options.output, program.name, run.session.is_root());
   MPI_Barrier(comm);
   AloneSettings alone;
-  const auto solver = program.make(scene, reader, comm, record.path(program.folder), &alone);
-  record.write_json("resolved_config.json", {{program.file, reader.resolved()}});
+  const auto solver = run.make(run.scene, run.reader, comm, record.path(program.folder), &alone);
+  record.write_json("resolved_config.json", {{program.file, run.reader.resolved()}});
   if (!solver->interfaces().empty()) {
     log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
   }
@@ -94,10 +134,10 @@ void drive_alone(const SolverProgram& program, const ProgramOptions& options,
   }
   interrupt::install();
   Checkpoints checkpoints(
-      alone.checkpoint, scene,
+      alone.checkpoint, run.scene,
       {.folder = options.output,
        .kind = program.name,
-       .writes = session.is_root(),
+       .writes = run.session.is_root(),
        .solvers = {{program.folder, [&] { return gather_state(comm, solver->save_state()); }}},
        .agree = [comm](int value) { return static_cast<int>(max_over_ranks(comm, value)); }},
       std::move(start));
@@ -106,23 +146,24 @@ void drive_alone(const SolverProgram& program, const ProgramOptions& options,
 
 }  // namespace
 
-void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
-                        const MpiSession& session) {
+void run_solver_program(const std::string& program, const MakeSolver& make,
+                        const ProgramOptions& options, const MpiSession& session) {
   const PetscSession petsc(session.comm());
   const Scene scene(options.scene, options.overrides);
-  ConfigReader reader = scene.reader(program.file);
+  const ProgramEntry& entry = program_entry(program);
+  ConfigReader reader = scene.reader(entry.file);
+  const SolverRun run{entry, make, options, session, scene, reader};
   const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
   const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
   if (options.check && (is_alone || !has_coupler)) {
     AloneSettings alone;
-    program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
-    if (is_alone) load_checkpoint(program, options, scene);
-    log::info("{}: valid", scene.path(program.file));
+    make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    if (is_alone) load_checkpoint(run);
+    log::info("{}: valid", scene.path(entry.file));
   } else if (is_alone) {
-    drive_alone(program, options, session, scene, reader);
+    drive_alone(run);
   } else {
-    const std::string endpoint = coupler_endpoint(options, session);
-    follow_coupler(program, options, session, scene, reader, endpoint);
+    follow_coupler(run, coupler_endpoint(options, session));
   }
 }
 

@@ -13,7 +13,6 @@
 #include "common/run/solver.hpp"
 #include "common/run/time_steps.hpp"
 #include "common/settings/scene.hpp"
-#include "protocol/handshake.hpp"
 
 namespace gabion {
 
@@ -26,28 +25,19 @@ struct AloneSettings {
 };
 AloneSettings read_alone_settings(ConfigReader& in);
 
-/// A program around one Solver.
-struct SolverProgram {
-  std::string name;         ///< "mpm_solver"
-  std::string participant;  ///< in coupler.json, unless --name says another: "soil"
-  std::string file;         ///< of the scene: "mpm.json"
-  std::string folder;       ///< of its frames below the results, unless --name is given: "mpm"
-  Quantity receives;
-  Quantity sends;
-  /// Read the file and set up the solver.
-  /// @param output_folder  empty: no frames
-  /// @param alone          null, or to be read from the same file
-  std::function<std::unique_ptr<Solver>(const Scene&, ConfigReader&, MPI_Comm,
-                                        const std::string& output_folder, AloneSettings* alone)>
-      make;
-};
+/// Reads the program's file of the scene and sets up the solver.
+/// @param output_folder  empty: no frames
+/// @param alone          null, or to be read from the same file
+using MakeSolver = std::function<std::unique_ptr<Solver>(
+    const Scene&, ConfigReader&, MPI_Comm, const std::string& output_folder, AloneSettings* alone)>;
 
 /// Follow the coupler of the scene, or another scene's that --coupler names; or run alone when the
 /// scene has no coupler.json. With `--check`, or when the coupler only checks: read the file and,
 /// where a coupler is there, follow it to the first step; nothing is written.
+/// @param program  of programs.hpp
 /// @throws ConfigError, ProtocolError, ConvergenceError
 /// @note Collective over session.comm().
-void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
-                        const MpiSession& session);
+void run_solver_program(const std::string& program, const MakeSolver& make,
+                        const ProgramOptions& options, const MpiSession& session);
 
 }  // namespace gabion

@@ -4,27 +4,15 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <gabion_version.hpp>
-#include <map>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/program/freed_memory.hpp"
+#include "common/program/programs.hpp"
 
 namespace gabion {
 
 namespace {
-
-struct Role {
-  std::string prefix;       // of log lines
-  std::string participant;  // default name
-  std::string about;
-};
-
-const std::map<std::string, Role> roles = {
-    {"coupler", {"cpl", "coupler", "Couples a soil and a structure."}},
-    {"mpm_solver", {"mpm", "soil", "Implicit material point method for the soil."}},
-    {"fem_solver", {"fem", "structure", "Finite elements for the structure."}},
-};
 
 std::string default_output(const ProgramOptions& options, const std::string& program,
                            const MpiSession& session) {
@@ -39,7 +27,7 @@ std::string default_output(const ProgramOptions& options, const std::string& pro
 int run_program(int argc, char** argv, const std::string& program,
                 const std::function<void(const ProgramOptions&, const MpiSession&)>& body) {
   keep_freed_memory();
-  const Role& role = roles.at(program);
+  const ProgramEntry& role = program_entry(program);
   ProgramOptions options;
   options.name = role.participant;
   std::string log_level = "info";
@@ -67,9 +55,11 @@ int run_program(int argc, char** argv, const std::string& program,
       ->type_name("PARTICIPANT")
       ->capture_default_str();
   if (program == "coupler") {
-    app.add_flag("--list-participants", options.list_participants,
-                 "Print the endpoint, then name, number of words and words of each participant's "
-                 "command, then end; each item ends with a NUL");
+    app.add_flag(
+        "--list-participants", options.list_participants,
+        "Print the endpoint, then name, program of this project that plays it (or nothing), "
+        "number of words and words of each participant's command, then end; each item "
+        "ends with a NUL");
     app.add_option(
            "--check-participant", options.check_participant,
            "Drive this participant alone through repeated, rejected and cut steps, then end")

@@ -38,7 +38,7 @@ struct ProgramOptions {
 /// Without --output, results go to results/<scene>, or results/<scene>_<program> for a solver that
 /// runs without coupler.
 ///
-/// @param program  "coupler", "mpm_solver" or "fem_solver"
+/// @param program  of programs.hpp
 /// @returns exit code
 int run_program(int argc, char** argv, const std::string& program,
                 const std::function<void(const ProgramOptions&, const MpiSession&)>& body);

@@ -16,12 +16,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-const std::vector<SolverFile>& solver_files() {
-  static const std::vector<SolverFile> files = {{"mpm.json", "mpm_solver", "soil"},
-                                                {"fem.json", "fem_solver", "structure"}};
-  return files;
-}
-
 const ParticipantRole* find_role(const CouplerSettings& settings, const std::string& name) {
   const auto& all = settings.participants;
   const auto found = std::find_if(all.begin(), all.end(),
@@ -31,6 +25,14 @@ const ParticipantRole* find_role(const CouplerSettings& settings, const std::str
 
 bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// "soil: mpm.json, structure: fem.json"
+std::string solver_files_text() {
+  Names texts;
+  for (const ProgramEntry& own : solver_programs())
+    texts.push_back(own.participant + ": " + own.file);
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 std::string list_text(const Names& names, const std::string& found) {
@@ -60,7 +62,8 @@ Names coupled_names(const CouplerSettings& settings, const std::string& particip
   return names;
 }
 
-void check_interfaces(const Scene& scene, const CouplerSettings& settings, const SolverFile& own) {
+void check_interfaces(const Scene& scene, const CouplerSettings& settings,
+                      const ProgramEntry& own) {
   const auto there = interface_names(scene.settings().at(own.file));
   if (!there) return;
   for (std::size_t i = 0; i < settings.interfaces.size(); ++i) {
@@ -88,9 +91,9 @@ int dimension(const Json& file) {
   return found == 2 ? 2 : found == 3 ? 3 : 0;
 }
 
-void check_dimensions(const Scene& scene, const std::vector<SolverFile>& files) {
-  for (const SolverFile& own : files) {
-    const SolverFile& first = files.front();
+void check_dimensions(const Scene& scene, const std::vector<ProgramEntry>& files) {
+  for (const ProgramEntry& own : files) {
+    const ProgramEntry& first = files.front();
     const int found = dimension(scene.settings().at(own.file));
     const int expected = dimension(scene.settings().at(first.file));
     require<ConfigError>(found == expected || found == 0 || expected == 0,
@@ -118,7 +121,7 @@ std::string gravity_text(const Json& file, const std::vector<double>& g) {
                      file.contains("gravity") ? "" : " (the default)");
 }
 
-void compare_gravity(const Scene& scene, const std::vector<SolverFile>& files, Names& warnings) {
+void compare_gravity(const Scene& scene, const std::vector<ProgramEntry>& files, Names& warnings) {
   if (files.size() < 2) return;
   const Json& first = scene.settings().at(files.front().file);
   const std::size_t dim = dimension(first) == 3 ? 3 : 2;
@@ -136,20 +139,20 @@ void compare_gravity(const Scene& scene, const std::vector<SolverFile>& files, N
 
 }  // namespace
 
-std::vector<SolverFile> files_read(const Scene& scene, const CouplerSettings& settings,
-                                   const std::function<bool(const std::string&)>& is_launched) {
-  std::vector<SolverFile> files;
-  for (const SolverFile& own : solver_files()) {
+std::vector<ProgramEntry> files_read(const Scene& scene, const CouplerSettings& settings,
+                                     const std::function<bool(const std::string&)>& is_launched) {
+  std::vector<ProgramEntry> files;
+  for (const ProgramEntry& own : solver_programs()) {
     const ParticipantRole* role = find_role(settings, own.participant);
     const bool is_own = role && role->command.empty();
-    if (is_own && scene.has(own.file) && is_launched(own.program)) files.push_back(own);
+    if (is_own && scene.has(own.file) && is_launched(own.name)) files.push_back(own);
   }
   return files;
 }
 
 std::vector<std::string> check_files(const Scene& scene, const CouplerSettings& settings,
-                                     const std::vector<SolverFile>& files) {
-  for (const SolverFile& own : files) check_interfaces(scene, settings, own);
+                                     const std::vector<ProgramEntry>& files) {
+  for (const ProgramEntry& own : files) check_interfaces(scene, settings, own);
   check_dimensions(scene, files);
   Names warnings;
   compare_gravity(scene, files, warnings);
@@ -157,22 +160,22 @@ std::vector<std::string> check_files(const Scene& scene, const CouplerSettings& 
 }
 
 std::set<std::string> participants_here(const CouplerSettings& settings,
-                                        const std::vector<SolverFile>& files) {
+                                        const std::vector<ProgramEntry>& files) {
   std::set<std::string> names;
   for (const ParticipantRole& role : settings.participants) {
     if (!role.command.empty()) names.insert(role.name);
   }
-  for (const SolverFile& own : files) names.insert(own.participant);
+  for (const ProgramEntry& own : files) names.insert(own.participant);
   return names;
 }
 
 std::vector<std::string> check_attendance(const Scene& scene, const CouplerSettings& settings,
-                                          const std::vector<SolverFile>& files) {
+                                          const std::vector<ProgramEntry>& files) {
   Names names;
   for (const ParticipantRole& role : settings.participants) names.push_back(role.name);
   const std::set<std::string> here = participants_here(settings, files);
   Names warnings;
-  for (const SolverFile& own : solver_files()) {
+  for (const ProgramEntry& own : solver_programs()) {
     if (!scene.has(own.file)) continue;
     const ParticipantRole* role = find_role(settings, own.participant);
     std::string reason;
@@ -184,16 +187,16 @@ std::vector<std::string> check_attendance(const Scene& scene, const CouplerSetti
       reason = fmt::format("coupler.json: at /participants/{}/command: another program",
                            own.participant);
     } else {
-      reason = fmt::format("{} is not part of this launch", own.program);
+      reason = fmt::format("{} is not part of this launch", own.name);
     }
     warnings.push_back(fmt::format("{}: nobody reads it; {}", scene.path(own.file), reason));
   }
   for (const ParticipantRole& role : settings.participants) {
     if (here.contains(role.name)) continue;
     warnings.push_back(fmt::format(
-        "{}: at /participants/{}: has neither a \"command\" nor a file that is read (soil: "
-        "mpm.json, structure: fem.json): it has to come from outside, and is not checked",
-        scene.path("coupler.json"), role.name));
+        "{}: at /participants/{}: has neither a \"command\" nor a file that is read ({}): it has "
+        "to come from outside, and is not checked",
+        scene.path("coupler.json"), role.name, solver_files_text()));
   }
   return warnings;
 }

@@ -8,7 +8,6 @@ PARTICIPANTS = ("soil", "structure")
 SILENCE, CONNECT, ANSWER, HEARTBEAT = 1.2, 2.0, 3.0, 0.2  # [s] deadlines of the scene
 SLOW = 1.8  # [s] longer than the silence deadline, shorter than that for an answer
 NEVER = 8.0  # [s]
-SLACK = 3.0  # [s] beyond a deadline, on a loaded machine
 
 # Accepted steps when it happens: the rows that steps.csv must have.
 STEPS = {"handshake": 0, "before_solve": 2, "inside_solve": 2, "after_solve": 2, "output": 4}
@@ -22,7 +21,6 @@ class Cell:
     who: str
     phase: str
     says: tuple[str, ...]  # words of one line of the coupler; of each participant when the coupler is the culprit
-    within: float  # [s] from the misdeed to the end of all processes
     code: int = 4  # exit code of the coupler
     steps: int | None = None  # rows of steps.csv; None: no table
 
@@ -46,28 +44,27 @@ def process_faults() -> list[Cell]:
     cells = []
     for who in PARTICIPANTS:
         peer = f'participant "{who}"'
-        cells += [Cell("killed", who, "handshake", lost_in_handshake(who), CONNECT + SLACK),
-                  Cell("stopped", who, "handshake", lost_in_handshake(who), CONNECT + SLACK),
-                  Cell("slow", who, "handshake", (), NEVER, code=0, steps=5)]
+        cells += [Cell("killed", who, "handshake", lost_in_handshake(who)),
+                  Cell("stopped", who, "handshake", lost_in_handshake(who)),
+                  Cell("slow", who, "handshake", (), code=0, steps=5)]
         for phase in PHASES[1:]:
             cells += [
-                Cell("killed", who, phase, (peer, "has died", "last sign of life", when(phase)), SLACK,
+                Cell("killed", who, phase, (peer, "has died", "last sign of life", when(phase)),
                      steps=STEPS[phase] - early(who, phase)),
                 Cell("stopped", who, phase, (peer, "is silent for", f"limit {SILENCE:g} s", "its process is stopped",
-                                             when(phase)), SILENCE + SLACK, steps=STEPS[phase]),
-                Cell("slow", who, phase, (), NEVER, code=0, steps=5),
+                                             when(phase)), steps=STEPS[phase]),
+                Cell("slow", who, phase, (), code=0, steps=5),
             ]
         for phase in ("before_solve", "inside_solve", "after_solve", "output"):
             # In the other phases it accepts or writes, and may complete its files.
             steps = STEPS[phase] - (phase == "before_solve")  # that of step 2 is not accepted then
             cells.append(Cell("never_answers", who, phase, (peer, "is alive but has not answered for",
-                                                            f"limit {ANSWER:g} s", "in phase"),
-                              (ANSWER if phase == "inside_solve" else NEVER) + SLACK, steps=steps))
+                                                            f"limit {ANSWER:g} s", "in phase"), steps=steps))
     for phase in PHASES:
-        cells += [Cell("killed", "coupler", phase, ("the coupler (pid", "has died", "last sign of life"), 2 * SLACK),
+        cells += [Cell("killed", "coupler", phase, ("the coupler (pid", "has died", "last sign of life")),
                   Cell("stopped", "coupler", phase, ("the coupler (pid", "is silent for", f"limit {SILENCE:g} s",
-                                                     "its process is stopped"), SILENCE + 2 * SLACK),
-                  Cell("paused", "coupler", phase, (), NEVER, code=0, steps=5)]
+                                                     "its process is stopped")),
+                  Cell("paused", "coupler", phase, (), code=0, steps=5)]
     return cells
 
 
@@ -86,7 +83,7 @@ def handshake_faults() -> list[Cell]:
     for kind, words in refused.items():
         for who in PARTICIPANTS:
             says = tuple(word.replace("WHO", who) for word in words) or lost_in_handshake(who)
-            cells.append(Cell(kind, who, "handshake", says, CONNECT + SLACK))
+            cells.append(Cell(kind, who, "handshake", says))
     return cells
 
 
@@ -113,16 +110,16 @@ def wire_faults() -> list[Cell]:
             ("wrong_sizes", "after_solve"): (peer, "answered wrongly", '"probes"', "expected shape [1], found [0]"),
             ("nan", "inside_solve"): (peer, "answered wrongly", f'"{sent}:wall" is nan at vertex 0, component 0'),
         }
-        cells += [Cell(kind, who, phase, says, SLACK, steps=STEPS[phase] - early(who, phase))
+        cells += [Cell(kind, who, phase, says, steps=STEPS[phase] - early(who, phase))
                   for (kind, phase), says in lies.items()]
-        cells.append(Cell("started_twice", who, "inside_solve", (), NEVER, code=0, steps=5))
+        cells.append(Cell("started_twice", who, "inside_solve", (), code=0, steps=5))
     return cells
 
 
 def port_faults() -> list[Cell]:
     """Another program listens on the port, and never speaks."""
-    here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"), 2 * SLACK)
-    return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", "within 2 s"), 2 * SLACK)
+    here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"))
+    return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", "within 2 s"))
                      for who in PARTICIPANTS]
 
 

@@ -6,7 +6,6 @@
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -20,7 +19,6 @@ from launch import IntegrationCase, Launch, meeting  # noqa: E402
 
 DT = 5e-4  # [s]
 WORKERS = 6  # lies at once: they mostly wait
-WITHIN = 5.0  # [s] until a solver has ended that was lied to
 
 
 class Liar(IntegrationCase):
@@ -61,11 +59,9 @@ class Liar(IntegrationCase):
 
     def expect_end(self, words: str, lie) -> None:
         """The lie is told; the solver says so, tells the coupler, and ends."""
-        begin = time.monotonic()
         lie()
         self.assertEqual(self.coupler.receive().type, "abort")
         ended = self.solver.wait()
-        self.assertLess(time.monotonic() - begin, WITHIN)
         self.assertNotIn(ended.code, (0, -signal.SIGSEGV, -signal.SIGABRT), ended.text)
         self.assert_says(ended.text, "error: ", words)
 

@@ -20,7 +20,6 @@ class MissingPrograms(IntegrationCase):
     def test_coupler_alone(self) -> None:
         ended = self.run_program("coupler", self.scene, "--output", self.out, code=4)
         self.assertGreater(ended.seconds, DEADLINE)
-        self.assertLess(ended.seconds, DEADLINE + 4)
         words = ("error: ", '"soil"', '"structure"', "did not connect", "connect_deadline in coupler.json")
         self.assert_says(ended.text, *words)
         self.assert_says((self.out / "coupler.log").read_text(), *words)
@@ -28,7 +27,7 @@ class MissingPrograms(IntegrationCase):
     def test_coupler_and_one_solver(self) -> None:
         for present, missing in (("mpm_solver", "structure"), ("fem_solver", "soil")):
             with self.subTest(present):
-                ended = self.run_launch(code=4, programs=("coupler", present), within=DEADLINE + 4)
+                ended = self.run_launch(code=4, programs=("coupler", present))
                 self.assert_says(ended.text, "[cpl] error: ", f'"{missing}"', "did not connect")
                 self.assertNotIn("interrupted", ended.text)
 
@@ -40,7 +39,7 @@ class MissingPrograms(IntegrationCase):
                 self.assertFalse(self.out.exists())
 
     def test_both_solvers_without_coupler(self) -> None:
-        ended = self.run_launch(code=2, programs=("mpm_solver", "fem_solver"), within=5)
+        ended = self.run_launch(code=2, programs=("mpm_solver", "fem_solver"))
         self.assert_says(ended.text, "error: ", "a coupler has to be part of the launch")
 
     def test_no_coupler_at_that_address(self) -> None:
@@ -49,7 +48,6 @@ class MissingPrograms(IntegrationCase):
                                  "--connect-deadline", DEADLINE, code=4)
         self.assert_says(ended.text, "[fem] error: ", '"structure"', "no answer", endpoint, "--connect-deadline")
         self.assertGreater(ended.seconds, DEADLINE)
-        self.assertLess(ended.seconds, DEADLINE + 4)
 
 
 if __name__ == "__main__":

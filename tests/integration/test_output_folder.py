@@ -16,7 +16,7 @@ class OutputFolder(IntegrationCase):
     def test_foreign_files_are_refused(self) -> None:
         self.out.mkdir()
         (self.out / "thesis.txt").write_text("mine")
-        ended = self.run_launch(code=2, within=5)
+        ended = self.run_launch(code=2)
         self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}", "not Gabion results",
                          "allowed: a new or empty folder")
         self.assertEqual([path.name for path in self.out.iterdir()], ["thesis.txt"])
@@ -33,7 +33,7 @@ class OutputFolder(IntegrationCase):
 
     def test_a_file_in_place_of_the_folder(self) -> None:
         self.out.write_text("mine")
-        ended = self.run_launch(code=2, within=5)
+        ended = self.run_launch(code=2)
         self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}", "is not a folder")
         self.assertEqual(self.out.read_text(), "mine")
 

@@ -27,7 +27,6 @@ from wire_tap import WireTap
 WORKERS = 4  # cells at once
 CONNECT, SILENCE, HEARTBEAT = 6.0, 2.5, 0.2  # [s] deadlines of the scene
 PAUSE = 1.0  # [s] of a program that is late, shorter than the silence deadline
-SLACK = 4.0  # [s] beyond a deadline, on a loaded machine
 LIMIT = 40  # [s] for any process
 STEPS, STRUCK = 8, 4  # steps of the run; the one in which it happens
 TABLES = ("steps", "probes", "iterations")
@@ -226,12 +225,6 @@ def play_disk(run: Run) -> float:
     return time.monotonic() - run.struck
 
 
-def within(cell: Cell) -> float:
-    """[s] from the misdeed to the end of all others."""
-    waits = {"stopped": SILENCE, "killed": 0, "late": LIMIT, "disk": LIMIT}[cell.kind]
-    return waits + (CONNECT if cell.phase == "handshake" else 0) + SLACK
-
-
 def go_on(run: Run, straight: Path) -> None:
     """From the last checkpoint to the end; the rows are those of the run without trouble."""
     checkpoints = list((run.out / "checkpoints").glob("step_*/manifest.json"))
@@ -264,7 +257,6 @@ def play(binaries: Path, cell: Cell, straight: Path) -> tuple[float, str]:
     run = Run(binaries, cell)
     try:
         seconds = (play_disk if cell.kind == "disk" else play_strike)(run)
-        require(seconds <= within(cell), f"took {seconds:.1f} s, allowed {within(cell):.1f} s")
         if cell.kind == "late":
             compare(run.out, straight, 1, whole=False)
         go_on(run, straight)

@@ -6,10 +6,12 @@
 """
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -18,6 +20,18 @@ import launch  # noqa: E402
 from launch import free_endpoint, meeting  # noqa: E402
 
 build = binaries = Path()  # set at the end
+
+# All that is installed: a header more is a promise more.
+HEADERS = {
+    "common/base": ("error.hpp", "timer.hpp"),
+    "common/run": ("solver.hpp", "state.hpp"),
+    "common/settings": ("config_reader.hpp",),
+    "protocol": ("connection.hpp", "deadlines.hpp", "gabion_participant.h", "handshake.hpp", "heartbeat.hpp", "keys.hpp",
+                 "message.hpp", "participant.hpp", "peer_watch.hpp", "process.hpp", "request_source.hpp", "serve.hpp",
+                 "socket.hpp", "state_machine.hpp", "step_order.hpp"),
+}
+LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"
+           r"|lib/cmake/gabion_participant/gabion_participant(-config|_targets)[a-z-]*\.cmake")
 
 
 def run(*command: object) -> str:
@@ -55,8 +69,31 @@ class Package(unittest.TestCase):
         return coupler.returncode, text, foreign
 
     def test_nothing_but_the_package_is_installed(self) -> None:
-        top = {path.relative_to(self.prefix).parts[0] for path in self.prefix.rglob("*") if path.is_file()}
-        self.assertEqual(top, {"include", "lib"})
+        found = {path.relative_to(self.prefix).as_posix() for path in self.prefix.rglob("*") if not path.is_dir()}
+        self.assertEqual({name for name in found if name.startswith("include/")},
+                         {f"include/gabion/{folder}/{name}" for folder, names in HEADERS.items() for name in names})
+        others = {name for name in found if not name.startswith("include/")}
+        self.assertEqual({name for name in others if not re.fullmatch(LIBRARY, name)}, set())
+        self.assertIn("lib/libgabion_participant.so", others)
+        self.assertIn("lib/cmake/gabion_participant/gabion_participant-config.cmake", others)
+
+    def test_every_header_stands_alone(self) -> None:
+        """It compiles by itself and finds all that it includes beside it: nothing else of this project is there."""
+        include = self.prefix / "include" / "gabion"
+        warnings = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-fsyntax-only")
+
+        def compile_alone(header: Path) -> None:
+            name = header.relative_to(include)
+            if header.suffix == ".h":
+                run("cc", "-std=c99", *warnings, "-I", include, "-include", name, "-x", "c", "/dev/null")
+            run("c++", "-std=c++20", *warnings, "-I", include, "-include", name, "-x", "c++", "/dev/null")
+
+        headers = [include / folder / name for folder, names in HEADERS.items() for name in names]
+        with ThreadPoolExecutor(2) as pool:
+            list(pool.map(compile_alone, headers))
+        for header in headers:
+            own = re.findall(r'^#include "([^"]+)"', header.read_text(encoding="utf-8"), re.MULTILINE)
+            self.assertEqual([name for name in own if not (include / name).is_file()], [], header)
 
     def test_in_c(self) -> None:
         code, text, foreign = self.check("spring_in_c")

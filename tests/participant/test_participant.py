@@ -285,7 +285,7 @@ class OwnLoop(ParticipantCase):
                                          time=0.0, dt=STEP)
                     reply = self.coupler.receive()
                     self.assertEqual((reply.type, reply.fields["reason"]), ("abort", words))
-                    self.assertEqual(program.wait(5), code)
+                    self.assertEqual(program.wait(50), code)
                 finally:
                     program.kill()
                     program.wait()

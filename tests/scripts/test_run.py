@@ -74,7 +74,7 @@ build_targets() {{ :; }}
 """
 COUPLER = """#!/bin/bash
 if [[ $* == *--list-participants* ]]; then
-  printf '%s\\0' 'tcp://127.0.0.1:*' plate 1 {command}
+  printf '%s\\0' 'tcp://127.0.0.1:*' plate '' 1 {command}
   exit
 fi
 trap 'echo the coupler was asked to end; exit 5' TERM

@@ -18,6 +18,7 @@ from .process import PeerWatch
 from .solver import InterfaceMesh
 
 SLICE = 100  # [ms] of any wait
+LAST_WORDS = 0.3  # [s] for what a coupler said before it went
 LINGER = 500  # [ms] that closing waits for messages that are not sent yet
 
 
@@ -100,19 +101,19 @@ class Connection:
         self.welcome = welcome
 
     def next_request(self) -> Message:
-        """Wait for the coupler's next request. Raises ProtocolError: it ended the run, died, froze, or asks
-        nothing."""
+        """Wait for the coupler's next request. What came counts before what died: "finish" is given also when
+        the coupler is gone already. Raises ProtocolError: it ended the run, died, froze, or asks nothing."""
         self._require_welcomed()
         self._heartbeat.set_phase("waiting", False)
         begin = time.monotonic()
         while True:
-            frames = self._receive(SLICE)
-            if frames:
-                request = self._read(frames)
-                if request.type != "alive":
-                    self._heartbeat.set_phase(describe(request), True)
-                    return request
-            self._look_after_coupler(silent=frames is None)
+            # Judged before the look at the queue: what came counts.
+            was_silent = bool(self._coupler.silence(self.welcome.silence_deadline))
+            request = self._receive_request() or self._look_after_coupler(was_silent)
+            if request:
+                # After "finish" nothing is computed: the coupler may end.
+                self._heartbeat.set_phase(describe(request), request.type != "finish")
+                return request
             waited = time.monotonic() - begin
             if waited > self.welcome.idle_deadline:
                 self._fail(f"{self._coupler.label} is alive but has asked nothing for {waited:.1f} s (limit "
@@ -209,21 +210,39 @@ class Connection:
             self._last_sequence = message.sequence
         return message
 
-    def _look_after_coupler(self, silent: bool) -> None:
+    def _receive_request(self) -> Message | None:
+        """Wait a slice; signs of life are noted and left out."""
+        frames = self._receive(SLICE)
+        message = self._read(frames) if frames else None
+        return message if message and message.type != "alive" else None
+
+    def _look_after_coupler(self, was_silent: bool) -> Message | None:
+        """Raise when the coupler is lost, or a signal came, unless the run is finished: then its request."""
         now = time.monotonic()
         if now - self._last_look > OWN_SLEEP:
             self._coupler.forgive()
         self._last_look = now
         interrupted = interrupt.requested() and not self._waits_for_last_checkpoint(now)
         if interrupted or self._coupler.death():
-            while frames := self._receive(SLICE):  # it may have said why
-                self._read(frames)
+            if finish := self._last_words():
+                return finish
         if death := self._coupler.death():
             self._fail(death)
         if interrupted:
             interrupt.check()
-        if silent and (silence := self._coupler.silence(self.welcome.silence_deadline)):
+        if was_silent and (silence := self._coupler.silence(self.welcome.silence_deadline)):
             self._fail(silence)
+        return None
+
+    def _last_words(self) -> Message | None:
+        """Of a coupler that is gone, or about to go: why (raised), or that the run is finished. What else it
+        asked, nobody awaits."""
+        end = time.monotonic() + LAST_WORDS
+        while time.monotonic() < end:
+            request = self._receive_request()
+            if request and request.type == "finish":
+                return request
+        return None
 
     def _waits_for_last_checkpoint(self, now: float) -> bool:
         """A launcher sends the signal to all programs; the coupler then ends the run after the step under

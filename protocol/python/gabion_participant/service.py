@@ -2,16 +2,15 @@
 """serve(solver): for codes that offer a few functions."""
 
 import time
-
 from typing import Any
 
 from .connection import Connection
 from .errors import ConvergenceError, ProtocolError, UsageError, says_all, text_of
 from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded, plain, put_values,
-                        read_state, read_step_request, read_values, saved, solved)
+                        read_state, saved, solved)
 from .message import Message
-from .solver import AcceptReport, InterfaceValues, Solver, StepReport
-from .step_order import StepOrder
+from .solver import AcceptReport, InterfaceValues, Solver, StepReport, StepRequest
+from .state_machine import RequestHandler, StateMachine
 
 
 def keeps_state(solver: Solver) -> bool:
@@ -42,20 +41,21 @@ def checked_report(answer: Any) -> AcceptReport:
     return answer
 
 
-class Service:
-    """The solver as the coupler's requests drive it."""
+class Service(RequestHandler):
+    """The solver as the coupler's requests drive it: every answer is there at once."""
 
     def __init__(self, solver: Solver, settings: ParticipantSettings) -> None:
         self._solver = solver
         self._settings = settings
         self._interfaces = solver.interfaces()
         self._keeps_state = keeps_state(solver)
-        self._order = StepOrder()
+        self._machine = StateMachine(self, settings.receives, self._interfaces,
+                                     f"protocol {PROTOCOL_VERSION}")
         self.under_way = ""  # the solver's function that was called last
 
     def answer(self, request: Message) -> Message:
         begin = time.monotonic()
-        reply = self._dispatch(request)
+        reply = self._machine.handle(request)
         reply.fields["busy_seconds"] = time.monotonic() - begin
         return reply
 
@@ -63,57 +63,44 @@ class Service:
         self.under_way = name
         return getattr(self._solver, name)(*values)
 
-    def _dispatch(self, request: Message) -> Message:
-        match request.type:
-            case "solve_step":
-                return self._solve(request)
-            case "accept_step":
-                return self._accept(request)
-            case "reject_step":
-                self._call("reject_step")
-                self._order.reject()
-                return Message("rejected")
-            case "write_output":
-                self._call("write_output", request.number("time"))
-                return Message("written")
-            case "summarize":
-                return Message("summary", fields={"summary": plain(self._call("summary"))})
-            case "save" if self._keeps_state and not self._order.has_solution:
-                return saved(self._call("save_state"))
-            case "load" if self._keeps_state and not self._order.has_solution:
-                self._call("load_state", read_state(request))
-                self._order.forget()
-                return loaded(self._call("probes"))
-            case "finish":
-                return Message("finished")
-        if request.type in ("save", "load"):
-            why = "in the middle of a step" if self._keeps_state else "of a participant that keeps no state"
-            raise ProtocolError(f'the coupler asked for "{request.type}" {why}')
-        raise ProtocolError(
-            f'the coupler asked for "{request.type}", which protocol {PROTOCOL_VERSION} does not know')
-
-    def _solve(self, request: Message) -> Message:
-        step = read_step_request(request)
-        received = read_values(request, self._settings.receives, self._interfaces)
-        self._order.check(step)
-        self._order.reject()
+    def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message:
         try:
             values, report = checked_solution(self._call("solve_step", step, received))
         except ConvergenceError as problem:
             return Message("failed", fields={"reason": str(problem)})
         reply = solved(report)
         put_values(reply, self._settings.sends, self._interfaces, values)
-        self._order.solved(step)
         return reply
 
-    def _accept(self, request: Message) -> Message:
-        step = read_step_request(request)
-        was_solved = request.boolean("solved")
-        self._order.accept(step, was_solved)
+    def accept_step(self, step: StepRequest, was_solved: bool, output_time: float | None) -> Message:
         report = checked_report(self._call("accept_step", step, was_solved))
-        if request.boolean("write_output"):
-            self._call("write_output", request.number("output_time"))
+        if output_time is not None:
+            self._call("write_output", output_time)
         return accepted(report, self._call("probes"))
+
+    def reject_step(self) -> Message:
+        self._call("reject_step")
+        return Message("rejected")
+
+    def write_output(self, time: float) -> Message:
+        self._call("write_output", time)
+        return Message("written")
+
+    def save_state(self) -> Message:
+        self._require_state("save")
+        return saved(self._call("save_state"))
+
+    def load_state(self, request: Message) -> Message:
+        self._require_state("load")
+        self._call("load_state", read_state(request))
+        return loaded(self._call("probes"))
+
+    def summarize(self) -> Message:
+        return Message("summary", fields={"summary": plain(self._call("summary"))})
+
+    def _require_state(self, kind: str) -> None:
+        if not self._keeps_state:
+            raise ProtocolError(f'the coupler asked for "{kind}" of a participant that keeps no state')
 
 
 def serve(solver: Solver, settings: ParticipantSettings) -> None:

@@ -25,15 +25,18 @@ class RawParticipant {
   }
   void send_frames(const std::vector<std::string_view>& frames) { socket_.send(frames); }
 
-  /// The next message other than a heartbeat; type "" after five seconds of silence.
-  Message receive() {
-    for (int i = 0; i < 50; ++i) {
-      if (const auto frames = socket_.receive(100)) {
-        Message message = decode(std::span(*frames));
-        if (message.type != "alive") return message;
-      }
-    }
-    return {};
+  /// The next message; type "" after so many milliseconds without one.
+  Message receive_any(int milliseconds = 50000) {
+    const auto frames = socket_.receive(milliseconds);
+    return frames ? decode(std::span(*frames)) : Message{};
+  }
+  /// The same, signs of life left out.
+  Message receive(int milliseconds = 50000) {
+    Message message;
+    do {
+      message = receive_any(milliseconds);
+    } while (message.type == "alive");
+    return message;
   }
 
  private:

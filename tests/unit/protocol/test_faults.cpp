@@ -8,14 +8,15 @@
 #include <array>
 #include <csignal>
 #include <future>
+#include <latch>
 #include <limits>
 #include <thread>
 
 #include "common/base/interrupt.hpp"
-#include "common/base/timer.hpp"
 #include "dummy_solver.hpp"
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion::test {
 namespace {
@@ -73,17 +74,20 @@ class Child {
   bool reaped_ = false;
 };
 
-/// A participant process whose solve_step takes this long.
-std::function<void(const std::string&)> slow_participant(const std::string& name, double seconds) {
-  return [name, seconds](const std::string& endpoint) {
+/// A participant process that does this in its solve_step.
+std::function<void(const std::string&)> participant_that(const std::string& name,
+                                                         const std::function<void()>& on_solve) {
+  return [name, on_solve](const std::string& endpoint) {
     DummySolver solver(3, 2, 1.0);
-    solver.on_solve = [seconds](const StepRequest&) { sleep_for(seconds); };
+    solver.on_solve = [on_solve](const StepRequest&) { on_solve(); };
     ParticipantSettings settings = participant(name, endpoint);
     settings.exit_when_coupler_is_lost = true;
     Connection connection(settings);
     serve(solver, connection);
   };
 }
+
+constexpr double for_ever = 500;  // [s], longer than a test may take
 
 #define EXPECT_CONTAINS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
@@ -97,11 +101,14 @@ class Processes : public ::testing::Test {
     names_.push_back(name);
     return *children_.emplace_back(std::make_unique<Child>(body));
   }
+  Child& fork_that(const std::string& name, const std::function<void()>& on_solve) {
+    return fork_participant(name, participant_that(name, on_solve));
+  }
   Child& fork_slow(const std::string& name, double seconds) {
-    return fork_participant(name, slow_participant(name, seconds));
+    return fork_that(name, [seconds] { sleep_for(seconds); });
   }
   /// Shake hands with all participants.
-  void start(const ServerSettings& settings = short_deadlines()) {
+  void start(const ServerSettings& settings = patient_settings()) {
     server_ = std::make_unique<Server>(settings);
     std::vector<Expected> all;
     for (const auto& name : names_) all.push_back(expected(name));
@@ -126,19 +133,13 @@ class Processes : public ::testing::Test {
   std::map<std::string, std::unique_ptr<Solver>> solvers_;
 };
 
-TEST_F(Processes, KilledParticipantIsNamedWithinTwoSeconds) {
-  Child& structure = fork_slow("structure", 30);
+// The deadlines of these tests do not pass: a death that they report was noticed before.
+
+TEST_F(Processes, KilledParticipantIsNamed) {
+  Child& structure = fork_that("structure", [] { raise(SIGKILL); });
   Child& soil = fork_slow("soil", 0);
   start();
-  std::thread killer([&] {
-    sleep_for(0.3);
-    structure.signal(SIGKILL);
-  });
-  const Stopwatch watch;
   const std::string error = error_of_solve("structure", {57, 3, 0, 0.1});
-  const double noticed = watch.seconds() - 0.3;
-  killer.join();
-  EXPECT_LT(noticed, 1.0);
   EXPECT_CONTAINS(error, "participant \"structure\" (fem_solver, pid " +
                              std::to_string(structure.pid()) +
                              ") has died: no process; last sign of life");
@@ -147,95 +148,62 @@ TEST_F(Processes, KilledParticipantIsNamedWithinTwoSeconds) {
   EXPECT_CONTAINS(message_of<ProtocolError>([&] { solver("soil").reject_step(); }),
                   "failed before: participant \"structure\"");
   EXPECT_EQ(soil.exit_status(), 4);
-  EXPECT_LT(watch.seconds(), 2.0);
 }
 
 TEST_F(Processes, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
-  fork_slow("structure", 30);
+  fork_slow("structure", for_ever);
   Child& soil = fork_slow("soil", 0);
   start();
   soil.signal(SIGKILL);
-  const Stopwatch watch;
   EXPECT_CONTAINS(error_of_solve("structure"), "participant \"soil\" (mpm_solver, pid");
-  EXPECT_LT(watch.seconds(), 1.0);
 }
 
 TEST_F(Processes, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
-  fork_participant("soil", [](const std::string& endpoint) {
-    DummySolver solver(3, 2, 1.0);
-    solver.on_solve = [](const StepRequest&) { _exit(0); };
-    Connection connection(participant("soil", endpoint));
-    serve(solver, connection);
-  });
+  fork_that("soil", [] { _exit(0); });
   start();
-  const Stopwatch watch;
   EXPECT_CONTAINS(error_of_solve("soil"), "has died: no process");
-  EXPECT_LT(watch.seconds(), 1.0);
 }
 
 TEST_F(Processes, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
-  Child& soil = fork_slow("soil", 30);
-  ServerSettings settings = short_deadlines();
-  settings.deadlines.silence = 1;
+  fork_that("soil", [] { raise(SIGSTOP); });
+  ServerSettings settings = patient_settings();
+  settings.deadlines.silence = 2;
   start(settings);
-  const Stopwatch watch;
-  std::thread stopper([&] {
-    sleep_for(0.2);
-    soil.signal(SIGSTOP);
-  });
   const std::string error = error_of_solve("soil", {2, 1, 0, 0.1});
-  stopper.join();
-  EXPECT_CONTAINS(error, "is silent for 1.");
-  EXPECT_CONTAINS(error, "limit 1 s, option protocol/silence_deadline");
+  EXPECT_CONTAINS(error, "is silent for ");
+  EXPECT_CONTAINS(error, "limit 2 s, option protocol/silence_deadline");
   EXPECT_CONTAINS(error, "its process is stopped");
   EXPECT_CONTAINS(error, "solve_step 2 iteration 1");
-  EXPECT_GT(watch.seconds(), 1.0);
-  EXPECT_LT(watch.seconds(), 2.0);
 }
 
 TEST_F(Processes, BusyParticipantOutlivesTheSilenceDeadline) {
-  Child& soil = fork_slow("soil", 1.5);
-  ServerSettings settings = short_deadlines();
-  settings.deadlines.silence = 0.5;
+  Child& soil = fork_slow("soil", 2.5);
+  ServerSettings settings = patient_settings();
+  settings.deadlines.silence = 2;
   start(settings);
   solve("soil");
   const CallTimes& times = solver("soil").last_call();
-  EXPECT_GE(times.busy_seconds, 1.5);
+  EXPECT_GE(times.busy_seconds, 2.5);
   EXPECT_EQ(solver("soil").last_busy_seconds(), times.busy_seconds);
   EXPECT_GT(times.seconds, times.busy_seconds);
-  EXPECT_LT(times.seconds, 2.5);
   server_->finish();
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
 TEST_F(Processes, BusyCouplerOutlivesTheSilenceDeadline) {
   Child& soil = fork_slow("soil", 0);
-  ServerSettings settings = short_deadlines();
-  settings.deadlines.silence = 0.5;
+  ServerSettings settings = patient_settings();
+  settings.deadlines.silence = 2;
   start(settings);
-  sleep_for(1.5);  // the coupler computes
+  sleep_for(2.5);  // the coupler computes
   solve("soil");
   server_->finish();
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
-TEST_F(Processes, ExitAfterFinishIsNoDeath) {
-  Child& soil = fork_slow("soil", 0);
-  start();
-  soil.signal(SIGSTOP);
-  std::thread waker([&] {
-    sleep_for(0.2);
-    soil.signal(SIGCONT);
-    // The process ends before the coupler looks for the answer: the answer counts.
-    soil.exit_status();
-  });
-  EXPECT_NO_THROW(server_->finish());
-  waker.join();
-}
-
 TEST_F(Processes, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
-  fork_slow("soil", 30);
-  ServerSettings settings = short_deadlines();
+  fork_slow("soil", for_ever);
+  ServerSettings settings = patient_settings();
   settings.deadlines.answer = 0.5;
   start(settings);
   const std::string error = error_of_solve("soil");
@@ -246,17 +214,17 @@ TEST_F(Processes, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
 /// A coupler process that does nothing after the handshake, and a participant in a thread of ours.
 class DyingCoupler {
  public:
-  explicit DyingCoupler(bool asks_to_solve)
-      : child_([this, asks_to_solve](const std::string&) {
-          ServerSettings settings = short_deadlines();
-          settings.deadlines.silence = 1;
+  DyingCoupler(bool asks_to_solve, double silence_deadline)
+      : child_([this, asks_to_solve, silence_deadline](const std::string&) {
+          ServerSettings settings = patient_settings();
+          settings.deadlines.silence = silence_deadline;
           Server server(settings);
           const std::string endpoint = server.endpoint();
           if (write(to_parent_[1], endpoint.data(), endpoint.size()) < 0) _exit(98);
           auto solvers = server.wait_for({expected("soil")});
           InterfaceValues sent;
           if (asks_to_solve) solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
-          sleep_for(30);
+          sleep_for(for_ever);
         }) {
     child_.tell("go");
     std::array<char, 200> endpoint{};
@@ -276,24 +244,18 @@ class DyingCoupler {
 };
 
 TEST(Faults, WaitingParticipantNoticesTheCouplersDeath) {
-  DyingCoupler coupler(false);
+  DyingCoupler coupler(false, 50);
   DummySolver solver(3, 2, 1.0);
   Connection connection(participant("soil", coupler.endpoint()));
   connection.handshake(solver);
-  std::thread killer([&] {
-    sleep_for(0.3);
-    coupler.child().signal(SIGKILL);
-  });
-  const Stopwatch watch;
+  coupler.child().signal(SIGKILL);
   const std::string error = message_of<ProtocolError>([&] { serve(solver, connection); });
-  killer.join();
   EXPECT_CONTAINS(error,
                   "the coupler (pid " + std::to_string(coupler.child().pid()) + ") has died");
-  EXPECT_LT(watch.seconds(), 1.0);
 }
 
 TEST(Faults, WaitingParticipantNoticesAStoppedCoupler) {
-  DyingCoupler coupler(false);
+  DyingCoupler coupler(false, 1);
   DummySolver solver(3, 2, 1.0);
   Connection connection(participant("soil", coupler.endpoint()));
   connection.handshake(solver);
@@ -303,37 +265,39 @@ TEST(Faults, WaitingParticipantNoticesAStoppedCoupler) {
   EXPECT_CONTAINS(error, "its process is stopped");
 }
 
+/// Only its heartbeat thread can end the process: its solution takes longer than the test may.
 TEST(Faults, BusyParticipantEndsWhenTheCouplerDies) {
-  Child soil(slow_participant("soil", 30));
-  DyingCoupler coupler(true);
+  std::array<int, 2> busy{};
+  ASSERT_EQ(pipe(busy.data()), 0);
+  Child soil(participant_that("soil", [busy] {
+    if (write(busy[1], "!", 1) == 1) sleep_for(for_ever);
+  }));
+  DyingCoupler coupler(true, 50);
   soil.tell(coupler.endpoint());
-  sleep_for(0.5);
+  char came = 0;
+  ASSERT_EQ(read(busy[0], &came, 1), 1);
   coupler.child().signal(SIGKILL);
   coupler.child().exit_status();
-  const Stopwatch watch;
   EXPECT_EQ(soil.exit_status(), 4);
-  EXPECT_LT(watch.seconds(), 2.0);
+  close(busy[0]);
+  close(busy[1]);
 }
 
 TEST(Faults, AbsentParticipantMeetsTheConnectDeadline) {
-  ServerSettings settings = short_deadlines();
+  ServerSettings settings = patient_settings();
   settings.deadlines.connect = 0.3;
   Server server(settings);
-  const Stopwatch watch;
-  const std::string error = message_of<ProtocolError>([&] {
-    server.wait_for({expected("soil"), expected("structure")});
-  });
-  EXPECT_CONTAINS(error, "soil");
-  EXPECT_CONTAINS(error, "structure");
-  EXPECT_CONTAINS(error, server.endpoint());
-  EXPECT_CONTAINS(error, "protocol/connect_deadline");
-  EXPECT_LT(watch.seconds(), 1.0);
+  expect_error<ProtocolError>(
+      [&] {
+        server.wait_for({expected("soil"), expected("structure")});
+      },
+      {"soil", "structure", server.endpoint(), "protocol/connect_deadline"});
 }
 
 TEST(Faults, AbsentCouplerMeetsTheConnectDeadline) {
   std::string endpoint;
   {
-    Server gone(short_deadlines());
+    Server gone(patient_settings());
     endpoint = gone.endpoint();
   }
   ParticipantSettings settings = participant("soil", endpoint);
@@ -370,7 +334,7 @@ class Threads : public ::testing::Test {
 
   DummySolver solver_{3, 2, 1.0};
   std::function<void()> welcomed_;
-  std::unique_ptr<Server> server_ = std::make_unique<Server>(short_deadlines());
+  std::unique_ptr<Server> server_ = std::make_unique<Server>(patient_settings());
   std::map<std::string, std::unique_ptr<Solver>> solvers_;
   std::future<std::string> end_;
   InterfaceValues sent_;
@@ -453,10 +417,12 @@ TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
                   "\"displacement:wall\": expected 3 x 2 values, found 5");
 }
 
+/// Each solution waits until the other one is under way.
 TEST_F(Threads, TwoSolversWorkAtOnce) {
   DummySolver a(3, 2, 1.0);
   DummySolver b(3, 2, 1.0);
-  a.on_solve = b.on_solve = [](const StepRequest&) { sleep_for(0.5); };
+  std::latch both_solve(2);
+  a.on_solve = b.on_solve = [&](const StepRequest&) { both_solve.arrive_and_wait(); };
   const auto run = [this](DummySolver& solver, const char* name) {
     return std::async(std::launch::async, [this, &solver, name] {
       Connection connection(participant(name, server_->endpoint()));
@@ -468,16 +434,15 @@ TEST_F(Threads, TwoSolversWorkAtOnce) {
   solvers_ = server_->wait_for({expected("soil"), expected("structure")});
   auto& soil = static_cast<RemoteSolver&>(*solvers_.at("soil"));
   auto& structure = static_cast<RemoteSolver&>(*solvers_.at("structure"));
-  const Stopwatch watch;
   soil.start_solve({1, 0, 0, 0.1}, {});
+  expect_error<ProtocolError>(
+      [&] {
+        soil.start_solve({1, 0, 0, 0.1}, {});
+      },
+      {"asked before the answer"});
   structure.start_solve({1, 0, 0, 0.1}, {});
-  EXPECT_CONTAINS(message_of<ProtocolError>([&] {
-                    soil.start_solve({1, 0, 0, 0.1}, {});
-                  }),
-                  "asked before the answer");
   soil.finish_solve(sent_);
   structure.finish_solve(sent_);
-  EXPECT_LT(watch.seconds(), 0.9);
   server_->finish();
   end_a.get();
   end_b.get();
@@ -485,7 +450,7 @@ TEST_F(Threads, TwoSolversWorkAtOnce) {
 
 /// A participant that answers a solve_step with this message; the coupler's error.
 std::string error_on_answer(const std::function<void(RawParticipant&, const Message&)>& answer) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   raw.send(to_message(good_hello("soil")));
   auto solvers = server.wait_for({expected("soil")});
@@ -553,34 +518,42 @@ class Signals : public Threads {
   }
 };
 
+/// The solution, which brings the signal, takes until the wait for it has ended.
 TEST_F(Signals, SignalEndsAWait) {
-  solver_.on_solve = [](const StepRequest&) { sleep_for(1); };
-  Solver& soil = connect();
-  std::thread sender([self = pthread_self()] {
-    sleep_for(0.1);
+  std::promise<void> wait_ended;
+  solver_.on_solve = [self = pthread_self(), ended = wait_ended.get_future().share()](auto&) {
     pthread_kill(self, SIGTERM);
-  });
-  const Stopwatch watch;
+    ended.wait_for(std::chrono::seconds(50));
+  };
+  Solver& soil = connect();
   int code = 0;
   try {
     soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
   } catch (const Interrupted& problem) {
     code = problem.exit_code();
   }
+  wait_ended.set_value();
   EXPECT_EQ(code, 128 + SIGTERM);
-  EXPECT_LT(watch.seconds(), 0.8);
-  sender.join();
+}
+
+/// Answers that come without delay do not hide a signal.
+TEST_F(Signals, SignalEndsARunOfQuickAnswers) {
+  Solver& soil = connect();
+  std::raise(SIGTERM);
+  EXPECT_EQ(error_of<Interrupted>([&] {
+              soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+              soil.reject_step();
+            }),
+            "interrupted by signal 15 (Terminated)");
 }
 
 /// A launcher ends the coupler too when one of its processes has died.
 TEST_F(Processes, DeathOfAPeerIsTheMessageEvenWhenALauncherEndsTheCoupler) {
-  Child& soil = fork_slow("soil", 30);
+  Child& soil = fork_that("soil", [] { raise(SIGKILL); });
   interrupt::install();
   start();
   std::thread launcher([&, self = pthread_self()] {
-    sleep_for(0.2);
-    soil.signal(SIGKILL);
-    sleep_for(0.005);
+    soil.exit_status();
     pthread_kill(self, SIGTERM);
   });
   EXPECT_CONTAINS(error_of_solve<Error>("soil"), "participant \"soil\" (mpm_solver, pid");

@@ -18,7 +18,7 @@ struct Outcome {
 
 /// What becomes of this first message of a participant.
 Outcome outcome_of(const Message& hello, const std::vector<Expected>& participants) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   raw.send(hello);
   Outcome outcome;
@@ -70,7 +70,7 @@ TEST(Handshake, OtherMajorVersionIsRefused) {
 }
 
 TEST(Handshake, OtherMinorVersionIsWelcome) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   Hello hello = good_hello("soil");
   hello.protocol = "1.7";
@@ -80,7 +80,7 @@ TEST(Handshake, OtherMinorVersionIsWelcome) {
 }
 
 TEST(Handshake, ForeignCodeWithoutSceneHashIsWelcome) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   Hello hello = good_hello("soil");
   hello.scene_hash = "";
@@ -126,7 +126,7 @@ TEST(Handshake, UnknownNameIsRefused) {
 }
 
 TEST(Handshake, NameTwiceIsRefused) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant first(server.endpoint(), "a");
   RawParticipant second(server.endpoint(), "b");
   first.send(to_message(good_hello("soil")));
@@ -141,7 +141,7 @@ TEST(Handshake, NameTwiceIsRefused) {
 }
 
 TEST(Handshake, HelloDuringTheRunIsRefusedAndTheRunGoesOn) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   DummySolver soil(3, 2, 1.0);
   auto end = std::async(std::launch::async, [&] {
     return message_of<Error>([&] {
@@ -152,10 +152,14 @@ TEST(Handshake, HelloDuringTheRunIsRefusedAndTheRunGoesOn) {
   auto solvers = server.wait_for({expected("soil")});
   RawParticipant late(server.endpoint(), "late");
   late.send(to_message(good_hello("soil")));
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
   InterfaceValues sent;
-  for (int i = 0; i < 3; ++i) solvers.at("soil")->solve_step({1, i, 0, 0.1}, {}, sent);
-  EXPECT_EQ(late.receive().type, "refused");
+  Message answer;
+  for (int i = 0; i < 10000 && answer.type.empty(); ++i) {
+    solvers.at("soil")->solve_step({1, i, 0, 0.1}, {}, sent);
+    answer = late.receive(10);
+  }
+  EXPECT_EQ(answer.type, "refused");
+  solvers.at("soil")->solve_step({1, 0, 0, 0.1}, {}, sent);
   server.finish();
   EXPECT_EQ(end.get(), "");
 }
@@ -206,7 +210,7 @@ TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
 }
 
 TEST(Handshake, ParticipantsErrorNamesBothValues) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   auto end = std::async(std::launch::async, [endpoint = server.endpoint()] {
     return message_of<ProtocolError>([&] {
       ParticipantSettings settings = participant("soil", endpoint);
@@ -222,7 +226,7 @@ TEST(Handshake, ParticipantsErrorNamesBothValues) {
 }
 
 TEST(Handshake, GarbageFromStrangersIsIgnored) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant stranger(server.endpoint(), "stranger");
   stranger.send_frames({"GET / HTTP/1.1"});
   stranger.send_frames({"", ""});
@@ -234,7 +238,7 @@ TEST(Handshake, GarbageFromStrangersIsIgnored) {
 }
 
 TEST(Handshake, AHelloThatIsNotUnderstoodIsAnsweredAndTheCouplerWaitsOn) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   RawParticipant hasty(server.endpoint(), "hasty");
   hasty.send_frames({R"({"type":"hello","participant":"soil"})"});
   RawParticipant raw(server.endpoint(), "raw");

@@ -29,7 +29,7 @@ struct Pair {
 
 TEST(Loopback, TwoSolversSolveAcceptSkipAndWrite) {
   Pair pair;
-  Server server(short_deadlines());
+  Server server(patient_settings());
   auto soil_end = start(pair.soil, participant("soil", server.endpoint()));
   auto structure_end = start(pair.structure, participant("structure", server.endpoint()));
   auto solvers = server.wait_for({expected("soil"), expected("structure")}, {{"end", 1.5}});

@@ -85,7 +85,7 @@ struct Loop {
 class OwnLoop : public testing::Test {
  protected:
   void start() {
-    server_ = std::make_unique<Server>(short_deadlines());
+    server_ = std::make_unique<Server>(patient_settings());
     const auto settings = participant("structure", server_->endpoint());
     end_ = std::async(std::launch::async,
                       [this, settings] { return message_of<Error>([&] { loop_.run(settings); }); });
@@ -257,7 +257,7 @@ TEST_F(OwnLoop, TheCouplersEndIsTold) {
 
 /// What `body` throws when a participant, connected and with an open step, does it.
 std::string usage_error(const std::function<void(Participant&)>& body) {
-  Server server(short_deadlines());
+  Server server(patient_settings());
   const auto settings = participant("structure", server.endpoint());
   auto end = std::async(std::launch::async, [&] {
     return message_of<UsageError>([&] {

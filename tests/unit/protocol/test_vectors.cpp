@@ -7,9 +7,12 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace gabion {
 namespace {
+
+using test::expect_error;
 
 Json read_vectors(const std::string& name) {
   std::ifstream in(GABION_TEST_VECTORS "/" + name);
@@ -118,9 +121,12 @@ TEST(Vectors, BytesThatAreNotAsManyAsSaid) {
     State state;
     state.facts["bytes"] = bytes;
     state.integers["bytes"].resize(values);
-    EXPECT_THROW(unpack_bytes(state), ProtocolError) << bytes.dump() << ' ' << values;
+    expect_error<ProtocolError>(
+        [&] { unpack_bytes(state); },
+        {"expected an array of " + bytes.dump() + " bytes, found " + std::to_string(values)});
   }
-  EXPECT_THROW(unpack_bytes(State{}), ProtocolError);
+  expect_error<ProtocolError>([] { unpack_bytes(State{}); },
+                              {"expected an array of null bytes, found 0 values"});
 }
 
 TEST(Vectors, MalformedFramesAreRefused) {
@@ -128,7 +134,8 @@ TEST(Vectors, MalformedFramesAreRefused) {
   EXPECT_GT(vectors.size(), 40u);
   for (const Json& vector : vectors) {
     SCOPED_TRACE(vector["name"]);
-    EXPECT_THROW(decode(frames_of(vector)), ProtocolError);
+    expect_error<ProtocolError>([&] { decode(frames_of(vector)); },
+                                {vector["says"].get<std::string>()});
   }
 }
 

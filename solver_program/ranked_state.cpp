@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/ranks/ranked_state.hpp"
+#include "solver_program/ranked_state.hpp"
 
 #include <fmt/format.h>
 

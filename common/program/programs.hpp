@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace gabion {
+
+/// What the others of this project know about one program of it.
+struct ProgramEntry {
+  std::string name;          ///< "mpm_solver"
+  std::string prefix;        ///< of its log lines: "mpm"
+  std::string participant;   ///< its name, in coupler.json too, unless --name says another: "soil"
+  std::string about;         ///< first line of --help
+  std::string file;          ///< of the scene: "mpm.json"
+  std::string folder;        ///< of its frames below the results; empty: writes none
+  bool sends_force = false;  ///< and receives displacement; else the other way round
+};
+
+/// The one list of them.
+const ProgramEntry& coupler_program();
+const std::vector<ProgramEntry>& solver_programs();
+
+/// @throws Error  no program of this name
+const ProgramEntry& program_entry(const std::string& name);
+
+}  // namespace gabion

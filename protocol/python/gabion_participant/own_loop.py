@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the coupler's requests mean to a code that keeps its own time loop."""
+
+from collections.abc import Callable
+from typing import Any
+
+from .errors import ProtocolError
+from .handshake import accepted, loaded, plain, read_state, saved
+from .message import Message
+from .solver import AcceptReport, InterfaceValues, StepRequest
+from .state_machine import RequestHandler, unknown
+
+ME = "this participant"  # in messages
+
+
+class OwnLoop(RequestHandler):
+    """The step under way, as the coupler asked for it and as the code has answered. An answer that has to
+    wait for the code, which has to go back first, say, is pending."""
+
+    def __init__(self) -> None:
+        self.output: Callable[[float], None] | None = None
+        self.save: Callable[[], bytes] | None = None  # None: does not keep its state
+        self.load: Callable[[bytes], None] | None = None
+        self.summary: dict[str, Any] = {}
+        self.probes: dict[str, float] = {}  # of the code's current state
+        self.accepted_probes: list[float] = []
+        self.request: StepRequest | None = None  # the open solve_step
+        self.received: InterfaceValues = {}
+        self.written: InterfaceValues = {}
+        self.remaining = 0.0  # [s] of the open step
+        self.awaits_verdict = False  # the last solve_step was answered, neither accepted nor rejected
+        self.pending: Message | None = None
+        self.must_write = self.must_read = False  # checkpoints that were not asked for yet
+        self.window_complete = False
+
+    def is_inside_step(self) -> bool:
+        return self.awaits_verdict
+
+    def solve_step(self, step: StepRequest, received: InterfaceValues) -> None:
+        self.must_read |= self._had_trial()
+        self.received, self.written = received, {}
+        self.request, self.remaining = step, step.dt
+
+    def close_step(self) -> None:
+        """The open solve_step is answered."""
+        self.request, self.remaining, self.awaits_verdict = None, 0.0, True
+
+    def accept_step(self, _step: StepRequest, was_solved: bool, output_time: float | None) -> Message | None:
+        had_trial = self._had_trial()
+        if had_trial and not was_solved:
+            self.must_read = True  # accepted as if it had not been asked: the accepted state stays
+        else:
+            if had_trial:
+                self.accepted_probes = list(self.probes.values())
+                self.must_write = self.window_complete = True
+            if output_time is not None and self.output:
+                self.output(output_time)
+        return self._now_or_pending(accepted(AcceptReport(), self.accepted_probes), had_trial)
+
+    def reject_step(self) -> Message | None:
+        had_trial = self._had_trial()
+        self.must_read |= had_trial
+        return self._now_or_pending(Message("rejected"), had_trial)
+
+    def write_output(self, time: float) -> Message:
+        if self.awaits_verdict and self.output:
+            raise ProtocolError("the coupler wants the accepted state on disk in the middle of a step: "
+                                "this participant writes it between steps only")
+        if self.output:
+            self.output(time)
+        return Message("written")
+
+    def save_state(self) -> Message:
+        if not self.save:
+            raise unknown("save", ME)
+        return saved(self.save())
+
+    def load_state(self, request: Message) -> Message:
+        if not self.load:
+            raise unknown("load", ME)
+        self.load(read_state(request))
+        self.accepted_probes = list(self.probes.values())
+        self.must_write = True  # what the code saved for repeated steps is of another state
+        return loaded(self.accepted_probes)
+
+    def summarize(self) -> Message:
+        return Message("summary", fields={"summary": plain(self.summary)})
+
+    def _had_trial(self) -> bool:
+        """Whether a solution waited for its verdict, which has come now."""
+        had, self.awaits_verdict = self.awaits_verdict, False
+        return had
+
+    def _now_or_pending(self, answer: Message, waits: bool) -> Message | None:
+        if not waits:
+            return answer
+        self.pending = answer
+        return None

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which request is allowed when, what it says, and who does it (protocol/README.md, section 5)."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from .errors import ProtocolError
+from .handshake import read_step_request, read_values
+from .message import Message
+from .solver import InterfaceMesh, InterfaceValues, StepRequest
+from .step_order import StepOrder
+
+
+class RequestHandler(ABC):
+    """What one kind of participant does at each request. None as an answer: it follows later."""
+
+    @abstractmethod
+    def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message | None:
+        """From the accepted state."""
+
+    @abstractmethod
+    def accept_step(self, step: StepRequest, was_solved: bool, output_time: float | None) -> Message | None:
+        """`output_time` [s] of the state that is accepted, when it shall be written."""
+
+    @abstractmethod
+    def reject_step(self) -> Message | None:
+        """Forget the last solution."""
+
+    @abstractmethod
+    def write_output(self, time: float) -> Message | None:
+        """The accepted state, at this time [s]."""
+
+    @abstractmethod
+    def save_state(self) -> Message | None:
+        """The accepted state."""
+
+    @abstractmethod
+    def load_state(self, request: Message) -> Message | None:
+        """Another accepted state."""
+
+    @abstractmethod
+    def summarize(self) -> Message | None:
+        """What summary.json shall say."""
+
+    def is_inside_step(self) -> bool:
+        """Whether the code's current state may be another one than the accepted one."""
+        return False
+
+
+def unknown(kind: str, me: str) -> ProtocolError:
+    """Nobody here does what is asked."""
+    return ProtocolError(f'the coupler asked for "{kind}", which {me} does not know')
+
+
+class StateMachine:
+    """The same for all kinds of participants. `me`: who does not know an unknown request, for its
+    message."""
+
+    def __init__(self, handler: RequestHandler, receives: str, interfaces: Sequence[InterfaceMesh],
+                 me: str) -> None:
+        self._handler = handler
+        self._receives, self._interfaces = receives, interfaces
+        self._me = me
+        self._order = StepOrder()
+        self.is_finished = False  # "finish" was asked: there is no further request
+        # type: (what does it, whether it is allowed while a solution waits for its verdict)
+        self._rules = {
+            "solve_step": (self._solve, True), "accept_step": (self._accept, True),
+            "reject_step": (self._reject, True), "write_output": (self._write, True),
+            "summarize": (lambda _: handler.summarize(), True),
+            "save": (lambda _: handler.save_state(), False), "load": (self._load, False),
+            "finish": (self._finish, True)}
+
+    def handle(self, request: Message) -> Message | None:
+        """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known,
+        not allowed now, or not complete."""
+        if request.type not in self._rules:
+            raise unknown(request.type, self._me)
+        action, inside_step = self._rules[request.type]
+        if not inside_step and (self._order.has_solution or self._handler.is_inside_step()):
+            raise ProtocolError(f'the coupler asked for "{request.type}" in the middle of a step')
+        return action(request)
+
+    def solved(self, step: StepRequest) -> None:
+        """An answer "solved" that followed later."""
+        self._order.solved(step)
+
+    def _solve(self, request: Message) -> Message | None:
+        step = read_step_request(request)
+        received = read_values(request, self._receives, self._interfaces)
+        self._order.check(step)
+        self._order.reject()
+        answer = self._handler.solve_step(step, received)
+        if answer and answer.type == "solved":
+            self._order.solved(step)
+        return answer
+
+    def _accept(self, request: Message) -> Message | None:
+        step, was_solved = read_step_request(request), request.boolean("solved")
+        self._order.accept(step, was_solved)
+        output_time = request.number("output_time") if request.boolean("write_output") else None
+        return self._handler.accept_step(step, was_solved, output_time)
+
+    def _reject(self, _request: Message) -> Message | None:
+        answer = self._handler.reject_step()
+        self._order.reject()
+        return answer
+
+    def _write(self, request: Message) -> Message | None:
+        return self._handler.write_output(request.number("time"))
+
+    def _load(self, request: Message) -> Message | None:
+        answer = self._handler.load_state(request)
+        self._order.forget()
+        return answer
+
+    def _finish(self, _request: Message) -> Message:
+        self.is_finished = True
+        return Message("finished")

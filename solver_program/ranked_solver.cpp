@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver_program/ranked_solver.hpp"
+
+#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
+#include "solver_program/ranked_state.hpp"
+
+namespace gabion {
+
+namespace {
+
+// Kinds of failure in an order of severity: a step that may be repeated is the mildest one.
+enum Failure : int { none = 0, convergence, other, protocol, config };
+
+Failure failure_of(const std::exception& error) {
+  if (dynamic_cast<const ConvergenceError*>(&error)) return convergence;
+  if (dynamic_cast<const ConfigError*>(&error)) return config;
+  if (dynamic_cast<const ProtocolError*>(&error)) return protocol;
+  return other;
+}
+
+[[noreturn]] void throw_failure(Failure failure, const std::string& text) {
+  switch (failure) {
+    case convergence:
+      throw ConvergenceError(text);
+    case config:
+      throw ConfigError(text);
+    case protocol:
+      throw ProtocolError(text);
+    default:
+      throw Error(text);
+  }
+}
+
+}  // namespace
+
+RankedSolver::RankedSolver(MPI_Comm comm, Solver& inner)
+    : comm_(comm), size_(num_ranks(comm)), inner_(inner) {}
+
+/// Do the work, then agree on whether it failed: the worst failure is thrown on all ranks, among
+/// equals that of the lowest one.
+void RankedSolver::together(const std::function<void()>& work) const {
+  if (size_ == 1) {
+    work();
+    return;
+  }
+  Failure failure = none;
+  std::string text;
+  try {
+    work();
+  } catch (const std::exception& error) {
+    failure = failure_of(error);
+    text = error.what();
+  }
+  const auto worst = static_cast<Failure>(max_over_ranks(comm_, failure));
+  if (worst == none) return;
+  throw_failure(worst, first_text(comm_, failure == worst ? text : ""));
+}
+
+StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
+                                    InterfaceValues& sent) {
+  StepReport report;
+  together([&] { report = inner_.solve_step(request, received, sent); });
+  return report;
+}
+
+AcceptReport RankedSolver::accept_step(const StepRequest& request, bool solved) {
+  AcceptReport report;
+  together([&] { report = inner_.accept_step(request, solved); });
+  return report;
+}
+
+void RankedSolver::reject_step() {
+  together([&] { inner_.reject_step(); });
+}
+
+void RankedSolver::write_output(double time) {
+  together([&] { inner_.write_output(time); });
+}
+
+std::vector<double> RankedSolver::probes() const {
+  std::vector<double> result;
+  together([&] { result = inner_.probes(); });
+  return result;
+}
+
+Json RankedSolver::summary() const {
+  Json result;
+  together([&] { result = inner_.summary(); });
+  return result;
+}
+
+State RankedSolver::save_state() {
+  State all;
+  together([&] { all = gather_state(comm_, inner_.save_state()); });
+  return all;
+}
+
+void RankedSolver::load_state(const State& state) {
+  together([&] { inner_.load_state(scatter_state(comm_, state)); });
+}
+
+}  // namespace gabion

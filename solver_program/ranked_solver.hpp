@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/run/solver.hpp"
+
+namespace gabion {
+
+/// A solver on several ranks as one: all of them call the same function with the same values, and
+/// an error on any of them becomes one on all, the worst one. On one rank every call goes straight
+/// through.
+/// @note Functions are collective; the solver's own answers are there on every rank.
+class RankedSolver final : public Solver {
+ public:
+  /// @param inner  outlives this object
+  RankedSolver(MPI_Comm comm, Solver& inner);
+
+  std::vector<InterfaceMesh> interfaces() const override { return inner_.interfaces(); }
+  std::vector<std::string> probe_names() const override { return inner_.probe_names(); }
+  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                        InterfaceValues& sent) override;
+  AcceptReport accept_step(const StepRequest& request, bool solved) override;
+  void reject_step() override;
+  void write_output(double time) override;
+  std::vector<double> probes() const override;
+  Json summary() const override;
+  bool keeps_state() const override { return inner_.keeps_state(); }
+  /// The parts of all ranks on the first one (gather_state).
+  State save_state() override;
+  /// @param state  of all ranks; read on the first one only (scatter_state)
+  void load_state(const State& state) override;
+
+ private:
+  void together(const std::function<void()>& work) const;
+
+  MPI_Comm comm_;
+  int size_ = 1;
+  Solver& inner_;
+};
+
+}  // namespace gabion

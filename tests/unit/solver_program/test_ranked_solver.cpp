@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A solver on several ranks follows the frames that the first one gets.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "protocol/codec.hpp"
+#include "protocol/exchange.hpp"
+#include "protocol/serve.hpp"
+#include "solver_program/ranked_requests.hpp"
+#include "solver_program/ranked_solver.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/mpi_main.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// Writes down what it was asked to do.
+class Recorder : public Solver {
+ public:
+  std::vector<std::string> calls;
+  int failing_rank = -1;
+  bool fail_mildly = true;
+  std::vector<double> part = {1.0 / 3, double(rank())};  // of the state
+
+  std::vector<InterfaceMesh> interfaces() const override { return {{"wall", 2, {0, 0}, 0, {}}}; }
+  std::vector<std::string> probe_names() const override { return {"p"}; }
+  StepReport solve_step(const StepRequest& r, const InterfaceValues& received,
+                        InterfaceValues& sent) override {
+    calls.push_back("solve " + Json{r.step, r.iteration, r.time, r.dt, received}.dump());
+    if (failing_rank == rank() && fail_mildly) throw ConvergenceError("no solution");
+    if (failing_rank == rank()) throw Error("disk full");
+    sent = received;
+    return {.newton_iterations = 7};
+  }
+  AcceptReport accept_step(const StepRequest& r, bool solved) override {
+    calls.push_back("accept " + Json{r.step, solved}.dump());
+    return {{1.5}, true, 0.25};
+  }
+  void reject_step() override { calls.push_back("reject"); }
+  void write_output(double time) override { calls.push_back("write " + Json(time).dump()); }
+  std::vector<double> probes() const override { return {1.5}; }
+  Json summary() const override { return {{"rank", rank()}}; }
+  bool keeps_state() const override { return true; }
+  State save_state() override {
+    State state;
+    state.reals["part"] = part;
+    return state;
+  }
+  void load_state(const State& state) override { part = state.reals.at("part"); }
+};
+
+/// Requests of a coupler that has written them down beforehand, and what was answered.
+class Script : public RequestSource {
+ public:
+  explicit Script(std::vector<Message> requests) : requests_(std::move(requests)) {}
+
+  Message next_request(std::vector<std::string>* frames) override {
+    if (next_ == requests_.size()) throw ProtocolError("coupler lost");
+    const EncodedMessage encoded = encode(requests_[next_++]);
+    std::vector<std::string> bytes = {encoded.header};
+    bytes.insert(bytes.end(), encoded.payloads.begin(), encoded.payloads.end());
+    Message request = decode(bytes);
+    if (frames) *frames = std::move(bytes);
+    return request;
+  }
+  void reply(Message message) override {
+    if (message.type == unsendable) throw ProtocolError("queue is full");
+    answers.push_back(std::move(message));
+  }
+
+  std::vector<Message> answers;
+  std::string unsendable;
+
+ private:
+  std::vector<Message> requests_;
+  std::size_t next_ = 0;
+};
+
+/// What all ranks do with these requests.
+void follow(Script& script, Solver& inner) {
+  RankedSolver solver(comm(), inner);
+  if (rank() == 0) {
+    LeadingRequests requests(comm(), script);
+    answer_requests(solver, force(), displacement(), requests);
+  } else {
+    FollowingRequests requests(comm());
+    answer_requests(solver, force(), displacement(), requests);
+  }
+}
+
+const StepRequest step{1, 3, 0.1, 1.0 / 3};
+const InterfaceValues values = {{"wall", {1.0 / 7, -2e-300}}};
+
+Message solve_request() {
+  Message request = new_message("solve_step");
+  put(request, step);
+  put_values(request, "force", {{"wall", 2, {0, 0}, 0, {}}}, values);
+  return request;
+}
+
+Message accept_request() {
+  Message request = new_message("accept_step", {{"solved", true}, {"write_output", true}});
+  put(request, step);
+  request.fields["output_time"] = 0.1;
+  return request;
+}
+
+std::vector<std::string> types_of(const std::vector<Message>& messages) {
+  std::vector<std::string> types;
+  for (const Message& message : messages) types.push_back(message.type);
+  return types;
+}
+
+/// On the first rank the error itself; the others are told whose it is.
+void expect_failure(Script& script, Solver& solver, const std::string& text) {
+  const std::string told = rank() == 0 ? text : "rank 0 failed: " + text;
+  expect_error<ProtocolError>([&] { follow(script, solver); }, {told});
+}
+
+TEST(RankedSolver, all_ranks_do_what_the_first_is_asked) {
+  Recorder recorder;
+  Script script({new_message("write_output", {{"time", 0.0}}), solve_request(), accept_request(),
+                 new_message("reject_step"), new_message("summarize"), new_message("finish")});
+  follow(script, recorder);
+  const std::vector<std::string> expected = {"write 0.0",
+                                             "solve " + Json{1, 3, 0.1, 1.0 / 3, values}.dump(),
+                                             "accept [1,true]", "write 0.1", "reject"};
+  EXPECT_EQ(recorder.calls, expected);
+  if (rank() != 0) return;
+  EXPECT_EQ(types_of(script.answers),
+            (std::vector<std::string>{"written", "solved", "accepted", "rejected", "summary",
+                                      "finished"}));
+  EXPECT_EQ(script.answers[1].reals("displacement:wall", {1, 2}), values.at("wall"));
+  EXPECT_EQ(script.answers[4].fields.at("summary"), (Json{{"rank", 0}}));
+}
+
+/// A failed step on one rank is one on all; the run goes on, and the step can be repeated.
+TEST(RankedSolver, convergence_failure_is_shared_and_survived) {
+  Recorder recorder;
+  recorder.failing_rank = size() - 1;
+  Script script({solve_request(), new_message("reject_step"), solve_request(),
+                 new_message("reject_step"), new_message("finish")});
+  follow(script, recorder);
+  EXPECT_EQ(recorder.calls.size(), 4u);
+  EXPECT_EQ(recorder.calls.back(), "reject");
+  if (rank() != 0) return;
+  EXPECT_EQ(types_of(script.answers),
+            (std::vector<std::string>{"failed", "rejected", "failed", "rejected", "finished"}));
+  EXPECT_EQ(script.answers[0].text("reason"), "no solution");
+}
+
+TEST(RankedSolver, other_failures_end_all_ranks) {
+  Recorder recorder;
+  recorder.failing_rank = size() - 1;
+  recorder.fail_mildly = false;
+  Script script({solve_request()});
+  expect_error<Error>([&] { follow(script, recorder); }, {"disk full"});
+}
+
+/// Of several failures the worst one is told, on every rank.
+TEST(RankedSolver, the_worst_failure_is_agreed) {
+  class Failing : public Recorder {
+    void write_output(double) override {
+      if (rank() == 0) throw ConvergenceError("a mild one");
+      throw ConfigError("no folder on rank " + std::to_string(rank()));
+    }
+  } failing;
+  Script script({new_message("write_output", {{"time", 0.0}})});
+  if (size() == 1) {
+    expect_error<ConvergenceError>([&] { follow(script, failing); }, {"a mild one"});
+  } else {
+    expect_error<ConfigError>([&] { follow(script, failing); }, {"no folder on rank 1"});
+  }
+}
+
+TEST(RankedSolver, every_rank_gets_its_part_of_a_state_back) {
+  Recorder recorder;
+  const std::vector<double> part = recorder.part;
+  Script saving({new_message("save"), new_message("finish")});
+  follow(saving, recorder);
+  std::vector<Message> requests = {new_message("finish")};
+  if (rank() == 0) {
+    Message load = new_message("load");
+    put(load, read_state(saving.answers.front()));
+    EXPECT_EQ(load.reals("real:part", {2 * size()}).back(), size() - 1);
+    requests.insert(requests.begin(), load);
+  }
+  recorder.part = {0, 0};
+  Script loading(requests);
+  follow(loading, recorder);
+  EXPECT_EQ(recorder.part, part);
+}
+
+TEST(RankedSolver, a_lost_coupler_releases_the_others) {
+  Recorder recorder;
+  Script script({new_message("reject_step")});
+  expect_failure(script, recorder, "coupler lost");
+  EXPECT_EQ(recorder.calls, std::vector<std::string>{"reject"});
+}
+
+TEST(RankedSolver, an_answer_that_cannot_be_sent_releases_the_others) {
+  Recorder recorder;
+  Script script({new_message("reject_step")});
+  script.unsendable = "rejected";
+  expect_failure(script, recorder, "queue is full");
+}
+
+/// The others have left by then.
+TEST(RankedSolver, a_last_answer_that_cannot_be_sent_is_the_first_ranks_alone) {
+  Recorder recorder;
+  Script script({new_message("finish")});
+  script.unsendable = "finished";
+  if (rank() == 0) {
+    expect_error<ProtocolError>([&] { follow(script, recorder); }, {"queue is full"});
+  } else {
+    follow(script, recorder);
+  }
+}
+
+/// Such as a handshake that failed.
+TEST(RankedSolver, the_first_rank_can_end_the_others_before_the_first_request) {
+  Recorder recorder;
+  if (rank() == 0) {
+    end_followers(comm(), "refused");
+  } else {
+    Script none({});
+    expect_error<ProtocolError>([&] { follow(none, recorder); }, {"rank 0 failed: refused"});
+  }
+}
+
+TEST(RankedSolver, a_request_that_is_not_allowed_ends_all_ranks_with_the_same_words) {
+  Recorder recorder;
+  Script script({accept_request()});
+  expect_error<ProtocolError>([&] { follow(script, recorder); },
+                              {"accepts step 1, which has no solution"});
+}
+
+}  // namespace
+}  // namespace gabion::test
