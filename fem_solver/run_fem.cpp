@@ -11,6 +11,7 @@ void run_fem(const ProgramOptions& options, const MpiSession& session) {
                       .participant = "structure",
                       .file = "fem.json",
                       .folder = "fem",
+                      .keys = fem::fem_keys(),
                       .receives = force(),
                       .sends = displacement(),
                       .make = fem::make_fem_solver},

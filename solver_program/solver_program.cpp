@@ -15,15 +15,25 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
+#include "common/settings/describe_keys.hpp"
 #include "protocol/serve.hpp"
 
 namespace gabion {
+
+std::vector<Key> alone_keys() {
+  const std::string alone = "in a scene without coupler.json";
+  return {key::object("time", time_keys(), "Steps of the run.").only(alone),
+          key::object("output", output_keys(), "Frames of the run.").only(alone),
+          key::object("checkpoint", checkpoint_keys(), "Checkpoints of the run.")
+              .or_empty()
+              .only(alone)};
+}
 
 AloneSettings read_alone_settings(ConfigReader& in) {
   AloneSettings alone;
   alone.time = read_time_settings(in.object("time"));
   auto output = in.object("output");
-  alone.output_interval = output.number("interval", positive());
+  alone.output_interval = output.number("interval");
   output.finish();
   alone.checkpoint = read_checkpoint_settings(in);
   return alone;
@@ -108,9 +118,13 @@ void drive_alone(const SolverProgram& program, const ProgramOptions& options,
 
 void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
                         const MpiSession& session) {
+  if (!options.describe_keys.empty()) {
+    if (session.is_root()) describe_keys(program.keys, program.file, options.describe_keys);
+    return;
+  }
   const PetscSession petsc(session.comm());
   const Scene scene(options.scene, options.overrides);
-  ConfigReader reader = scene.reader(program.file);
+  ConfigReader reader = scene.reader(program.file, program.keys);
   const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
   const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
   if (options.check && (is_alone || !has_coupler)) {

@@ -25,6 +25,8 @@ struct AloneSettings {
   CheckpointSettings checkpoint;
 };
 AloneSettings read_alone_settings(ConfigReader& in);
+/// Keys of the root of a solver's file: "time", "output", "checkpoint".
+std::vector<Key> alone_keys();
 
 /// A program around one Solver.
 struct SolverProgram {
@@ -32,6 +34,7 @@ struct SolverProgram {
   std::string participant;  ///< in coupler.json, unless --name says another: "soil"
   std::string file;         ///< of the scene: "mpm.json"
   std::string folder;       ///< of its frames below the results, unless --name is given: "mpm"
+  KeyTable keys;            ///< of the file
   Quantity receives;
   Quantity sends;
   /// Read the file and set up the solver.

@@ -28,6 +28,7 @@ struct InitialStress {
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>
 InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material);
+KeyTable initial_stress_keys();
 
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed
 /// body, so with the volume V that a point was laid out with

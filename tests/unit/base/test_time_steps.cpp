@@ -196,7 +196,7 @@ TEST(TimeSteps, a_last_step_beyond_dt_is_shortened_to_the_end) {
 TEST(TimeSettings, all_keys_are_required_and_checked) {
   const auto error_of = [](const Json& value) -> std::string {
     try {
-      read_time_settings(ConfigReader(value, "f.json"));
+      read_time_settings(ConfigReader(value, "f.json", time_keys()));
     } catch (const ConfigError& error) {
       return error.what();
     }

@@ -19,7 +19,8 @@ class ReadMesh : public testing::Test {
               (std::string("gabion_read_mesh_") +
                testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
-    std::filesystem::copy_file(std::string(MESH_DATA) + "/plate.msh", folder_ / "plate.msh",
+    std::filesystem::copy_file(std::filesystem::path(MESH_DATA) / "plate.msh",
+                               folder_ / "plate.msh",
                                std::filesystem::copy_options::overwrite_existing);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -28,7 +29,7 @@ class ReadMesh : public testing::Test {
   Mesh<dim> read(const std::string& mesh) {
     std::ofstream(folder_ / "fem.json") << "{\"mesh\": " << mesh << "}";
     const Scene scene(folder_.string(), {});
-    auto in = scene.reader("fem.json");
+    auto in = scene.reader("fem.json", {"fem", "", {key::object("mesh", mesh_keys(), "")}});
     return read_mesh<dim>(scene, in.object("mesh"));
   }
   template <int dim = 2>

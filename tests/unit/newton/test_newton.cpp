@@ -271,7 +271,7 @@ TEST(Newton, FailedSolveForgetsTheMatrix) {
 
 std::string config_error(const Json& json) {
   try {
-    read_newton_settings(ConfigReader(json, "f.json"));
+    read_newton_settings(ConfigReader(json, "f.json", newton_keys()));
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -280,8 +280,8 @@ std::string config_error(const Json& json) {
 
 TEST(NewtonSettings, ReadAndRefused) {
   const Json json = {{"residual_tolerance", 1e-6}, {"max_iterations", 7}, {"reuse_matrix", true}};
-  const auto settings =
-      read_newton_settings(ConfigReader(json, "f.json"), {.increment_tolerance = 1e-3});
+  const auto settings = read_newton_settings(
+      ConfigReader(json, "f.json", newton_keys({.increment_tolerance = 1e-3})));
   EXPECT_EQ(settings.residual_tolerance, 1e-6);
   EXPECT_EQ(settings.increment_tolerance, 1e-3);
   EXPECT_EQ(settings.max_iterations, 7);

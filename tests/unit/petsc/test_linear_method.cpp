@@ -43,7 +43,7 @@ TEST(LinearMethod, SettingsOverrideTheRegime) {
 
 std::string error_of(const Json& json) {
   try {
-    read_linear_solver_settings(ConfigReader(json, "f.json"));
+    read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -53,7 +53,8 @@ std::string error_of(const Json& json) {
 TEST(LinearMethod, ReadsSettings) {
   const Json json = {
       {"method", "gmres"}, {"preconditioner", "ilu"}, {"tolerance", 1e-6}, {"max_iterations", 80}};
-  const auto settings = read_linear_solver_settings(ConfigReader(json, "f.json"));
+  const auto settings =
+      read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
   EXPECT_EQ(settings.method, "gmres");
   EXPECT_EQ(settings.preconditioner, "ilu");
   EXPECT_EQ(settings.tolerance, 1e-6);
