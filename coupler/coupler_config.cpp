@@ -26,10 +26,79 @@ std::string name(Scheme scheme) {
 
 namespace {
 
+KeyTable step_control_keys() {
+  const DtByIterations defaults;
+  return {"step_control",
+          "The number of coupling iterations of a step as evidence for the size of the next one.",
+          {key::integer("few",
+                        "dt may grow only while steps need no more iterations than this; 0: off.")
+               .in(non_negative())
+               .or_else(defaults.few),
+           key::integer("many",
+                        "The next step is halved after one that needed this many or more; larger "
+                        "than `few`; 0: off.")
+               .in(non_negative())
+               .or_else(defaults.many)}};
+}
+
+KeyTable coupling_keys() {
+  const CouplingSettings defaults;
+  return {
+      "coupling",
+      "How a step is solved.",
+      {key::choice(
+           "scheme", {"serial_implicit", "parallel_implicit", "explicit"},
+           "Soil, then structure, until both agree; both at once, until they agree; or soil, "
+           "then structure, once.")
+           .or_else(name(defaults.scheme)),
+       key::integer("max_iterations", "Coupling iterations of one step.")
+           .in(at_least(2))
+           .or_else(defaults.max_iterations),
+       key::choice(
+           "on_limit", {"cut", "stop", "accept"},
+           "A step that does not converge: `cut`: it is repeated with half of dt; `stop`: the "
+           "run ends; `accept`: it is accepted after `max_iterations` or when it stagnates.")
+           .or_else("cut"),
+       key::integer("predictor", "Order of extrapolation from accepted steps.")
+           .in(between(0, 2))
+           .or_else(defaults.predictor),
+       key::object("step_control", step_control_keys(), "Iterations as evidence for dt.")
+           .or_empty(),
+       key::object("acceleration", acceleration_keys(), "How the next guess is made.").or_empty(),
+       key::object("convergence", convergence_keys(), "When a step is converged.")
+           .when("scheme", {"serial_implicit", "parallel_implicit"}),
+       key::object("convergence", convergence_keys(), "Not used.")
+           .or_none()
+           .when("scheme", {"explicit"}),
+       key::object("mapping", mapping_keys(), "Between the vertices of the two sides.")}};
+}
+
+KeyTable participant_keys() {
+  return {
+      "participant",
+      "A program or foreign code that takes part. Its name: 1 to 64 letters, digits, `_`, `-`, "
+      "`.`.",
+      {key::choice("sends", {"force", "displacement"},
+                   "A soil sends force, a structure displacement."),
+       key::texts("command",
+                  "Program and arguments of a foreign code or a further solver, which "
+                  "`scripts/run` starts in the scene's folder with `--coupler ENDPOINT` appended.")
+           .not_empty()
+           .or_none()}};
+}
+
+KeyTable interface_keys() {
+  return {"interface",
+          "A surface that a soil and a structure share.",
+          {key::plain_name("By which both participants know it; its own."),
+           key::text("soil", "Participant that sends force."),
+           key::text("structure", "Participant that sends displacement.")}};
+}
+
 DtByIterations read_step_control(ConfigReader in) {
   DtByIterations control;
-  control.few = in.integer_or("few", control.few, non_negative());
-  control.many = in.integer_or("many", control.many, non_negative());
+  control.few = in.integer("few");
+  control.many = in.integer("many");
   in.finish();
   if (control.many > 0 && control.many <= control.few) {
     in.fail("many", fmt::format("found {}, allowed: 0 (off) or more than few = {}", control.many,
@@ -46,14 +115,13 @@ CouplingSettings read_coupling(ConfigReader in) {
       {name(Scheme::serial_implicit), Scheme::serial_implicit},
       {name(Scheme::parallel_implicit), Scheme::parallel_implicit},
       {name(Scheme::explicit_), Scheme::explicit_}};
-  s.scheme = schemes.at(
-      in.choice_or("scheme", {"serial_implicit", "parallel_implicit", "explicit"}, name(s.scheme)));
+  s.scheme = schemes.at(in.choice("scheme"));
   const bool implicit = s.scheme != Scheme::explicit_;
-  s.max_iterations = in.integer_or("max_iterations", s.max_iterations, at_least(2));
-  s.on_limit = on_limit.at(in.choice_or("on_limit", {"cut", "stop", "accept"}, "cut"));
-  s.predictor = in.integer_or("predictor", s.predictor, between(0, 2));
-  s.step_control = read_step_control(in.object_or_empty("step_control"));
-  s.acceleration = read_acceleration_settings(in.object_or_empty("acceleration"));
+  s.max_iterations = in.integer("max_iterations");
+  s.on_limit = on_limit.at(in.choice("on_limit"));
+  s.predictor = in.integer("predictor");
+  s.step_control = read_step_control(in.object("step_control"));
+  s.acceleration = read_acceleration_settings(in.object("acceleration"));
   if (implicit || in.has("convergence")) {
     s.convergence = read_convergence_settings(in.object("convergence"));
   }
@@ -70,7 +138,7 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
                                           "- and .",
                                           Json(name).dump()));
     }
-    const std::string sends = entry.choice("sends", {"force", "displacement"});
+    const std::string sends = entry.choice("sends");
     std::vector<std::string> command;
     if (entry.has("command")) {
       command = entry.texts("command");
@@ -123,17 +191,30 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
 
 }  // namespace
 
+KeyTable coupler_keys() {
+  return {"coupler",
+          "Settings of the coupler and of the run.",
+          {key::schema(), key::object("time", time_keys(), "Steps of the run."),
+           key::object("output", output_keys(), "Frames of the run."),
+           key::object("checkpoint", checkpoint_keys(), "Checkpoints of the run.").or_empty(),
+           key::named_objects("participants", participant_keys(), "Who takes part, by name."),
+           key::objects("interfaces", interface_keys(), "Surfaces that are coupled.").not_empty(),
+           key::object("coupling", coupling_keys(), "How a step is solved."),
+           key::object("protocol", server_keys(), "The wire between the programs.").or_empty()}};
+}
+
 CouplerSettings read_coupler_settings(ConfigReader in) {
   CouplerSettings s;
   s.time = read_time_settings(in.object("time"));
   ConfigReader output = in.object("output");
-  s.output_interval = output.number("interval", positive());
+  s.output_interval = output.number("interval");
   output.finish();
   s.checkpoint = read_checkpoint_settings(in);
   s.participants = read_participants(in);
   s.interfaces = read_interfaces(in, s.participants);
   s.coupling = read_coupling(in.object("coupling"));
-  s.server = read_server_settings(in.object_or_empty("protocol"));
+  s.server = read_server_settings(in.object("protocol"));
+  if (in.has("$schema")) in.text("$schema");
   in.finish();
   return s;
 }

@@ -61,6 +61,8 @@ struct CouplerSettings {
   ServerSettings server;
 };
 
+KeyTable coupler_keys();
+/// @param in  with coupler_keys()
 /// @throws ConfigError  with file, JSON pointer, found and allowed
 CouplerSettings read_coupler_settings(ConfigReader in);
 

@@ -13,6 +13,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/run/run_record.hpp"
+#include "common/settings/describe_keys.hpp"
 #include "coupler/checks/participant_check.hpp"
 #include "coupler/checks/run_check.hpp"
 #include "coupler/checks/scene_check.hpp"
@@ -107,9 +108,8 @@ constexpr double check_answer_deadline = 60;  // [s]
 /// A participant under test that hangs is told soon, unless coupler.json says how long to wait.
 ServerSettings server_of_check(const CouplerSettings& settings, const Scene& scene) {
   ServerSettings server = settings.server;
-  ConfigReader file = scene.reader("coupler.json");
-  const auto protocol = file.optional_object("protocol");
-  if (!protocol || !protocol->has("answer_deadline")) {
+  ConfigReader file = scene.reader("coupler.json", coupler_keys());
+  if (!file.object("protocol").has("answer_deadline")) {
     server.deadlines.answer = check_answer_deadline;
   }
   return server;
@@ -198,13 +198,16 @@ void couple(Server& server, const CouplerSettings& settings, const Scene& scene,
 void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   require<ConfigError>(session.size() == 1, "coupler: launched with {} processes, allowed: 1",
                        session.size());
+  if (!options.describe_keys.empty()) {
+    return describe_keys(coupler_keys(), "coupler.json", options.describe_keys);
+  }
   if (!options.make_keys.empty()) {
     make_keys(options.make_keys);
     log::info("wrote {0} (secret: keep it) and {0}.pub (public: give it away)", options.make_keys);
     return;
   }
   const Scene scene(options.scene, options.overrides);
-  const ConfigReader reader = scene.reader("coupler.json");
+  const ConfigReader reader = scene.reader("coupler.json", coupler_keys());
   CouplerSettings settings = read_coupler_settings(reader);
   for (std::string* file : {&settings.server.key_file, &settings.server.clients_file}) {
     if (!file->empty()) *file = scene.path(*file);

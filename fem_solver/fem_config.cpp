@@ -22,13 +22,7 @@ std::vector<std::string> allowed_components() {
 
 template <int dim>
 Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
-  return Eigen::Map<const Vector<dim>>(in.numbers(key, dim).data());
-}
-
-template <int dim>
-Vector<dim> read_vector_or_zero(ConfigReader& in, const std::string& key) {
-  return Eigen::Map<const Vector<dim>>(
-      in.numbers_or(key, std::vector<double>(dim, 0.0), dim).data());
+  return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
 }
 
 template <int dim>
@@ -58,7 +52,7 @@ SupportSettings read_support(ConfigReader in) {
   s.group = in.text("group");
   s.where = in.where("group");
   s.components = read_components<dim>(in);
-  s.report_reaction = in.boolean_or("report_reaction", s.report_reaction);
+  s.report_reaction = in.boolean("report_reaction");
   in.finish();
   return s;
 }
@@ -145,14 +139,6 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
   }
 }
 
-template <int dim>
-Material<dim> read_elastic_material(ConfigReader& in) {
-  in.object("material").choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic"});
-  Material<dim> material = read_material<dim>(in.object("material"));
-  assert(is_elastic<dim>(material.law));
-  return material;
-}
-
 // Refuse a component of a group that an earlier support fixes.
 void require_distinct_supports(const ConfigReader& in,
                                const std::vector<SupportSettings>& supports) {
@@ -209,20 +195,20 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
 
 template <int dim>
 void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
-  for (auto& item : in.objects_or_none("supports")) {
+  for (auto& item : in.objects("supports")) {
     s.supports.push_back(read_support<dim>(item));
   }
-  for (auto& item : in.objects_or_none("prescribed")) {
+  for (auto& item : in.objects("prescribed")) {
     s.prescribed.push_back(read_prescribed<dim>(item));
   }
-  for (auto& item : in.objects_or_none("loads")) s.loads.push_back(read_load<dim>(item));
-  for (auto& item : in.objects_or_none("tractions")) {
+  for (auto& item : in.objects("loads")) s.loads.push_back(read_load<dim>(item));
+  for (auto& item : in.objects("tractions")) {
     s.tractions.push_back(read_traction<dim>(item));
   }
-  for (auto& item : in.objects_or_none("interfaces")) {
+  for (auto& item : in.objects("interfaces")) {
     s.interfaces.push_back(read_interface(item));
   }
-  for (auto& item : in.objects_or_none("probes")) s.probes.push_back(read_probe<dim>(item));
+  for (auto& item : in.objects("probes")) s.probes.push_back(read_probe<dim>(item));
   require_distinct_names(in, "interfaces", s.interfaces);
   require_distinct_names(in, "probes", s.probes);
   require_distinct_supports(in, s.supports);
@@ -248,18 +234,16 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
 
 template <int dim>
 void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
-  s.dynamic = in.choice_or("analysis", {"dynamic", "static"}, "dynamic") == "dynamic";
+  s.dynamic = in.choice("analysis") == "dynamic";
   if (s.dynamic) {
-    s.lumped_mass = in.choice_or("mass", {"consistent", "lumped"}, "consistent") == "lumped";
-    if (auto scheme = in.optional_object("time_integration")) {
-      s.time_integration = read_newmark_bossak(*scheme);
-    }
-    s.initial_velocity = read_vector_or_zero<dim>(in, "initial_velocity");
+    s.lumped_mass = in.choice("mass") == "lumped";
+    s.time_integration = read_newmark_bossak(in.object("time_integration"));
+    s.initial_velocity = read_vector<dim>(in, "initial_velocity");
   }
   for (const char* key : {"mass", "time_integration", "initial_velocity"}) {
     if (!s.dynamic && in.has(key)) in.fail(key, "has no meaning when \"analysis\" is \"static\"");
   }
-  s.initial_equilibrium = in.boolean_or("initial_equilibrium", s.initial_equilibrium);
+  s.initial_equilibrium = in.boolean("initial_equilibrium");
   if (s.initial_equilibrium && !s.initial_velocity.isZero(0)) {
     in.fail("initial_velocity", "must be zero when \"initial_equilibrium\" is true");
   }
@@ -268,26 +252,24 @@ void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
 }  // namespace
 
 int read_dimension(ConfigReader& in) {
-  return in.integer("dimension", between(2, 3));
+  return in.integer("dimension");
 }
 
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   FemSettings<dim> s;
-  s.material = read_elastic_material<dim>(in);
+  s.material = read_material<dim>(in.object("material"));
+  assert(is_elastic<dim>(s.material.law));
   s.mesh = read_mesh<dim>(scene, in.object("mesh"));
   warn_of_cell_groups(s.mesh, in.where("mesh"));
-  s.gravity = read_vector_or_zero<dim>(in, "gravity");
+  s.gravity = read_vector<dim>(in, "gravity");
   read_dynamics(in, s);
   read_conditions(in, s);
   warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
-  if (auto newton = in.optional_object("newton")) {
-    s.newton = read_newton_settings(*newton, s.newton);
-  }
-  if (auto linear = in.optional_object("linear_solver")) {
-    s.linear_solver = read_linear_solver_settings(*linear);
-  }
+  s.newton = read_newton_settings(in.object("newton"));
+  s.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
+  if (in.has("$schema")) in.text("$schema");
   return s;
 }
 

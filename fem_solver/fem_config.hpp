@@ -90,10 +90,13 @@ struct FemSettings {
 /// Names of the components in config files and probe columns.
 inline constexpr const char* component_names[3] = {"x", "y", "z"};
 
+/// Keys of fem.json.
+KeyTable fem_keys();
+
 /// "dimension": 2 or 3.
 int read_dimension(ConfigReader& in);
 
-/// Read everything of fem.json but "dimension", "time" and "output".
+/// Read everything of fem.json, with fem_keys(), but "dimension", "time" and "output".
 /// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in);

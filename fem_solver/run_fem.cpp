@@ -26,7 +26,7 @@ std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MP
 }
 
 void run_fem(const ProgramOptions& options, const MpiSession& session) {
-  run_solver_program("fem_solver", make_fem_solver, options, session);
+  run_solver_program({"fem_solver", fem::fem_keys(), make_fem_solver}, options, session);
 }
 
 }  // namespace gabion

@@ -23,9 +23,8 @@ Vector<dim> to_vector(const std::vector<double>& values) {
 template <int dim>
 SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   SmallCutSettings settings;
-  if (in.has("method")) {
-    settings.method = small_cut_methods.at(in.choice("method", {"none", "ghost", "mass_cutoff"}));
-  }
+  const std::string word = in.choice("method");
+  if (word != "auto") settings.method = small_cut_methods.at(word);
   if (settings.method == SmallCutMethod::ghost && mpm.basis != Basis::linear) {
     in.fail("method",
             fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
@@ -37,13 +36,12 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   const bool at_rest = std::any_of(mpm.phases.begin(), mpm.phases.end(),
                                    [](const Phase& phase) { return !phase.dynamic; });
   if (used(SmallCutMethod::ghost)) {
-    settings.ghost_factor = in.number_or("ghost_factor", settings.ghost_factor, positive());
+    settings.ghost_factor = in.number("ghost_factor");
   } else if (in.has("ghost_factor")) {
     in.fail("ghost_factor", "allowed only with \"method\": \"ghost\"");
   }
   if (at_rest || used(SmallCutMethod::mass_cutoff)) {
-    const Range share{[](double x) { return x > 0 && x <= 0.01; }, "a number in (0, 0.01]"};
-    settings.mass_share = in.number_or("mass_share", settings.mass_share, share);
+    settings.mass_share = in.number("mass_share");
   } else if (in.has("mass_share")) {
     in.fail("mass_share",
             "allowed only with \"method\": \"mass_cutoff\" or \"analysis\": \"quasi_static\"");
@@ -63,8 +61,7 @@ Basis read_basis(ConfigReader& in, const Mesh<dim>& grid,
       in_rows && std::all_of(layouts.begin(), layouts.end(), [](const PointLayout<dim>& layout) {
         return box_grid(layout.mesh).has_value();
       });
-  const std::string name =
-      in.choice_or("basis", {"linear", "gimp", "bspline"}, in_boxes ? "gimp" : "linear");
+  const std::string name = in.choice_or("basis", in_boxes ? "gimp" : "linear");
   if (name != "linear" && !in_rows) {
     in.fail("basis",
             fmt::format("found \"{}\" on a grid that is not a \"box\" of {}, allowed: linear", name,
@@ -78,8 +75,8 @@ template <int dim>
 PointPlacement read_placement(ConfigReader& in, const Mesh<dim>& mesh, Basis basis) {
   const bool is_brick = mesh.cell_type == CellType::quad4 || mesh.cell_type == CellType::hex8;
   const bool regular =
-      in.choice_or("point_placement", {"gauss", "regular"},
-                   is_brick && basis == Basis::gimp ? "regular" : "gauss") == "regular";
+      in.choice_or("point_placement", is_brick && basis == Basis::gimp ? "regular" : "gauss") ==
+      "regular";
   if (regular && !is_brick) {
     in.fail("point_placement", fmt::format("found \"regular\" on cells of type {}, allowed: gauss",
                                            name(mesh.cell_type)));
@@ -120,13 +117,12 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     Body<dim> body;
     PointLayout<dim>& layout = settings.layouts[b];
     body.name = item.name("name");
-    layout.points_per_cell = item.integer("points_per_cell", at_least(1));
+    layout.points_per_cell = item.integer("points_per_cell");
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
     layout.placement = read_placement(item, layout.mesh, settings.basis);
     layout.with_domains = settings.basis == Basis::gimp;
     if (layout.with_domains) check_domains(item, layout, box_grid(settings.grid)->spacing);
-    layout.velocity =
-        to_vector<dim>(item.numbers_or("velocity", std::vector<double>(dim, 0.0), dim));
+    layout.velocity = to_vector<dim>(item.vector("velocity", dim));
     body.material = read_material<dim>(item.object("material"));
     settings.initial_stress.emplace_back();
     if (auto stress = item.optional_object("initial_stress")) {
@@ -139,14 +135,14 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
 }
 
 template <int dim>
-void read_transfer(ConfigReader& in, MpmSettings<dim>& settings) {
-  settings.tpic = in.choice_or("method", {"flip", "tpic"}, "flip") == "tpic";
+void read_transfer(ConfigReader in, MpmSettings<dim>& settings) {
+  settings.tpic = in.choice("method") == "tpic";
   if (settings.tpic && in.has("pic_share")) {
     in.fail("pic_share",
             "allowed only with \"method\": \"flip\"; tpic takes the whole velocity "
             "from the grid");
   }
-  settings.pic_share = settings.tpic ? 1 : in.number_or("pic_share", 0, between(0, 1));
+  settings.pic_share = settings.tpic ? 1 : in.number("pic_share");
   in.finish();
 }
 
@@ -163,9 +159,16 @@ void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
     if (phases.front().dynamic || settings.layouts[b].velocity.isZero(0)) continue;
     in.fail(fmt::format("bodies/{}/velocity", b), "must be zero when the run starts quasi-static");
   }
-  if (auto item = in.optional_object("transfer")) {
-    read_transfer(*item, settings);
-  }
+  if (any_dynamic) read_transfer(in.object("transfer"), settings);
+}
+
+template <int dim>
+LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
+  LockingCure cure = default_locking_cure(settings.bodies);
+  const bool given = in.has("method");
+  const bool fbar = in.choice_or("method", cure.average_volumes ? "fbar" : "none") == "fbar";
+  in.finish();
+  return given ? LockingCure{fbar, "as mpm.json says"} : cure;
 }
 
 // Refuse phases whose ends no step of the raster reaches.
@@ -192,24 +195,15 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.grid = read_mesh<dim>(scene, in.object("grid"));
   settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
-  settings.gravity = to_vector<dim>(in.numbers_or("gravity", std::vector<double>(dim, 0.0), dim));
+  settings.gravity = to_vector<dim>(in.vector("gravity", dim));
   read_motion(in, settings);
-  if (auto item = in.optional_object("locking")) {
-    settings.locking = {item->choice("method", {"fbar", "none"}) == "fbar", "as mpm.json says"};
-    item->finish();
-  } else {
-    settings.locking = default_locking_cure(settings.bodies);
-  }
-  settings.small_cuts = read_small_cuts(in.object_or_empty("small_cuts"), settings);
-  if (auto item = in.optional_object("newton")) {
-    settings.newton = read_newton_settings(*item, settings.newton);
-  }
+  settings.locking = read_locking(in.object("locking"), settings);
+  settings.small_cuts = read_small_cuts(in.object("small_cuts"), settings);
+  settings.newton = read_newton_settings(in.object("newton"));
   if (auto item = in.optional_object("step_control")) {
     settings.step_control = read_step_control(*item);
   }
-  if (auto item = in.optional_object("linear_solver")) {
-    settings.linear_solver = read_linear_solver_settings(*item);
-  }
+  settings.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   double modulus = 0;
   for (const auto& body : settings.bodies) {
     modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
@@ -223,18 +217,17 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
       require_balance_at_end_of_step(in, phase.scheme);
     }
   }
-  for (auto& item : in.objects_or_none("probes")) {
-    settings.probes.push_back({item.name("name"), to_vector<dim>(item.numbers("point", dim))});
+  for (auto& item : in.objects("probes")) {
+    settings.probes.push_back({item.name("name"), to_vector<dim>(item.vector("point", dim))});
     item.finish();
     require_own_name(item, settings.probes);
   }
-  settings.outside = in.choice_or("outside", {"error", "remove"}, "error") == "remove"
-                         ? Outside::remove
-                         : Outside::error;
+  settings.outside = in.choice("outside") == "remove" ? Outside::remove : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);
     require_on_raster(in, settings.phases, alone->time);
   }
+  if (in.has("$schema")) in.text("$schema");
   in.finish();
   return settings;
 }

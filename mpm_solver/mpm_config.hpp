@@ -28,7 +28,7 @@ struct PointProbe {
   Vector<dim> point;  ///< [m]
 };
 
-/// mpm.json. README.md lists every key with unit and range.
+/// mpm.json.
 template <int dim>
 struct MpmSettings {
   Mesh<dim> grid;
@@ -56,8 +56,11 @@ struct MpmSettings {
   Outside outside = Outside::error;
 };
 
-/// Read mpm.json. A scene without coupler.json has the keys "time" and "output" too, read into
-/// `alone`.
+/// Keys of mpm.json.
+KeyTable mpm_keys();
+
+/// Read mpm.json, all but "dimension". A scene without coupler.json has the keys "time" and
+/// "output" too, read into `alone`.
 /// @throws ConfigError
 template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone);

@@ -19,13 +19,12 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Co
 
 std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
                                         const std::string& output_folder, AloneSettings* alone) {
-  return in.integer("dimension", between(2, 3)) == 2
-             ? make_solver<2>(scene, in, comm, output_folder, alone)
-             : make_solver<3>(scene, in, comm, output_folder, alone);
+  return in.integer("dimension") == 2 ? make_solver<2>(scene, in, comm, output_folder, alone)
+                                      : make_solver<3>(scene, in, comm, output_folder, alone);
 }
 
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {
-  run_solver_program("mpm_solver", make_mpm_solver, options, session);
+  run_solver_program({"mpm_solver", mpm::mpm_keys(), make_mpm_solver}, options, session);
 }
 
 }  // namespace gabion

@@ -18,6 +18,7 @@ struct Deadlines {
 /// From the object "protocol" of coupler.json: keys "connect_deadline", "silence_deadline",
 /// "answer_deadline", "idle_deadline", "heartbeat". Does not call finish().
 Deadlines read_deadlines(ConfigReader& in);
+std::vector<Key> deadline_keys();
 
 /// "protocol/silence_deadline in coupler.json": where to change it, for error messages.
 std::string deadline_option(const std::string& name);

@@ -41,9 +41,31 @@ std::string names_of(const std::vector<Expected>& participants) {
 
 }  // namespace
 
+KeyTable server_keys() {
+  const KeyTable security{
+      "security",
+      "Keys of CurveZMQ: only participants with a known key may connect, and all is encrypted.",
+      {key::text("key_file",
+                 "Secret key of the coupler, relative to the scene; a file that others may read is "
+                 "refused."),
+       key::text("clients_file",
+                 "Public keys of those that may connect, one or more, relative to the scene.")}};
+  KeyTable table{"protocol",
+                 "Where the coupler listens and how long each wait lasts at most.",
+                 {key::text("endpoint",
+                            "Where to listen; `*` takes a free port, other machines need "
+                            "tcp://0.0.0.0:PORT or an address of this one.")
+                      .or_else(ServerSettings{}.endpoint)}};
+  for (const Key& key : deadline_keys()) table.keys.push_back(key);
+  table.keys.push_back(
+      key::object("security", security, "Without it anybody may connect, and nothing is encrypted.")
+          .or_none());
+  return table;
+}
+
 ServerSettings read_server_settings(ConfigReader in) {
   ServerSettings settings;
-  settings.endpoint = in.text_or("endpoint", settings.endpoint);
+  settings.endpoint = in.text("endpoint");
   settings.deadlines = read_deadlines(in);
   if (auto security = in.optional_object("security")) {
     settings.key_file = security->text("key_file");

@@ -27,6 +27,7 @@ struct ServerSettings {
 
 /// The object "protocol" of coupler.json: "endpoint", "security" and the deadlines. Calls finish().
 ServerSettings read_server_settings(ConfigReader in);
+KeyTable server_keys();
 
 /// The coupler's end of the wire.
 ///

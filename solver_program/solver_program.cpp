@@ -14,6 +14,7 @@
 #include "common/program/programs.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
+#include "common/settings/describe_keys.hpp"
 #include "protocol/serve.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
@@ -21,11 +22,20 @@
 
 namespace gabion {
 
+std::vector<Key> alone_keys() {
+  const std::string alone = "in a scene without coupler.json";
+  return {key::object("time", time_keys(), "Steps of the run.").only(alone),
+          key::object("output", output_keys(), "Frames of the run.").only(alone),
+          key::object("checkpoint", checkpoint_keys(), "Checkpoints of the run.")
+              .or_empty()
+              .only(alone)};
+}
+
 AloneSettings read_alone_settings(ConfigReader& in) {
   AloneSettings alone;
   alone.time = read_time_settings(in.object("time"));
   auto output = in.object("output");
-  alone.output_interval = output.number("interval", positive());
+  alone.output_interval = output.number("interval");
   output.finish();
   alone.checkpoint = read_checkpoint_settings(in);
   return alone;
@@ -146,18 +156,22 @@ void drive_alone(const SolverRun& run) {
 
 }  // namespace
 
-void run_solver_program(const std::string& program, const MakeSolver& make,
-                        const ProgramOptions& options, const MpiSession& session) {
+void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
+                        const MpiSession& session) {
+  const ProgramEntry& entry = program_entry(program.name);
+  if (!options.describe_keys.empty()) {
+    if (session.is_root()) describe_keys(program.keys, entry.file, options.describe_keys);
+    return;
+  }
   const PetscSession petsc(session.comm());
   const Scene scene(options.scene, options.overrides);
-  const ProgramEntry& entry = program_entry(program);
-  ConfigReader reader = scene.reader(entry.file);
-  const SolverRun run{entry, make, options, session, scene, reader};
+  ConfigReader reader = scene.reader(entry.file, program.keys);
+  const SolverRun run{entry, program.make, options, session, scene, reader};
   const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
   const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
   if (options.check && (is_alone || !has_coupler)) {
     AloneSettings alone;
-    make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
     if (is_alone) load_checkpoint(run);
     log::info("{}: valid", scene.path(entry.file));
   } else if (is_alone) {

@@ -31,13 +31,26 @@ void require_apart(const std::string& results, const std::string& output) {
 
 }  // namespace
 
+KeyTable checkpoint_keys() {
+  return {"checkpoint",
+          "When the run is saved so that `--restart` can go on from there: after so many steps, so "
+          "many minutes, or both; `{}` only at the end and at a signal.",
+          {key::integer("steps", "Accepted steps from one checkpoint to the next.")
+               .in(at_least(1))
+               .or_none(),
+           key::number("minutes", "min", "Wall time from one checkpoint to the next.")
+               .in(positive())
+               .or_computed(fmt::format("none; {} without the object `checkpoint`",
+                                        CheckpointSettings{}.minutes))}};
+}
+
 CheckpointSettings read_checkpoint_settings(ConfigReader& in) {
   const bool given = in.has("checkpoint");
-  ConfigReader object = in.object_or_empty("checkpoint");
+  ConfigReader object = in.object("checkpoint");
   CheckpointSettings settings;
-  if (object.has("steps")) settings.steps = object.integer("steps", at_least(1));
+  if (object.has("steps")) settings.steps = object.integer("steps");
   if (object.has("minutes") || !given) {
-    settings.minutes = object.number_or("minutes", settings.minutes, positive());
+    settings.minutes = object.number_or("minutes", settings.minutes);
   } else {
     settings.minutes = 0;
   }

@@ -23,6 +23,7 @@ struct CheckpointSettings {
 };
 /// Without the object: every 10 minutes. With it: only what it says.
 CheckpointSettings read_checkpoint_settings(ConfigReader& in);
+KeyTable checkpoint_keys();
 
 /// Checkpoints of one run: when they are due, what is in them, where the run started.
 class Checkpoints final : public RunKeeper {

@@ -22,6 +22,17 @@ std::string default_output(const ProgramOptions& options, const std::string& pro
   return "results/" + scene.filename().string() + (coupled ? "" : "_" + program);
 }
 
+void add_describe_keys(CLI::App& app, ProgramOptions& options) {
+  app.add_flag("--describe-keys{markdown}", options.describe_keys,
+               "Print all keys of its settings file as Markdown, or with =schema as a JSON Schema, "
+               "then end");
+}
+
+/// Whether the program does without a scene.
+bool needs_no_scene(const ProgramOptions& options) {
+  return !options.make_keys.empty() || !options.describe_keys.empty();
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv, const std::string& program,
@@ -46,6 +57,7 @@ int run_program(int argc, char** argv, const std::string& program,
   app.add_flag(
       "--check", options.check,
       "Check the scene, write nothing; in a launch as that of a run: up to the first step");
+  add_describe_keys(app, options);
   app.add_option("--log-level", log_level, "debug, info, warn or error")->capture_default_str();
   app.add_option("--coupler", options.coupler,
                  program == "coupler" ? "Endpoint to bind, such as tcp://127.0.0.1:5555"
@@ -84,7 +96,7 @@ int run_program(int argc, char** argv, const std::string& program,
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {
     app.parse(argc, argv);
-    if (scene->empty() && options.make_keys.empty()) throw CLI::RequiredError("scene");
+    if (scene->empty() && !needs_no_scene(options)) throw CLI::RequiredError("scene");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }

@@ -22,6 +22,7 @@ struct ProgramOptions {
   std::string coupler_key_file;    ///< solvers: the coupler's public key
   std::string make_keys;           ///< coupler: write a new pair of keys to this file, then end
   double connect_deadline = 30;    ///< [s] > 0, solvers: until the coupler has answered
+  std::string describe_keys;       ///< "markdown" or "schema": print the keys of its file, then end
   bool list_participants = false;  ///< coupler: print who takes part and how, then end
   std::string check_participant;   ///< coupler: drive this participant through a check, then end
   double amplitude = 0;            ///< of that check's values [N or m]; 0 = not given

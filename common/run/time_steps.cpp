@@ -18,12 +18,36 @@ constexpr double raster_tolerance = 1e-9;  // [ticks relative to all]: `end` cou
 
 }  // namespace
 
+KeyTable time_keys() {
+  return {
+      "time",
+      "Steps are `dt` times a power of two; a step that fails is halved.",
+      {key::number("end", "s", "End of the run.").in(positive()),
+       key::number("dt", "s", "First step.").in(positive()),
+       key::number("dt_min", "s",
+                   "Smallest step, at most `dt` and at least `end` / 1e15: one that needs less "
+                   "ends the run with an error.")
+           .in(positive()),
+       key::number("dt_max", "s",
+                   "Largest step, at least `dt`: after four accepted steps of one size the next "
+                   "one may be twice as long.")
+           .in(positive())
+           .or_computed("`dt`")}};
+}
+
+KeyTable output_keys() {
+  return {"output",
+          "When frames are written: at 0, at the first accepted step at or after each multiple of "
+          "`interval`, and at the end.",
+          {key::number("interval", "s", "Time from one frame to the next.").in(positive())}};
+}
+
 TimeSettings read_time_settings(ConfigReader in) {
   TimeSettings settings;
-  settings.end = in.number("end", positive());
-  settings.dt = in.number("dt", positive());
-  settings.dt_min = in.number("dt_min", positive());
-  settings.dt_max = in.number_or("dt_max", settings.dt, positive());
+  settings.end = in.number("end");
+  settings.dt = in.number("dt");
+  settings.dt_min = in.number("dt_min");
+  settings.dt_max = in.number_or("dt_max", settings.dt);
   in.finish();
   if (settings.dt_max < settings.dt) {
     in.fail("dt_max",

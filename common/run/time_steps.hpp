@@ -16,6 +16,8 @@ struct TimeSettings {
   double dt_min = 0;  ///< [s], 0 < dt_min <= dt; a step that needs less ends the run with an error
   double dt_max = 0;  ///< [s] >= dt, largest step; 0: dt
 };
+KeyTable time_keys();
+KeyTable output_keys();  ///< of "output"
 TimeSettings read_time_settings(ConfigReader in);
 
 /// Step sizes dt / 2^level, with negative levels up to dt_max. Time is counted in whole multiples

@@ -7,46 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <stdexcept>
 
 #include "common/base/names.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
 
-Range any_number() {
-  return {[](double) { return true; }, "any finite number"};
-}
-Range positive() {
-  return {[](double x) { return x > 0; }, "a number > 0"};
-}
-Range non_negative() {
-  return {[](double x) { return x >= 0; }, "a number >= 0"};
-}
-Range between(double low, double high) {
-  return {[=](double x) { return low <= x && x <= high; },
-          fmt::format("a number from {} to {}", low, high)};
-}
-Range at_least(double low) {
-  return {[=](double x) { return x >= low; }, fmt::format("a number >= {}", low)};
-}
-
 namespace {
-
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1] ? 1 : 0)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
 
 std::string shown(const Json& value) {
   std::string text = value.dump();
@@ -56,27 +24,17 @@ std::string shown(const Json& value) {
 
 }  // namespace
 
-std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
-  std::string best;
-  std::size_t best_distance = std::numeric_limits<std::size_t>::max();
-  for (const auto& candidate : candidates) {
-    const std::size_t distance = edit_distance(word, candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best;
-}
-
-ConfigReader::ConfigReader(const Json& value, std::string file)
-    : ConfigReader(value, std::move(file), "", std::make_shared<Json>(Json::object())) {}
+ConfigReader::ConfigReader(const Json& value, std::string file, const KeyTable& table)
+    : ConfigReader(value, std::move(file), "", std::make_shared<const KeyTable>(table),
+                   std::make_shared<Json>(Json::object())) {}
 
 ConfigReader::ConfigReader(const Json& value, std::string file, std::string pointer,
+                           std::shared_ptr<const KeyTable> table,
                            std::shared_ptr<Json> resolved_root)
     : value_(value),
       file_(std::move(file)),
       pointer_(std::move(pointer)),
+      table_(std::move(table)),
       resolved_root_(std::move(resolved_root)) {
   require<ConfigError>(value_.is_object(), "{}: at {}: found {}, allowed: an object {{...}}", file_,
                        pointer_.empty() ? "/" : pointer_, shown(value_));
@@ -90,7 +48,33 @@ void ConfigReader::fail(const std::string& key, const std::string& message) cons
   throw ConfigError(fmt::format("{}: {}", where(key), message));
 }
 
+void ConfigReader::mistake(const std::string& key, const std::string& message) const {
+  throw std::logic_error(fmt::format("{}: table \"{}\": {}", where(key), table_->name, message));
+}
+
+const Key& ConfigReader::key_of(const std::string& name, KeyType type) const {
+  for (const Key& key : table_->keys) {
+    if (key.name == name && key.type == type && applies(key, *table_, value_)) return key;
+  }
+  mistake(name, fmt::format("no key of this name and the type {} applies", type_name(type)));
+}
+
+const Key& ConfigReader::key_of(const std::string& name, KeyType type, Absence absence) const {
+  const Key& key = key_of(name, type);
+  if (key.absence != absence) mistake(name, "read with another meaning of its absence");
+  return key;
+}
+
+/// Whether the default of the table takes the place of a missing key.
+bool ConfigReader::falls_back(const Key& key) const {
+  if (has(key.name) || key.absence == Absence::refused) return false;
+  if (key.absence == Absence::fallback) return true;
+  mistake(key.name, "read without the default that its table does not have");
+}
+
 bool ConfigReader::has(const std::string& key) const {
+  const auto same = [&](const Key& entry) { return entry.name == key; };
+  if (std::none_of(table_->keys.begin(), table_->keys.end(), same)) mistake(key, "no such key");
   known_.insert(key);
   return value_.contains(key);
 }
@@ -130,26 +114,44 @@ bool ConfigReader::is_object(const std::string& key) const {
   return has(key) && value_.at(key).is_object();
 }
 
-double ConfigReader::number(const std::string& key, const Range& range) {
+double ConfigReader::given_number(const std::string& key, const Range& range) {
   const double result = checked_number(require_key(key), key, range);
   note(key, result);
   return result;
 }
 
-double ConfigReader::number_or(const std::string& key, double fallback, const Range& range) {
-  if (has(key)) return number(key, range);
-  note(key, fallback);
-  return fallback;
+double ConfigReader::number(const std::string& key) {
+  return number(key, key_of(key, KeyType::number).range);
 }
 
-std::optional<double> ConfigReader::number_or_null(const std::string& key, double fallback,
-                                                   const Range& range) {
-  if (!has(key) || !value_.at(key).is_null()) return number_or(key, fallback, range);
+double ConfigReader::number(const std::string& key, const Range& range) {
+  const Key& entry = key_of(key, KeyType::number);
+  if (!falls_back(entry)) return given_number(key, range);
+  note(key, entry.fallback);
+  return entry.fallback.get<double>();
+}
+
+double ConfigReader::number_or(const std::string& key, double computed) {
+  const Key& entry = key_of(key, KeyType::number, Absence::computed);
+  if (has(key)) return given_number(key, entry.range);
+  note(key, computed);
+  return computed;
+}
+
+std::optional<double> ConfigReader::optional_number(const std::string& key) {
+  const Key& entry = key_of(key, KeyType::number, Absence::none);
+  if (!has(key)) return std::nullopt;
+  return given_number(key, entry.range);
+}
+
+std::optional<double> ConfigReader::number_or_null(const std::string& key) {
+  if (!key_of(key, KeyType::number).nullable) mistake(key, "read as one that may be null");
+  if (!has(key) || !value_.at(key).is_null()) return number(key);
   note(key, nullptr);
   return std::nullopt;
 }
 
-int ConfigReader::integer(const std::string& key, const Range& range) {
+int ConfigReader::given_integer(const std::string& key, const Range& range) {
   const Json& value = require_key(key);
   if (!value.is_number_integer()) {
     fail(key, fmt::format("found {}, allowed: a whole number", shown(value)));
@@ -162,33 +164,51 @@ int ConfigReader::integer(const std::string& key, const Range& range) {
   return static_cast<int>(result);
 }
 
-int ConfigReader::integer_or(const std::string& key, int fallback, const Range& range) {
-  if (has(key)) return integer(key, range);
-  note(key, fallback);
-  return fallback;
+int ConfigReader::integer(const std::string& key) {
+  const Key& entry = key_of(key, KeyType::integer);
+  if (!falls_back(entry)) return given_integer(key, entry.range);
+  note(key, entry.fallback);
+  return entry.fallback.get<int>();
 }
 
-bool ConfigReader::boolean_or(const std::string& key, bool fallback) {
-  if (has(key)) {
-    const Json& value = require_key(key);
-    if (!value.is_boolean()) {
-      fail(key, fmt::format("found {}, allowed: true or false", shown(value)));
-    }
-    fallback = value.get<bool>();
+int ConfigReader::integer_or(const std::string& key, int computed) {
+  const Key& entry = key_of(key, KeyType::integer, Absence::computed);
+  if (has(key)) return given_integer(key, entry.range);
+  note(key, computed);
+  return computed;
+}
+
+bool ConfigReader::boolean(const std::string& key) {
+  const Key& entry = key_of(key, KeyType::boolean);
+  if (falls_back(entry)) {
+    note(key, entry.fallback);
+    return entry.fallback.get<bool>();
   }
-  note(key, fallback);
-  return fallback;
+  const Json& value = require_key(key);
+  if (!value.is_boolean()) {
+    fail(key, fmt::format("found {}, allowed: true or false", shown(value)));
+  }
+  note(key, value);
+  return value.get<bool>();
 }
 
-std::string ConfigReader::text(const std::string& key) {
+std::string ConfigReader::given_text(const std::string& key) {
   const Json& value = require_key(key);
   if (!value.is_string()) fail(key, fmt::format("found {}, allowed: a text", shown(value)));
   note(key, value);
   return value.get<std::string>();
 }
 
+std::string ConfigReader::text(const std::string& key) {
+  const Key& entry = key_of(key, KeyType::text);
+  if (has(key) || entry.absence != Absence::fallback) return given_text(key);
+  note(key, entry.fallback);
+  return entry.fallback.get<std::string>();
+}
+
 std::string ConfigReader::name(const std::string& key) {
-  const std::string result = text(key);
+  key_of(key, KeyType::name, Absence::refused);
+  const std::string result = given_text(key);
   if (!is_plain_name(result) || result.size() > max_name_size) {
     fail(key, fmt::format("found {}, allowed: 1 to {} letters, digits, _ and -",
                           shown(value_.at(key)), max_name_size));
@@ -196,14 +216,9 @@ std::string ConfigReader::name(const std::string& key) {
   return result;
 }
 
-std::string ConfigReader::text_or(const std::string& key, const std::string& fallback) {
-  if (has(key)) return text(key);
-  note(key, fallback);
-  return fallback;
-}
-
-std::string ConfigReader::choice(const std::string& key, const std::vector<std::string>& allowed) {
-  const std::string found = text(key);
+std::string ConfigReader::given_choice(const std::string& key,
+                                       const std::vector<std::string>& allowed) {
+  const std::string found = given_text(key);
   if (std::find(allowed.begin(), allowed.end(), found) == allowed.end()) {
     fail(key, fmt::format("found \"{}\", allowed: {}; did you mean \"{}\"?", found,
                           fmt::join(allowed, ", "), nearest_word(found, allowed)));
@@ -211,18 +226,34 @@ std::string ConfigReader::choice(const std::string& key, const std::vector<std::
   return found;
 }
 
-std::string ConfigReader::choice_or(const std::string& key, const std::vector<std::string>& allowed,
-                                    const std::string& fallback) {
-  if (has(key)) return choice(key, allowed);
-  note(key, fallback);
-  return fallback;
+std::string ConfigReader::choice(const std::string& key) {
+  return choice(key, key_of(key, KeyType::choice).words);
 }
 
-std::vector<double> ConfigReader::numbers(const std::string& key, int count, const Range& range) {
+std::string ConfigReader::choice(const std::string& key, const std::vector<std::string>& allowed) {
+  const Key& entry = key_of(key, KeyType::choice);
+  for (const std::string& word : allowed) {
+    if (std::find(entry.words.begin(), entry.words.end(), word) == entry.words.end()) {
+      mistake(key, fmt::format("the word \"{}\" is missing", word));
+    }
+  }
+  if (!falls_back(entry)) return given_choice(key, allowed);
+  note(key, entry.fallback);
+  return entry.fallback.get<std::string>();
+}
+
+std::string ConfigReader::choice_or(const std::string& key, const std::string& computed) {
+  const Key& entry = key_of(key, KeyType::choice, Absence::computed);
+  if (has(key)) return given_choice(key, entry.words);
+  note(key, computed);
+  return computed;
+}
+
+std::vector<double> ConfigReader::given_numbers(const std::string& key, int count,
+                                                const Range& range) {
   const Json& value = require_key(key);
-  if (!value.is_array() || (count >= 0 && value.size() != static_cast<std::size_t>(count))) {
-    fail(key, fmt::format("found {}, allowed: a list of {} numbers", shown(value),
-                          count < 0 ? "any count of" : std::to_string(count)));
+  if (!value.is_array() || value.size() != static_cast<std::size_t>(count)) {
+    fail(key, fmt::format("found {}, allowed: a list of {} numbers", shown(value), count));
   }
   std::vector<double> result;
   for (std::size_t i = 0; i < value.size(); ++i) {
@@ -232,17 +263,18 @@ std::vector<double> ConfigReader::numbers(const std::string& key, int count, con
   return result;
 }
 
-std::vector<double> ConfigReader::numbers_or(const std::string& key,
-                                             const std::vector<double>& fallback, int count,
-                                             const Range& range) {
-  if (has(key)) return numbers(key, count, range);
-  note(key, fallback);
-  return fallback;
+std::vector<double> ConfigReader::vector(const std::string& key, int dim) {
+  const Key& entry = key_of(key, KeyType::vector);
+  if (!falls_back(entry)) return given_numbers(key, dim, entry.range);
+  std::vector<double> result(static_cast<std::size_t>(dim), entry.fallback.get<double>());
+  note(key, result);
+  return result;
 }
 
-std::vector<int> ConfigReader::integers(const std::string& key, int count, const Range& range) {
+std::vector<int> ConfigReader::integers(const std::string& key, int count) {
+  const Key& entry = key_of(key, KeyType::integers, Absence::refused);
   std::vector<int> result;
-  const std::vector<double> found = numbers(key, count, range);
+  const std::vector<double> found = given_numbers(key, count, entry.range);
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (found[i] != std::floor(found[i]) || std::abs(found[i]) > 2e9) {
       fail(fmt::format("{}/{}", key, i),
@@ -253,7 +285,7 @@ std::vector<int> ConfigReader::integers(const std::string& key, int count, const
   return result;
 }
 
-std::vector<std::string> ConfigReader::texts(const std::string& key) {
+std::vector<std::string> ConfigReader::given_texts(const std::string& key) {
   const Json& value = require_key(key);
   if (!value.is_array()) fail(key, fmt::format("found {}, allowed: a list of texts", shown(value)));
   std::vector<std::string> result;
@@ -267,14 +299,21 @@ std::vector<std::string> ConfigReader::texts(const std::string& key) {
   return result;
 }
 
+std::vector<std::string> ConfigReader::texts(const std::string& key) {
+  key_of(key, KeyType::texts);
+  return given_texts(key);
+}
+
 std::vector<std::string> ConfigReader::texts_or(const std::string& key,
-                                                const std::vector<std::string>& fallback) {
-  if (has(key)) return texts(key);
-  note(key, fallback);
-  return fallback;
+                                                const std::vector<std::string>& computed) {
+  key_of(key, KeyType::texts, Absence::computed);
+  if (has(key)) return given_texts(key);
+  note(key, computed);
+  return computed;
 }
 
 std::vector<std::vector<double>> ConfigReader::rows(const std::string& key, int width) {
+  const Range& range = key_of(key, KeyType::rows).range;
   const Json& value = require_key(key);
   if (!value.is_array()) fail(key, fmt::format("found {}, allowed: a list of lists", shown(value)));
   std::vector<std::vector<double>> result;
@@ -285,7 +324,7 @@ std::vector<std::vector<double>> ConfigReader::rows(const std::string& key, int 
     }
     std::vector<double> row;
     for (std::size_t j = 0; j < value[i].size(); ++j) {
-      row.push_back(checked_number(value[i][j], fmt::format("{}/{}", row_key, j), any_number()));
+      row.push_back(checked_number(value[i][j], fmt::format("{}/{}", row_key, j), range));
     }
     result.push_back(std::move(row));
   }
@@ -293,48 +332,43 @@ std::vector<std::vector<double>> ConfigReader::rows(const std::string& key, int 
   return result;
 }
 
-ConfigReader ConfigReader::child(const Json& value, const std::string& key) const {
-  return ConfigReader(value, file_, pointer_ + "/" + key, resolved_root_);
+ConfigReader ConfigReader::child(const Json& value, const std::string& key,
+                                 const Key& entry) const {
+  return ConfigReader(value, file_, pointer_ + "/" + key, entry.table, resolved_root_);
 }
 
 ConfigReader ConfigReader::object(const std::string& key) {
-  const Json& value = require_key(key);
+  const Key& entry = key_of(key, KeyType::object);
+  const bool missing = !has(key) && entry.absence == Absence::empty;
+  const Json value = missing ? Json::object() : require_key(key);
   note(key, Json::object());
-  return child(value, key);
+  return child(value, key, entry);
 }
 
 std::optional<ConfigReader> ConfigReader::optional_object(const std::string& key) {
+  key_of(key, KeyType::object, Absence::none);
   if (!has(key)) return std::nullopt;
   return object(key);
 }
 
-ConfigReader ConfigReader::object_or_empty(const std::string& key) {
-  if (has(key)) return object(key);
-  note(key, Json::object());
-  return child(Json::object(), key);
-}
-
 std::vector<ConfigReader> ConfigReader::objects(const std::string& key) {
-  const Json& value = require_key(key);
+  const Key& entry = key_of(key, KeyType::objects);
+  const bool missing = !has(key) && entry.absence == Absence::empty;
+  const Json value = missing ? Json::array() : require_key(key);
   if (!value.is_array()) {
     fail(key, fmt::format("found {}, allowed: a list of objects", shown(value)));
   }
-  note(key, Json::array());
+  note(key, Json(value.size(), Json::object()));
   std::vector<ConfigReader> result;
   for (std::size_t i = 0; i < value.size(); ++i) {
-    result.push_back(child(value[i], fmt::format("{}/{}", key, i)));
+    result.push_back(child(value[i], fmt::format("{}/{}", key, i), entry));
   }
   return result;
 }
 
-std::vector<ConfigReader> ConfigReader::objects_or_none(const std::string& key) {
-  if (has(key)) return objects(key);
-  note(key, Json::array());
-  return {};
-}
-
 std::vector<std::pair<std::string, ConfigReader>> ConfigReader::named_objects(
     const std::string& key) {
+  const Key& entry = key_of(key, KeyType::named_objects);
   const Json& value = require_key(key);
   if (!value.is_object()) {
     fail(key, fmt::format("found {}, allowed: an object of named objects", shown(value)));
@@ -345,7 +379,8 @@ std::vector<std::pair<std::string, ConfigReader>> ConfigReader::named_objects(
     if (item.key().find_first_of("/~") != std::string::npos) {
       fail(key, fmt::format("found the name \"{}\", allowed: names without / and ~", item.key()));
     }
-    result.emplace_back(item.key(), child(item.value(), fmt::format("{}/{}", key, item.key())));
+    result.emplace_back(item.key(),
+                        child(item.value(), fmt::format("{}/{}", key, item.key()), entry));
   }
   return result;
 }
@@ -356,6 +391,10 @@ void ConfigReader::finish() const {
     const std::vector<std::string> known(known_.begin(), known_.end());
     fail(item.key(), fmt::format("unknown key; did you mean \"{}\"? Allowed: {}",
                                  nearest_word(item.key(), known), fmt::join(known, ", ")));
+  }
+  for (const Key& key : table_->keys) {
+    const bool expected = key.circumstances.empty() && applies(key, *table_, value_);
+    if (expected && !known_.contains(key.name)) mistake(key.name, "nobody has read this key");
   }
 }
 

@@ -86,9 +86,9 @@ std::string Scene::path(const std::string& relative) const {
   return (fs::path(folder_) / relative).string();
 }
 
-ConfigReader Scene::reader(const std::string& file) const {
+ConfigReader Scene::reader(const std::string& file, const KeyTable& table) const {
   require<ConfigError>(has(file), "{}: missing", path(file));
-  return ConfigReader(files_.at(file), path(file));
+  return ConfigReader(files_.at(file), path(file), table);
 }
 
 std::string hash_text(const std::string& text) {

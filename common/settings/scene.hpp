@@ -21,7 +21,7 @@ class Scene {
   std::string name() const;  ///< last part of the folder's path
   bool has(const std::string& file) const { return files_.contains(file); }
   /// Reader of one file; throws ConfigError when the scene lacks it.
-  ConfigReader reader(const std::string& file) const;
+  ConfigReader reader(const std::string& file, const KeyTable& table) const;
   /// Path of a file that a config names, relative to the scene's folder.
   std::string path(const std::string& relative) const;
 

@@ -14,7 +14,8 @@ namespace gabion {
 
 namespace {
 
-constexpr const char* may_differ[] = {"/time/end", "/output", "/checkpoint", "/protocol"};
+constexpr const char* may_differ[] = {"/time/end", "/output", "/checkpoint", "/protocol",
+                                      "/$schema"};
 
 /// "name hash" of each file that the settings name, by JSON pointer.
 Json file_hashes(const Scene& scene, const Json& settings) {

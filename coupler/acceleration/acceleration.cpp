@@ -32,21 +32,53 @@ std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings, 
 
 }  // namespace
 
+KeyTable acceleration_keys() {
+  const AccelerationSettings defaults;
+  const std::vector<std::string> with_columns = {"iqn_ils", "mvqn"};
+  KeyTable table{
+      "acceleration",
+      "How the next guess of the displacement follows from the answers to the last ones.",
+      {key::choice("method", methods,
+                   "`constant` and `aitken` relax; `iqn_ils` and `mvqn` are one method: least "
+                   "squares over columns of this step and of earlier ones; `mvqn_residual`: "
+                   "dense Jacobian, for comparison, at most 2000 unknowns.")
+           .or_else(defaults.method),
+       key::number("relaxation", "", "omega: constant factor, or that of the very first step.")
+           .in({.low = 0, .high = 2, .low_open = true, .allowed = "a number > 0 and <= 2"})
+           .or_else(defaults.relaxation)}};
+  for (const Key& key : filter_keys()) table.keys.push_back(key.when("method", with_columns));
+  const std::vector<Key> columns = {
+      key::integer("history", "Accepted steps whose columns are kept.")
+          .in(non_negative())
+          .or_else(defaults.history)
+          .when("method", with_columns),
+      key::integer("max_columns", "Columns of all steps together.")
+          .in(at_least(1))
+          .or_else(defaults.max_columns)
+          .when("method", with_columns),
+      key::integer("max_columns", "Columns of this step.")
+          .in(at_least(1))
+          .or_else(15)
+          .when("method", {"mvqn_residual"}),
+      key::number("damping", "", "beta: factor of the part of the residual that no column covers.")
+          .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number > 0 and <= 1"})
+          .or_else(defaults.damping)
+          .when("method", with_columns)};
+  table.keys.insert(table.keys.end(), columns.begin(), columns.end());
+  return table;
+}
+
 AccelerationSettings read_acceleration_settings(ConfigReader in) {
   AccelerationSettings s;
-  s.method = in.choice_or("method", methods, s.method);
-  const Range omega{[](double x) { return x > 0 && x <= 2; }, "a number > 0 and <= 2"};
-  s.relaxation = in.number_or("relaxation", s.relaxation, omega);
+  s.method = in.choice("method");
+  s.relaxation = in.number("relaxation");
   if (s.method == "iqn_ils" || s.method == "mvqn") {
-    const Range beta{[](double x) { return x > 0 && x <= 1; }, "a number > 0 and <= 1"};
-    s.filter = read_filter(in, "filter", s.filter);
-    s.history = in.integer_or("history", s.history, non_negative());
-    s.max_columns = in.integer_or("max_columns", s.max_columns, at_least(1));
-    s.damping = in.number_or("damping", s.damping, beta);
+    s.filter = read_filter(in);
+    s.history = in.integer("history");
+    s.max_columns = in.integer("max_columns");
+    s.damping = in.number("damping");
   }
-  if (s.method == "mvqn_residual") {
-    s.max_columns = in.integer_or("max_columns", 15, at_least(1));
-  }
+  if (s.method == "mvqn_residual") s.max_columns = in.integer("max_columns");
   in.finish();
   return s;
 }

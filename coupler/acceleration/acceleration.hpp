@@ -21,6 +21,7 @@ struct AccelerationSettings {
   int max_columns = 200;        ///< of all steps together, >= 1; mvqn_residual: of this step
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
+KeyTable acceleration_keys();
 AccelerationSettings read_acceleration_settings(ConfigReader in);
 
 /// What the last `next` did, for the log.

@@ -10,28 +10,47 @@
 
 namespace gabion {
 
-Filter read_filter(ConfigReader& in, const std::string& key, const Filter& fallback) {
+std::vector<Key> filter_keys() {
+  const Filter defaults;
+  const Range relative{.low = 0, .high = 1, .high_open = true, .allowed = "a number >= 0 and < 1"};
+  const KeyTable table{
+      "filter",
+      "Which columns are dropped because newer ones nearly cover them (V = Q R, newest first).",
+      {key::choice("kind", {"none", "qr1", "qr1_absolute", "qr2", "qr3"},
+                   "`qr2`: the part across the newer kept ones is shorter than `limit` times the "
+                   "column; `qr3`: the same, after a cheap test on R; `qr1`: R_ii < `limit` |R|_F; "
+                   "`qr1_absolute`: R_ii < `limit`; `none`: only round-off."),
+       key::number("limit", "", "Share below which a column is dropped.")
+           .in(relative)
+           .or_else(defaults.limit)
+           .when("kind", {"qr1", "qr2", "qr3"}),
+       key::number("limit", "",
+                   "R_ii below which a column is dropped, in the units of the residual.")
+           .in(positive())
+           .when("kind", {"qr1_absolute"})}};
+  return {key::number("filter", "",
+                      "Limit of `qr2`: a column is dropped when its part across the "
+                      "newer kept ones is shorter than this share of it.")
+              .in(relative)
+              .or_else(defaults.limit),
+          key::object("filter", table, "A filter of another kind.").or_none()};
+}
+
+Filter read_filter(ConfigReader& in) {
   static const std::map<std::string, FilterKind> kinds = {
       {"none", FilterKind::none},
       {"qr1", FilterKind::qr1},
       {"qr1_absolute", FilterKind::qr1_absolute},
       {"qr2", FilterKind::qr2},
       {"qr3", FilterKind::qr3}};
-  const Range relative{[](double x) { return x >= 0 && x < 1; }, "a number >= 0 and < 1"};
-  Filter filter = fallback;
-  if (!in.is_object(key)) {
-    filter.limit = in.number_or(key, fallback.limit, relative);
+  Filter filter;
+  if (!in.is_object("filter")) {
+    filter.limit = in.number("filter");
     return filter;
   }
-  ConfigReader object = in.object(key);
-  filter.kind = kinds.at(object.choice("kind", {"none", "qr1", "qr1_absolute", "qr2", "qr3"}));
-  if (filter.kind == FilterKind::none) {
-    filter.limit = 0;
-  } else if (filter.kind == FilterKind::qr1_absolute) {
-    filter.limit = object.number("limit", positive());
-  } else {
-    filter.limit = object.number_or("limit", fallback.limit, relative);
-  }
+  ConfigReader object = in.object("filter");
+  filter.kind = kinds.at(object.choice("kind"));
+  filter.limit = filter.kind == FilterKind::none ? 0 : object.number("limit");
   object.finish();
   return filter;
 }

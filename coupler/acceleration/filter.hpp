@@ -28,8 +28,9 @@ struct Filter {
   double limit = 1e-2;  ///< >= 0; < 1 where it is relative
 };
 
-/// A number is the limit of qr2, an object has "kind" and "limit".
-Filter read_filter(ConfigReader& in, const std::string& key, const Filter& fallback);
+/// The key "filter": a number is the limit of qr2, an object has "kind" and "limit".
+std::vector<Key> filter_keys();
+Filter read_filter(ConfigReader& in);
 
 /// Least squares c = argmin |A c + t| over the columns of A that pass a filter, from a
 /// factorisation that takes in a newer column with work that grows with the square of the size

@@ -61,36 +61,77 @@ void refuse_keys(const ConfigReader& in, const std::vector<std::string>& keys,
 
 }  // namespace
 
+KeyTable mapping_keys() {
+  const MappingSettings defaults;
+  const std::vector<std::string> wendland = {"wendland_c2", "wendland_c4", "wendland_c6"};
+  std::vector<std::string> all_kernels = wendland;
+  all_kernels.push_back("thin_plate");
+  return {
+      "mapping",
+      "Displacements go from the structure's vertices to the soil's, forces come back by the "
+      "transpose.",
+      {key::choice(
+           "method", {"nearest_projection", "nearest_neighbor", "radial_basis"},
+           "The value at a soil vertex is that at the closest point of the structure's facets, "
+           "at its nearest vertex, or of radial functions through its vertices.")
+           .or_else(defaults.method),
+       key::number("tolerance", "m",
+                   "Largest distance of a soil vertex from its place on the structure.")
+           .in(positive()),
+       key::choice(
+           "positions", {"reference", "deformed"},
+           "Positions from which the mapping is set up; `deformed` (again as vertices move) with "
+           "`nearest_projection` only.")
+           .or_else("reference"),
+       key::number(
+           "moved", "",
+           "How far a vertex moves before the next set-up, over the longest side of the surface.")
+           .in(non_negative())
+           .or_else(defaults.moved)
+           .when("positions", {"deformed"}),
+       key::choice("kernel", all_kernels, "Radial function; `thin_plate`: r^2 ln r.")
+           .or_else("wendland_c4")
+           .when("method", {"radial_basis"}),
+       key::integer("cluster_size", "Vertices of one interpolant.")
+           .in(between(4, 1000))
+           .or_else(defaults.radial_basis.cluster_size)
+           .when("method", {"radial_basis"}),
+       key::number(
+           "support", "m",
+           "Radius of the Wendland functions; none: largest extent of the surface along an axis.")
+           .in(positive())
+           .or_none()
+           .when("method", {"radial_basis"})
+           .when("kernel", wendland)}};
+}
+
 MappingSettings read_mapping_settings(ConfigReader in) {
   static const std::map<std::string, Kernel> kernels = {{"wendland_c2", Kernel::wendland_c2},
                                                         {"wendland_c4", Kernel::wendland_c4},
                                                         {"wendland_c6", Kernel::wendland_c6},
                                                         {"thin_plate", Kernel::thin_plate}};
   MappingSettings settings;
-  settings.method = in.choice_or(
-      "method", {"nearest_projection", "nearest_neighbor", "radial_basis"}, settings.method);
-  settings.tolerance = in.number("tolerance", positive());
-  settings.deformed =
-      in.choice_or("positions", {"reference", "deformed"}, "reference") == "deformed";
+  settings.method = in.choice("method");
+  settings.tolerance = in.number("tolerance");
+  settings.deformed = in.choice("positions") == "deformed";
   if (settings.deformed && settings.method != "nearest_projection") {
     in.fail("positions", fmt::format("found \"deformed\" with \"{}\", allowed: reference, or "
                                      "nearest_projection, which keeps the vertices at the surface",
                                      settings.method));
   }
   if (settings.deformed) {
-    settings.moved = in.number_or("moved", settings.moved, non_negative());
+    settings.moved = in.number("moved");
   } else {
     refuse_keys(in, {"moved"}, R"("method": "nearest_projection" and "positions": "deformed")");
   }
   if (settings.method == "radial_basis") {
     RadialBasisSettings& rbf = settings.radial_basis;
-    rbf.kernel = kernels.at(in.choice_or(
-        "kernel", {"wendland_c2", "wendland_c4", "wendland_c6", "thin_plate"}, "wendland_c4"));
-    rbf.cluster_size = in.integer_or("cluster_size", rbf.cluster_size, between(4, 1000));
+    rbf.kernel = kernels.at(in.choice("kernel"));
+    rbf.cluster_size = in.integer("cluster_size");
     if (rbf.kernel == Kernel::thin_plate) {
       refuse_keys(in, {"support"}, "the kernels wendland_c2, wendland_c4, wendland_c6");
-    } else if (in.has("support")) {
-      rbf.support = in.number("support", positive());
+    } else {
+      rbf.support = in.optional_number("support");
     }
   } else {
     refuse_keys(in, {"kernel", "cluster_size", "support"}, R"("method": "radial_basis")");

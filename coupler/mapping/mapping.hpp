@@ -21,6 +21,7 @@ struct MappingSettings {
   bool deformed = false;  ///< set up again in deformed positions; nearest_projection only
   double moved = 1e-3;    ///< [of the extent] >= 0, after a vertex has moved by more than this
 };
+KeyTable mapping_keys();
 MappingSettings read_mapping_settings(ConfigReader in);
 
 /// How well the two sides fit.

@@ -15,17 +15,31 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double round_off =
     4 * epsilon;  // of a field's values; a residual is a difference of them
 
+/// @param absolute  sentence of that key
+KeyTable field_limits_keys(const std::string& name, const std::string& unit,
+                           const std::string& absolute) {
+  return {
+      name + "_limits",
+      "Criteria of the residual of this field. Norms are root mean squares over its components.",
+      {key::number("absolute", unit, absolute).in(positive()).or_none(),
+       key::number("relative", "", "Residual over the norm of the field.")
+           .in(in_words(at_least(1e-15), "a number >= 1e-15 (round-off of the values)"))
+           .or_none(),
+       key::number("floor", unit, "The limit of `relative` is not taken below this.")
+           .in(non_negative())
+           .or_else(FieldLimits{}.floor)
+           .with("relative"),
+       key::number("drop", "", "Residual over the first one of the step.")
+           .in(in_words(inside(0, 1), "a number > 0 and < 1"))
+           .or_none()}};
+}
+
 FieldLimits read_field_limits(ConfigReader in) {
-  const Range above_round_off{[](double x) { return x >= 1e-15; },
-                              "a number >= 1e-15 (round-off of the values)"};
-  const Range fraction{[](double x) { return x > 0 && x < 1; }, "a number > 0 and < 1"};
   FieldLimits limits;
-  if (in.has("absolute")) limits.absolute = in.number("absolute", positive());
-  if (in.has("relative")) {
-    limits.relative = in.number("relative", above_round_off);
-    limits.floor = in.number_or("floor", limits.floor, non_negative());
-  }
-  if (in.has("drop")) limits.drop = in.number("drop", fraction);
+  limits.absolute = in.optional_number("absolute");
+  limits.relative = in.optional_number("relative");
+  if (limits.relative) limits.floor = in.number("floor");
+  limits.drop = in.optional_number("drop");
   if (in.has("floor") && !limits.relative) {
     in.fail("floor", "found without \"relative\", whose limit it bounds");
   }
@@ -40,15 +54,42 @@ double share(double residual, double limit) {
 
 }  // namespace
 
+KeyTable convergence_keys() {
+  const ConvergenceSettings defaults;
+  return {
+      "convergence",
+      "When a step is converged: one criterion at least, in either field.",
+      {key::object("displacement", field_limits_keys("displacement", "m", "Largest residual."),
+                   "Of the structures' answer less the guess.")
+           .or_none(),
+       key::object("force",
+                   field_limits_keys("force", "N",
+                                     "Largest residual; of nodal forces, which grow with the size "
+                                     "of a facet, in 2D per metre of thickness."),
+                   "Of the change since the iteration before (serial), or of the answer less the "
+                   "guess (parallel).")
+           .or_none(),
+       key::choice("combine", {"and", "or"}, "Whether all criteria have to hold, or any.")
+           .or_else("and"),
+       key::number("divergence", "",
+                   "Displacement residual over the first one of the step (parallel: the larger of "
+                   "the first two; its limit, if that is larger) above which it has diverged.")
+           .in(in_words({.low = 1, .low_open = true}, "a number > 1"))
+           .or_else(defaults.divergence),
+       key::integer("stagnation",
+                    "Iterations without a new smallest residual after which the step stagnates.")
+           .in(at_least(2))
+           .or_else(defaults.stagnation)}};
+}
+
 ConvergenceSettings read_convergence_settings(ConfigReader in) {
   ConvergenceSettings settings;
   if (in.has("displacement")) settings.displacement = read_field_limits(in.object("displacement"));
   if (in.has("force")) settings.force = read_field_limits(in.object("force"));
-  const bool any = in.choice_or("combine", {"and", "or"}, "and") == "or";
+  const bool any = in.choice("combine") == "or";
   settings.combine = any ? Combine::any : Combine::all;
-  const Range above_one{[](double x) { return x > 1; }, "a number > 1"};
-  settings.divergence = in.number_or("divergence", settings.divergence, above_one);
-  settings.stagnation = in.integer_or("stagnation", settings.stagnation, at_least(2));
+  settings.divergence = in.number("divergence");
+  settings.stagnation = in.integer("stagnation");
   in.finish();
   if (!settings.displacement.given() && !settings.force.given()) {
     in.fail(

@@ -35,6 +35,7 @@ struct ConvergenceSettings {
   double divergence = 1e3;  ///< > 1: residual above this multiple of the step's first is "diverged"
   int stagnation = 20;      ///< >= 2: iterations without a new smallest residual are "stagnated"
 };
+KeyTable convergence_keys();
 /// @throws ConfigError  also without any criterion
 ConvergenceSettings read_convergence_settings(ConfigReader in);
 

@@ -26,6 +26,13 @@ bool TimeFunction::constant_after(double time) const {
   return true;
 }
 
+Key time_table_key(const std::string& unit, const std::string& sentence) {
+  return key::rows("table", unit.empty() ? "s" : "s, " + unit, sentence)
+      .wide(2, 2)
+      .not_empty()
+      .or_none();
+}
+
 TimeFunction read_time_table(ConfigReader& in) {
   const auto rows = in.rows("table", 2);
   if (rows.empty()) in.fail("table", "found [], allowed: at least one row [time, value]");

@@ -32,6 +32,10 @@ class TimeFunction {
   double slope_ = 0;            // [1/s], added to the table
 };
 
+/// @param unit      of the second column
+/// @param sentence  what it is
+Key time_table_key(const std::string& unit, const std::string& sentence);
+
 /// Read the key "table": [[time, value], ...] of an object.
 /// @throws ConfigError  empty table or times that do not increase
 TimeFunction read_time_table(ConfigReader& in);

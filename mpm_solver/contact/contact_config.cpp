@@ -14,11 +14,9 @@ namespace {
 template <int dim>
 BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSurface<dim>& surface) {
   BoundaryPointSettings points;
-  points.memory = in.choice_or("gap", {"accumulated", "step"}, "accumulated") == "step"
-                      ? GapMemory::step
-                      : GapMemory::accumulated;
+  points.memory = in.choice("gap") == "step" ? GapMemory::step : GapMemory::accumulated;
   const CellType facet = surface.facet_type;
-  points.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet), at_least(1));
+  points.points_per_facet = in.integer_or("points_per_facet", num_nodes(facet));
   if constexpr (dim == 3) {
     check_point_rule<2>(in, "points_per_facet", facet, points.points_per_facet);
   }
@@ -32,23 +30,22 @@ ContactLaw read_contact_law(ConfigReader& in, double penalty_unit) {
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   ContactLaw law;
-  law.mode = modes.at(in.choice_or("mode", {"fixed", "contact", "slip"}, "contact"));
+  law.mode = modes.at(in.choice("mode"));
   if (in.has("penalty") && in.has("penalty_factor")) {
     in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
   }
   if (in.has("penalty")) {
-    law.penalty = in.number("penalty", positive());
+    law.penalty = in.number("penalty");
   } else {
-    law.penalty = penalty_unit * in.number_or("penalty_factor", 0.5, positive());
+    law.penalty = penalty_unit * in.number("penalty_factor");
   }
   if (in.has("friction")) {
     if (law.mode != ContactMode::contact) {
       in.fail("friction", "allowed only with \"mode\": \"contact\"");
     }
-    law.friction = in.number("friction", non_negative());
+    law.friction = in.number("friction");
   }
-  law.tangential_share =
-      in.number_or("tangential_share", law.friction < 0 ? 1 : 0.1, between(1e-6, 1));
+  law.tangential_share = in.number_or("tangential_share", law.friction < 0 ? 1 : 0.1);
   return law;
 }
 
@@ -65,7 +62,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
 
 template <int dim>
 ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  in.choice_or("method", {"boundary_points"}, "boundary_points");
+  in.choice("method");
   auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();
   return boundary;
@@ -88,7 +85,7 @@ std::vector<ContactSettings<dim>> read_interfaces(const Scene& scene, ConfigRead
                                                   double penalty_unit) {
   std::vector<ContactSettings<dim>> interfaces;
   SeenFacets<dim> facets;
-  for (auto& item : in.objects_or_none("interfaces")) {
+  for (auto& item : in.objects("interfaces")) {
     interfaces.push_back(read_interface<dim>(scene, item, penalty_unit));
     require_own_name(item, interfaces);
     require_new_facets(item, interfaces.back().surface, facets);
@@ -101,7 +98,7 @@ std::vector<RigidWallSettings<dim>> read_rigid_walls(const Scene& scene, ConfigR
                                                      double penalty_unit) {
   std::vector<RigidWallSettings<dim>> walls;
   SeenFacets<dim> facets;
-  for (auto& item : in.objects_or_none("rigid_walls")) {
+  for (auto& item : in.objects("rigid_walls")) {
     walls.push_back(read_rigid_wall<dim>(scene, item, penalty_unit));
     require_own_name(item, walls);
     require_new_facets(item, walls.back().boundary.surface, facets);

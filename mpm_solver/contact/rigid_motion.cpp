@@ -58,11 +58,11 @@ void read_table(ConfigReader& in, RigidMotion<dim>& motion) {
 
 template <int dim>
 void read_rotation(ConfigReader in, RigidMotion<dim>& motion) {
-  const auto centre = in.numbers("centre", dim);
+  const auto centre = in.vector("centre", dim);
   motion.centre = Eigen::Map<const Vector<dim>>(centre.data());
   motion.rate = in.number("rate");
   if constexpr (dim == 3) {
-    const auto axis = in.numbers("axis", 3);
+    const auto axis = in.vector("axis", 3);
     motion.axis = Eigen::Map<const Vector<3>>(axis.data());
     if (!(motion.axis.norm() > 0)) in.fail("axis", "found length 0, allowed: a direction");
     motion.axis.normalize();
@@ -70,7 +70,34 @@ void read_rotation(ConfigReader in, RigidMotion<dim>& motion) {
   in.finish();
 }
 
+KeyTable rotation_keys() {
+  return {"rotation",
+          "A turn about a centre that goes with the translation.",
+          {key::vector("centre", "m", "Centre at time 0."),
+           key::number("rate", "rad/s",
+                       "Angular velocity, in 3D by the right hand, in 2D from x to y."),
+           key::vector("axis", "", "Direction of the axis; its length does not count.")
+               .wide(3, 3)
+               .only("in 3D")}};
+}
+
 }  // namespace
+
+KeyTable rigid_motion_keys() {
+  return {
+      "rigid_motion",
+      "Given motion of a rigid surface.",
+      {key::vector("velocity", "m/s", "The translation is this times t.")
+           .or_else(0)
+           .without("table"),
+       key::rows("table", "s, m",
+                 "Rows [t, ux, uy(, uz)] of the translation, the first one 0, t ascending, linear "
+                 "between rows and at rest after the last.")
+           .wide(3, 4)
+           .not_empty()
+           .or_none(),
+       key::object("rotation", rotation_keys(), "A turn besides the translation.").or_none()}};
+}
 
 template <int dim>
 RigidMotion<dim> read_rigid_motion(ConfigReader in) {
@@ -79,7 +106,7 @@ RigidMotion<dim> read_rigid_motion(ConfigReader in) {
     if (in.has("velocity")) in.fail("table", "allowed: one of \"velocity\" and \"table\"");
     read_table(in, motion);
   } else {
-    const auto velocity = in.numbers_or("velocity", std::vector<double>(dim, 0.0), dim);
+    const auto velocity = in.vector("velocity", dim);
     motion.velocity = Eigen::Map<const Vector<dim>>(velocity.data());
   }
   if (auto item = in.optional_object("rotation")) read_rotation(*item, motion);

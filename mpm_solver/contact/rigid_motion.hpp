@@ -26,6 +26,8 @@ struct RigidMotion {
   std::vector<double> displacement(const std::vector<Vector<dim>>& vertices, double time) const;
 };
 
+KeyTable rigid_motion_keys();
+
 /// Read {"velocity": [..]} or {"table": [[t, ux, uy(, uz)], ..]}, and optionally {"rotation":
 /// {"centre": [..], "rate", "axis": [..]}} (the axis in 3D only).
 /// @throws ConfigError

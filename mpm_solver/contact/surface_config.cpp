@@ -75,6 +75,27 @@ ContactSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& co
 
 }  // namespace
 
+KeyTable surface_keys() {
+  return {
+      "surface",
+      "The soil's copy of a surface; normals point into the soil, no facet belongs to two "
+      "surfaces, or twice to one.",
+      {key::rows("polyline", "m",
+                 "Corners [x, y] in the order that has the soil to the right; no two in a row are "
+                 "equal.")
+           .wide(2, 2)
+           .not_empty(2)
+           .or_none()
+           .only("in 2D"),
+       key::number("spacing", "m",
+                   "The polyline is cut into segments of at most this length, at most 1 000 000 in "
+                   "all.")
+           .in(positive())
+           .with("polyline"),
+       key::object("mesh", mesh_keys(), "Mesh of the structure.").without("polyline"),
+       key::texts("groups", "Facet groups of that mesh.").without("polyline")}};
+}
+
 template <int dim>
 ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
   ContactSurface<dim> surface;
@@ -82,7 +103,7 @@ ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
     if constexpr (dim == 2) {
       const auto corners = in.rows("polyline", 2);
       if (corners.size() < 2) in.fail("polyline", "allowed: at least two points");
-      const double spacing = in.number("spacing", positive());
+      const double spacing = in.number("spacing");
       check_polyline(in, corners, spacing);
       surface = surface_of_polyline(corners, spacing);
     } else {

@@ -10,6 +10,8 @@ namespace gabion::mpm {
 /// Most segments of a polyline, and most boundary points of a surface.
 inline constexpr int max_surface_points = 1000000;
 
+KeyTable surface_keys();
+
 /// Read "surface" of an interface or a rigid wall: a polyline in pieces, or groups of a mesh.
 /// @throws ConfigError  too few or equal corners, too many pieces, unknown group
 template <int dim>

@@ -31,8 +31,8 @@ double first_lame_constant(const MaterialLaw<dim>& law) {
 
 template <int dim>
 double normally_consolidated(ConfigReader& in, const Material<dim>& material, double elastic) {
-  if (!in.is_text("k0")) return in.number("k0", non_negative());
-  if (in.choice("k0", {"elastic", "jaky"}) == "elastic") return elastic;
+  if (!in.is_text("k0")) return in.number("k0");
+  if (in.choice("k0") == "elastic") return elastic;
   const double angle = std::visit(
       [](const auto& model) {
         if constexpr (requires { model.parameters().friction_angle; }) {
@@ -90,6 +90,27 @@ Geostatic<dim> geostatic(const MaterialLaw<dim>& law, double k0, double weight, 
 
 }  // namespace
 
+KeyTable initial_stress_keys() {
+  return {
+      "initial_stress",
+      "Geostatic stress below a level surface. Needs gravity against the last axis, present from "
+      "the start, a law other than neo_hookean, and balance: the soil may not yield.",
+      {key::number("k0", "", "Horizontal over vertical stress, normally consolidated.")
+           .in(non_negative()),
+       key::choice("k0", {"elastic", "jaky"},
+                   "`elastic`: nu / (1 - nu); `jaky`: 1 - sin(phi), with a law that has phi."),
+       key::number("surface", "m", "Height of the surface; no point lies above it."),
+       key::number("ocr", "",
+                   "Over-consolidation ratio; unloading is elastic: K0 = ocr k0 - (ocr - 1) nu / "
+                   "(1 - nu).")
+           .in(at_least(1))
+           .or_else(1),
+       key::number("max_displacement", "",
+                   "What the check of balance may find, over the mean cell size.")
+           .in(positive())
+           .or_else(InitialStress{}.max_displacement)}};
+}
+
 template <int dim>
 InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material) {
   if (std::holds_alternative<NeoHookean<dim>>(material.law)) {
@@ -102,10 +123,10 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
   const double elastic = lambda / (lambda + 2 * mu);
   stress.where = in.where("k0");
   stress.k0 = normally_consolidated(in, material, elastic);
-  const double ocr = in.number_or("ocr", 1, at_least(1));
+  const double ocr = in.number("ocr");
   stress.k0 = ocr * stress.k0 - (ocr - 1) * elastic;
   stress.surface = in.number("surface");
-  stress.max_displacement = in.number_or("max_displacement", stress.max_displacement, positive());
+  stress.max_displacement = in.number("max_displacement");
   in.finish();
   return stress;
 }

@@ -28,6 +28,7 @@ struct InitialStress {
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>
 InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material);
+KeyTable initial_stress_keys();
 
 /// A body under gravity.
 template <int dim>

@@ -17,14 +17,14 @@ constexpr double same_time = 1e-9;
 std::vector<WallSettings> read_walls(ConfigReader& in, int dim) {
   std::vector<WallSettings> walls;
   std::set<std::string> groups;
-  for (auto& item : in.objects_or_none("walls")) {
+  for (auto& item : in.objects("walls")) {
     WallSettings wall;
     wall.group = item.text("group");
     if (!groups.insert(wall.group).second) {
       item.fail("group",
                 fmt::format("found \"{}\" a second time, allowed: one wall a group", wall.group));
     }
-    wall.fixed = item.choice("condition", {"fixed", "slip"}) == "fixed";
+    wall.fixed = item.choice("condition") == "fixed";
     wall.where = item.where("group");
     if (auto motion = item.optional_object("motion")) {
       wall.motion = read_wall_motion(*motion, dim);
@@ -38,25 +38,94 @@ std::vector<WallSettings> read_walls(ConfigReader& in, int dim) {
 LoadRamp read_load_ramp(ConfigReader in, double start) {
   LoadRamp ramp;
   ramp.start = start;
-  ramp.duration = in.number("duration", positive());
-  ramp.smooth = in.choice_or("shape", {"linear", "smooth"}, "linear") == "smooth";
-  ramp.from = in.number_or("from", ramp.from);
-  ramp.to = in.number_or("to", ramp.to);
+  ramp.duration = in.number("duration");
+  ramp.smooth = in.choice("shape") == "smooth";
+  ramp.from = in.number("from");
+  ramp.to = in.number("to");
   in.finish();
   return ramp;
 }
 
-// Replace what the object names.
+std::string analysis_name(bool dynamic) {
+  return dynamic ? "dynamic" : "quasi_static";
+}
+
+Key analysis_key() {
+  return key::choice(
+      "analysis", {analysis_name(true), analysis_name(false)},
+      "`quasi_static`: without inertia; `time_integration`, `transfer` and velocities "
+      "of bodies then have no meaning.");
+}
+
+KeyTable wall_keys() {
+  return {
+      "wall",
+      "A wall along facets of the grid; a group once. Where walls meet, fixed ones come first.",
+      {key::text("group", "Facet group of the grid."),
+       key::choice("condition", {"fixed", "slip"},
+                   "`fixed` holds all components, `slip` the normal one, in tension too."),
+       key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none()}};
+}
+
+Key walls_key(const std::string& sentence) {
+  return key::objects("walls", wall_keys(), sentence);
+}
+
+KeyTable load_ramp_keys() {
+  const LoadRamp defaults;
+  return {"gravity_ramp",
+          "Factor of gravity, from the start of the run or of the phase that names it.",
+          {key::number("duration", "s", "Time from `from` to `to`.").in(positive()),
+           key::choice("shape", {"linear", "smooth"}, "`smooth`: without kinks at both ends.")
+               .or_else("linear"),
+           key::number("from", "", "Factor at the start.").or_else(defaults.from),
+           key::number("to", "", "Factor at the end and after it.").or_else(defaults.to)}};
+}
+
+Key gravity_ramp_key(const std::string& sentence) {
+  return key::object("gravity_ramp", load_ramp_keys(), sentence).or_none();
+}
+
+Key scheme_key() {
+  return key::object("time_integration", newmark_keys("bossak"), "Scheme where there is inertia.");
+}
+
+/// What a phase does not name.
+Key or_as_before(Key key, const std::string& words) {
+  key.absence = Absence::none;
+  key.computed = words;
+  return key;
+}
+
+KeyTable phase_keys() {
+  return {"phase",
+          "A part of the run. What it does not name is as in the run.",
+          {key::number("until", "s", "End of the phase, after its start.")
+               .in(positive())
+               .only("in all phases but the last one, which lasts to the end"),
+           key::number("dt", "s", "Largest step of the phase.").in(positive()).or_none(),
+           analysis_key().or_computed("as in the run"),
+           or_as_before(walls_key("All walls of this phase."), "as in the run"),
+           or_as_before(scheme_key(), "as in the run"),
+           or_as_before(
+               gravity_ramp_key("A ramp from the start of this phase; it goes on in later ones."),
+               "that of the phase before")}};
+}
+
+void read_ramp(ConfigReader& in, Phase& phase) {
+  if (auto ramp = in.optional_object("gravity_ramp")) {
+    phase.gravity_ramp = read_load_ramp(*ramp, phase.start);
+  }
+}
+
+// Replace what the object of a phase names.
 void read_overrides(ConfigReader& in, int dim, Phase& phase) {
-  phase.dynamic = in.choice_or("analysis", {"dynamic", "quasi_static"},
-                               phase.dynamic ? "dynamic" : "quasi_static") == "dynamic";
+  phase.dynamic = in.choice_or("analysis", analysis_name(phase.dynamic)) == analysis_name(true);
   if (in.has("walls")) phase.walls = read_walls(in, dim);
   if (auto scheme = in.optional_object("time_integration")) {
     phase.scheme = read_newmark_bossak(*scheme);
   }
-  if (auto ramp = in.optional_object("gravity_ramp")) {
-    phase.gravity_ramp = read_load_ramp(*ramp, phase.start);
-  }
+  read_ramp(in, phase);
 }
 
 void require_inertia(const ConfigReader& in, const Phase& phase) {
@@ -64,15 +133,35 @@ void require_inertia(const ConfigReader& in, const Phase& phase) {
   in.fail("time_integration", "has no meaning when \"analysis\" is \"quasi_static\"");
 }
 
+Phase read_base(ConfigReader& in, int dim) {
+  Phase base;
+  base.dynamic = in.choice("analysis") == analysis_name(true);
+  base.walls = read_walls(in, dim);
+  const bool quasi_static = !base.dynamic && !in.has("phases");
+  if (quasi_static) {
+    require_inertia(in, base);
+  } else {
+    base.scheme = read_newmark_bossak(in.object("time_integration"));
+  }
+  read_ramp(in, base);
+  return base;
+}
+
 }  // namespace
 
+std::vector<Key> phases_keys() {
+  return {analysis_key().or_else("dynamic"),
+          scheme_key().or_empty().only("where a phase has inertia"),
+          walls_key("Walls of the grid.").or_empty(),
+          gravity_ramp_key("Gravity that comes gradually; none: full from the start."),
+          key::objects("phases", phase_keys(), "Parts of the run, in the order of time.")
+              .not_empty()
+              .or_none()};
+}
+
 std::vector<Phase> read_phases(ConfigReader& in, int dim) {
-  Phase base;
-  read_overrides(in, dim, base);
-  if (!in.has("phases")) {
-    require_inertia(in, base);
-    return {base};
-  }
+  const Phase base = read_base(in, dim);
+  if (!in.has("phases")) return {base};
   auto items = in.objects("phases");
   if (items.empty()) in.fail("phases", "found an empty list, allowed: at least one phase");
   std::vector<Phase> phases;
@@ -86,7 +175,7 @@ std::vector<Phase> read_phases(ConfigReader& in, int dim) {
     read_overrides(item, dim, phase);
     require_inertia(item, phase);
     if (k + 1 < items.size()) {
-      phase.until = item.number("until", positive());
+      phase.until = item.number("until");
       if (!(phase.until > phase.start)) {
         item.fail("until", fmt::format("found {}, allowed: a time after the start of the phase, {}",
                                        phase.until, phase.start));
@@ -94,7 +183,7 @@ std::vector<Phase> read_phases(ConfigReader& in, int dim) {
     } else if (item.has("until")) {
       item.fail("until", "allowed in all phases but the last one, which lasts to the end");
     }
-    if (item.has("dt")) phase.dt = item.number("dt", positive());
+    phase.dt = item.optional_number("dt").value_or(0);
     item.finish();
     phases.push_back(std::move(phase));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "common/mechanics/time_integration/newmark.hpp"
@@ -22,6 +23,9 @@ struct Phase {
   std::vector<WallSettings> walls;
   LoadRamp gravity_ramp;
 };
+
+/// Keys of the root that read_phases() reads.
+std::vector<Key> phases_keys();
 
 /// Read "analysis", "time_integration", "walls" and "gravity_ramp" as the base, and "phases" if
 /// there are any: each takes the base and replaces what it names. A ramp counts from the start of

@@ -12,13 +12,29 @@ constexpr double growth = 1.25;
 
 }  // namespace
 
+KeyTable step_control_keys() {
+  const Range share{.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"};
+  const auto limit = [](const std::string& name, const Range& range, double fallback,
+                        const std::string& sentence) {
+    return key::number(name, "", sentence).in(range).or_null().or_else(fallback);
+  };
+  return {"step_control",
+          "Limits from which the soil proposes the next dt; null: that limit does not act.",
+          {limit("advective", share, 0.3,
+                 "Largest displacement of a material point in a step over the cell size."),
+           limit("strain", share, 0.02, "Largest strain increment of a material point in a step."),
+           limit("newton_target", at_least(1), 8, "Newton iterations beyond which dt shrinks."),
+           limit("approach", share, 0.1,
+                 "How far a surface may go into the soil in a step, beyond its gap, over the cell "
+                 "size.")}};
+}
+
 StepControlSettings read_step_control(ConfigReader in) {
-  const Range share{[](double x) { return x > 0 && x <= 1; }, "a number in (0, 1]"};
   StepControlSettings settings;
-  settings.advective = in.number_or_null("advective", 0.3, share);
-  settings.strain = in.number_or_null("strain", 0.02, share);
-  settings.newton_target = in.number_or_null("newton_target", 8, at_least(1));
-  settings.approach = in.number_or_null("approach", 0.1, share);
+  settings.advective = in.number_or_null("advective");
+  settings.strain = in.number_or_null("strain");
+  settings.newton_target = in.number_or_null("newton_target");
+  settings.approach = in.number_or_null("approach");
   in.finish();
   return settings;
 }

@@ -18,6 +18,7 @@ struct StepControlSettings {
   std::optional<double> approach;  ///< surface may go this share of a cell into the soil, (0, 1]
   bool any() const { return advective || strain || newton_target || approach; }
 };
+KeyTable step_control_keys();
 StepControlSettings read_step_control(ConfigReader in);
 
 /// What keeps the next step from being twice as long: the codes of column `dt_limit`

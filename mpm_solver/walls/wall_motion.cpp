@@ -26,13 +26,27 @@ Vector<dim> WallMotion::displacement(double time) const {
 template Vector<2> WallMotion::displacement<2>(double) const;
 template Vector<3> WallMotion::displacement<3>(double) const;
 
+KeyTable wall_motion_keys() {
+  return {
+      "wall_motion",
+      "Displacement of a wall; its facets stay where the grid has them.",
+      {key::vector("velocity", "m/s", "The displacement is this times t.").or_none(),
+       key::rows("table", "s, m",
+                 "Rows [t, ux, uy(, uz)], t increasing, linear between rows and held before and "
+                 "after.")
+           .wide(3, 4)
+           .not_empty()
+           .or_none()},
+      {"velocity", "table"}};
+}
+
 WallMotion read_wall_motion(ConfigReader in, int dim) {
   WallMotion motion;
   if (in.has("velocity") == in.has("table")) {
     in.fail("velocity", "allowed: exactly one of \"velocity\" and \"table\"");
   }
   if (in.has("velocity")) {
-    motion.velocity = in.numbers("velocity", dim);
+    motion.velocity = in.vector("velocity", dim);
   } else {
     motion.table = in.rows("table", dim + 1);
     if (motion.table.empty()) in.fail("table", "found [], allowed: at least one row");

@@ -23,5 +23,6 @@ struct WallMotion {
 /// Read {"velocity": [..]} or {"table": [[t, ..], ..]}.
 /// @throws ConfigError  neither or both, empty table, times that do not increase
 WallMotion read_wall_motion(ConfigReader in, int dim);
+KeyTable wall_motion_keys();
 
 }  // namespace gabion::mpm

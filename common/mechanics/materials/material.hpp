@@ -64,9 +64,14 @@ bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialSta
   return std::visit([&](const auto& model) { return model.update(H, state_n, out, A); }, law);
 }
 
-/// Read "law" ("linear_elastic", "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca",
-/// "drucker_prager"), "density", "young_modulus", "poisson_ratio" and the strength keys of the law;
-/// angles in degrees. docs/keys lists them.
+/// Names of all laws, and of those for which is_elastic() holds.
+extern const std::vector<std::string> material_laws;
+extern const std::vector<std::string> elastic_laws;
+
+/// @param laws  those that may be chosen
+KeyTable material_keys(const std::vector<std::string>& laws);
+
+/// Read a material: what material_keys() lists; angles in degrees there, in radians here.
 template <int dim>
 Material<dim> read_material(ConfigReader in);
 

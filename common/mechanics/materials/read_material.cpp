@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "common/mechanics/materials/material.hpp"
@@ -9,9 +11,70 @@
 namespace gabion {
 namespace {
 
-Range inside(double low, double high) {
-  return {[=](double x) { return low < x && x < high; },
-          fmt::format("a number between {} and {}, both excluded", low, high)};
+const std::vector<std::string> with_friction = {"mohr_coulomb", "drucker_prager"};
+
+std::vector<Key> elasticity_keys() {
+  return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
+              .in(positive()),
+          key::number("young_modulus", "Pa", "Young's modulus.").in(positive()),
+          key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5))};
+}
+
+std::vector<Key> strength_keys() {
+  const std::string angle = "an angle in degrees, 0 < friction_angle < 90";
+  return {key::number("friction_angle", "deg", "Angle of friction phi; soil without is `tresca`.")
+              .in(in_words(inside(0, 90), angle + "; soil without friction is \"law\": \"tresca\""))
+              .when("law", with_friction),
+          key::number("dilation_angle", "deg", "Angle of dilation psi, at most `friction_angle`.")
+              .in({.low = 0, .high = 90, .high_open = true, .allowed = angle})
+              .or_else(0)
+              .when("law", with_friction),
+          key::number("cohesion", "Pa", "Cohesion c.")
+              .in(non_negative())
+              .or_else(0)
+              .when("law", with_friction),
+          key::number("cohesion", "Pa", "Undrained shear strength.")
+              .in(positive())
+              .when("law", {"tresca"}),
+          key::choice("match", {"plane_strain", "compression", "extension"},
+                      "Where the cone carries what Mohr-Coulomb carries: plane strain, triaxial "
+                      "compression or triaxial extension.")
+              .or_else("plane_strain")
+              .when("law", {"drucker_prager"}),
+          key::number("tension_cutoff", "Pa",
+                      "Limit of the principal Kirchhoff stresses, below the apex cohesion / "
+                      "tan(friction_angle).")
+              .in(non_negative())
+              .or_none()
+              .when("law", {"mohr_coulomb"}),
+          key::number("tension_cutoff", "Pa", "Limit of the principal Kirchhoff stresses.")
+              .in(non_negative())
+              .or_none()
+              .when("law", {"tresca"})};
+}
+
+std::vector<Key> apex_keys() {
+  const std::vector<std::string> words = {"gap", "forget"};
+  return {key::choice("apex_volume", words,
+                      "What becomes of volume that opens without stress: `gap`: it closes before "
+                      "pressure builds, `forget`: recompression builds pressure at once.")
+              .or_else("gap")
+              .when("law", with_friction),
+          key::choice("apex_volume", words,
+                      "The same of volume that opens with all three principal stresses at the "
+                      "cut-off.")
+              .or_else("gap")
+              .when("law", {"tresca"})
+              .with("tension_cutoff")};
+}
+
+/// Whether the key has a meaning with one of these laws.
+bool belongs_to(const Key& key, const std::vector<std::string>& laws) {
+  return std::all_of(key.conditions.begin(), key.conditions.end(), [&](const Condition& condition) {
+    return condition.words.empty() ||
+           std::find_first_of(laws.begin(), laws.end(), condition.words.begin(),
+                              condition.words.end()) != laws.end();
+  });
 }
 
 struct LameConstants {
@@ -19,8 +82,8 @@ struct LameConstants {
 };
 
 LameConstants read_elasticity(ConfigReader& in) {
-  const double E = in.number("young_modulus", positive());
-  const double nu = in.number("poisson_ratio", inside(-1, 0.5));
+  const double E = in.number("young_modulus");
+  const double nu = in.number("poisson_ratio");
   return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
 }
 
@@ -30,34 +93,29 @@ struct Friction {
 
 Friction read_friction(ConfigReader& in) {
   constexpr double degree = std::numbers::pi / 180;
-  const Range friction_range = {[](double x) { return 0 <= x && x < 90; },
-                                "an angle in degrees, 0 < friction_angle < 90"};
-  const double phi = in.number("friction_angle", friction_range);
-  if (phi == 0) {
-    in.fail("friction_angle",
-            "found 0, allowed: an angle in degrees, 0 < friction_angle < 90; soil without friction "
-            "is \"law\": \"tresca\"");
-  }
-  const Range dilation_range = {
-      [phi](double x) { return 0 <= x && x <= phi; },
-      fmt::format("an angle in degrees from 0 to friction_angle = {}", phi)};
-  const double psi = in.number_or("dilation_angle", 0, dilation_range);
-  return {phi * degree, psi * degree, in.number_or("cohesion", 0, non_negative())};
+  const double phi = in.number("friction_angle");
+  const double psi =
+      in.number("dilation_angle",
+                in_words(between(0, phi),
+                         fmt::format("an angle in degrees from 0 to friction_angle = {}", phi)));
+  return {phi * degree, psi * degree, in.number("cohesion")};
 }
 
 ApexVolume read_apex_volume(ConfigReader& in) {
-  const std::string word = in.choice_or("apex_volume", {"gap", "forget"}, "gap");
-  return word == "gap" ? ApexVolume::gap : ApexVolume::forget;
+  return in.choice("apex_volume") == "gap" ? ApexVolume::gap : ApexVolume::forget;
 }
 
 double read_tension_cutoff(ConfigReader& in, double apex) {
   if (!in.has("tension_cutoff")) return no_cutoff;
-  if (apex == no_cutoff) return in.number("tension_cutoff", non_negative());
-  return in.number("tension_cutoff",
-                   {[=](double x) { return 0 <= x && x < apex; },
-                    fmt::format("0 <= tension_cutoff < cohesion / tan(friction_angle) = {}, the "
-                                "apex; leave it out to keep the apex",
-                                apex)});
+  if (apex == no_cutoff) return in.number("tension_cutoff");
+  return in.number(
+      "tension_cutoff",
+      {.low = 0,
+       .high = apex,
+       .high_open = true,
+       .allowed = fmt::format("0 <= tension_cutoff < cohesion / tan(friction_angle) = {}, the "
+                              "apex; leave it out to keep the apex",
+                              apex)});
 }
 
 template <int dim>
@@ -76,8 +134,7 @@ MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elasti
 template <int dim>
 DruckerPrager<dim> read_drucker_prager(ConfigReader& in, const LameConstants& elastic) {
   const Friction friction = read_friction(in);
-  const std::string match =
-      in.choice_or("match", {"plane_strain", "compression", "extension"}, "plane_strain");
+  const std::string match = in.choice("match");
   return DruckerPrager<dim>({.lambda = elastic.lambda,
                              .mu = elastic.mu,
                              .friction_angle = friction.friction_angle,
@@ -91,7 +148,7 @@ DruckerPrager<dim> read_drucker_prager(ConfigReader& in, const LameConstants& el
 
 template <int dim>
 Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
-  const double cohesion = in.number("cohesion", positive());
+  const double cohesion = in.number("cohesion");
   const double cutoff = read_tension_cutoff(in, no_cutoff);
   return Tresca<dim>({.lambda = elastic.lambda,
                       .mu = elastic.mu,
@@ -102,12 +159,25 @@ Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
 
 }  // namespace
 
+const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
+const std::vector<std::string> material_laws = {"linear_elastic", "neo_hookean", "hencky_elastic",
+                                                "mohr_coulomb",   "tresca",      "drucker_prager"};
+
+KeyTable material_keys(const std::vector<std::string>& laws) {
+  KeyTable table{"material", "Law of the stress and its constants.", {}};
+  table.keys.push_back(key::choice("law", laws, "Law of the stress."));
+  for (const auto& group : {elasticity_keys(), strength_keys(), apex_keys()}) {
+    std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
+                 [&](const Key& key) { return belongs_to(key, laws); });
+  }
+  return table;
+}
+
 template <int dim>
 Material<dim> read_material(ConfigReader in) {
   Material<dim> material;
-  material.law_name = in.choice("law", {"linear_elastic", "neo_hookean", "hencky_elastic",
-                                        "mohr_coulomb", "tresca", "drucker_prager"});
-  material.density = in.number("density", positive());
+  material.law_name = in.choice("law");
+  material.density = in.number("density");
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
     material.law = LinearElastic<dim>{elastic.lambda, elastic.mu};

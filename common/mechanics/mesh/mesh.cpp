@@ -58,9 +58,9 @@ template <int dim>
 Mesh<dim> read_box(ConfigReader in) {
   Vector<dim> low, high;
   Eigen::Matrix<int, dim, 1> num_cells;
-  const auto low_values = in.numbers("low", dim);
-  const auto high_values = in.numbers("high", dim);
-  const auto cell_values = in.integers("cells", dim, at_least(1));
+  const auto low_values = in.vector("low", dim);
+  const auto high_values = in.vector("high", dim);
+  const auto cell_values = in.integers("cells", dim);
   for (int i = 0; i < dim; ++i) {
     low[i] = low_values[i];
     high[i] = high_values[i];
@@ -73,7 +73,7 @@ Mesh<dim> read_box(ConfigReader in) {
   const CellType simplex = dim == 2 ? CellType::tri3 : CellType::tet4;
   const CellType brick = dim == 2 ? CellType::quad4 : CellType::hex8;
   const bool cut = in.choice("type", {name(simplex), name(brick)}) == name(simplex);
-  const bool alternate = in.boolean_or("alternate", false);
+  const bool alternate = in.boolean("alternate");
   if (alternate && !cut) {
     in.fail("alternate", fmt::format("found true, allowed: only with type {}", name(simplex)));
   }
@@ -85,7 +85,33 @@ Mesh<dim> read_box(ConfigReader in) {
   }
 }
 
+KeyTable box_keys() {
+  return {"box",
+          "Box of equal cells. Its sides are the facet groups `left`, `right` (x), `bottom`, `top` "
+          "(the last axis), in 3D also `front`, `back` (low and high y).",
+          {key::vector("low", "m", "Corner with the smallest coordinates."),
+           key::vector("high", "m", "Opposite corner; each component larger than that of `low`."),
+           key::integers("cells", "Number of cells along each axis.").in(at_least(1)),
+           key::choice("type", {"tri3", "quad4", "tet4", "hex8"},
+                       "Cells: in 2D `tri3` or `quad4`, in 3D `tet4` or `hex8`."),
+           key::boolean("alternate",
+                        "Diagonals of `tri3` and `tet4` change direction from cell to cell; five "
+                        "tetrahedra a brick instead of six.")
+               .or_else(false)}};
+}
+
 }  // namespace
+
+KeyTable mesh_keys() {
+  return {"mesh",
+          "A mesh of one cell type (tri3, quad4, tet4, hex8).",
+          {key::text("file",
+                     "Gmsh file, format 4.1, relative to the scene; its physical groups of "
+                     "facets are the facet groups.")
+               .or_none(),
+           key::object("box", box_keys(), "Box of equal cells.").or_none()},
+          {"file", "box"}};
+}
 
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {

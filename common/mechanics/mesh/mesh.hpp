@@ -70,6 +70,7 @@ Mesh<dim> read_gmsh(const std::string& path);
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
+KeyTable mesh_keys();
 
 /// Warn when the file of a mesh with one material has several groups of cells: they look like
 /// several materials, and nothing tells them apart.

@@ -270,17 +270,34 @@ void Newton<block_size>::fail(const std::string& reason, const std::string& caus
 
 }  // namespace
 
-NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults) {
-  const Range residual{[](double x) { return x >= epsilon && x <= 0.1; },
-                       "a number from 2.3e-16 (rounding of the forces) to 0.1"};
-  const Range increment{[](double x) { return x > 0 && x <= 1; }, "a number in (0, 1]"};
+KeyTable newton_keys(const NewtonSettings& defaults) {
+  return {
+      "newton",
+      "Newton's method for the displacements of a step.",
+      {key::number("residual_tolerance", "",
+                   "Residual |r| over the largest of |f_int|, |f_ext|, |f_inertia| (of the soil "
+                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep it larger.")
+           .in(in_words(between(epsilon, 0.1),
+                        "a number from 2.3e-16 (rounding of the forces) to 0.1"))
+           .or_else(defaults.residual_tolerance),
+       key::number("increment_tolerance", "", "Largest nodal step over the mean cell size.")
+           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
+           .or_else(defaults.increment_tolerance),
+       key::integer("max_iterations", "After so many iterations the step has failed.")
+           .in(at_least(1))
+           .or_else(defaults.max_iterations),
+       key::boolean("reuse_matrix",
+                    "Keep the matrix and its factor while |r| falls by more than a factor 4 an "
+                    "iteration.")
+           .or_else(defaults.reuse_matrix)}};
+}
+
+NewtonSettings read_newton_settings(ConfigReader in) {
   NewtonSettings settings;
-  settings.residual_tolerance =
-      in.number_or("residual_tolerance", defaults.residual_tolerance, residual);
-  settings.increment_tolerance =
-      in.number_or("increment_tolerance", defaults.increment_tolerance, increment);
-  settings.max_iterations = in.integer_or("max_iterations", defaults.max_iterations, at_least(1));
-  settings.reuse_matrix = in.boolean_or("reuse_matrix", defaults.reuse_matrix);
+  settings.residual_tolerance = in.number("residual_tolerance");
+  settings.increment_tolerance = in.number("increment_tolerance");
+  settings.max_iterations = in.integer("max_iterations");
+  settings.reuse_matrix = in.boolean("reuse_matrix");
   in.finish();
   if (settings.residual_tolerance < likely_round_off) {
     log::warn(

@@ -21,7 +21,8 @@ struct NewtonSettings {
   /// Keep the matrix (and its factor) while |r| falls by more than a factor 4 an iteration.
   bool reuse_matrix = false;
 };
-NewtonSettings read_newton_settings(ConfigReader in, NewtonSettings defaults = {});
+KeyTable newton_keys(const NewtonSettings& defaults = {});
+NewtonSettings read_newton_settings(ConfigReader in);
 
 /// What was found of a trial state. The same on all ranks.
 struct Evaluation {

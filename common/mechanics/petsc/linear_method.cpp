@@ -42,17 +42,37 @@ bool direct_is_faster(const LinearRegime& regime, int dim, std::int64_t num_dofs
 
 }  // namespace
 
-LinearSolverSettings read_linear_solver_settings(ConfigReader in, LinearSolverSettings defaults) {
-  const Range tolerance{
-      [](double x) { return x >= std::numeric_limits<double>::epsilon() && x <= 1e-2; },
-      "a number from 2.3e-16 (rounding of the right-hand side) to 0.01"};
+KeyTable linear_solver_keys() {
+  const LinearSolverSettings defaults;
+  return {
+      "linear_solver",
+      "How each linear system of Newton's method is solved.",
+      {key::choice("method", {"auto", "lu", "mumps", "bicgstab", "gmres", "cg"},
+                   "`auto`: what is fastest for size and step; direct: `lu` (node blocks, one "
+                   "rank; on several it is `mumps`), `mumps`; Krylov: the others.")
+           .or_else(defaults.method),
+       key::choice("preconditioner", {"auto", "jacobi", "ilu"},
+                   "Of a Krylov method: `jacobi` (node blocks) or `ilu` (node blocks, no fill); "
+                   "with a direct method only `auto`.")
+           .or_else(defaults.preconditioner),
+       key::number("tolerance", "",
+                   "True residual over the right-hand side: the smallest that Newton's method "
+                   "may ask for.")
+           .in(in_words(between(std::numeric_limits<double>::epsilon(), 1e-2),
+                        "a number from 2.3e-16 (rounding of the right-hand side) to 0.01"))
+           .or_else(defaults.tolerance),
+       key::integer("max_iterations",
+                    "Of a Krylov method: after so many the direct one takes over.")
+           .in(at_least(1))
+           .or_else(defaults.max_iterations)}};
+}
+
+LinearSolverSettings read_linear_solver_settings(ConfigReader in) {
   LinearSolverSettings settings;
-  settings.method =
-      in.choice_or("method", {"auto", "lu", "mumps", "bicgstab", "gmres", "cg"}, defaults.method);
-  settings.preconditioner =
-      in.choice_or("preconditioner", {"auto", "jacobi", "ilu"}, defaults.preconditioner);
-  settings.tolerance = in.number_or("tolerance", defaults.tolerance, tolerance);
-  settings.max_iterations = in.integer_or("max_iterations", defaults.max_iterations, at_least(1));
+  settings.method = in.choice("method");
+  settings.preconditioner = in.choice("preconditioner");
+  settings.tolerance = in.number("tolerance");
+  settings.max_iterations = in.integer("max_iterations");
   if ((settings.method == "lu" || settings.method == "mumps") && settings.preconditioner != "auto")
     in.fail("preconditioner", "found \"" + settings.preconditioner +
                                   "\" with the direct method \"" + settings.method +

@@ -17,8 +17,8 @@ struct LinearSolverSettings {
   double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; [eps, 1e-2]
   int max_iterations = 500;  ///< of a Krylov method, then the direct one takes over; >= 1
 };
-LinearSolverSettings read_linear_solver_settings(ConfigReader in,
-                                                 LinearSolverSettings defaults = {});
+KeyTable linear_solver_keys();
+LinearSolverSettings read_linear_solver_settings(ConfigReader in);
 
 /// What "auto" needs to know.
 struct LinearRegime {

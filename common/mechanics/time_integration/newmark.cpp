@@ -25,15 +25,35 @@ NewmarkBossak NewmarkBossak::generalized_alpha(double rho_inf) {
           .gamma = 0.5 - alpha_m + alpha_f};
 }
 
+KeyTable newmark_keys(const std::string& scheme) {
+  return {
+      "time_integration",
+      "How velocity and acceleration follow from the displacement of a step.",
+      {key::choice("scheme", {"newmark", "bossak", "generalized_alpha"},
+                   "`newmark`: trapezoidal rule; `bossak`: averaged inertia; "
+                   "`generalized_alpha`: averaged forces too, with interfaces or rigid walls only "
+                   "with `rho_inf` 0.")
+           .or_else(scheme),
+       key::number("alpha", "",
+                   "Bossak's alpha: the farther from 0, the more high frequencies are damped.")
+           .in(in_words(between(-1.0 / 3, 0), "a number in [-1/3, 0]"))
+           .or_else(-0.1)
+           .when("scheme", {"bossak"}),
+       key::number("rho_inf", "",
+                   "Spectral radius at dt -> infinity: 1 damps nothing, 0 the highest frequencies "
+                   "in one step.")
+           .in(between(0, 1))
+           .or_else(0.8)
+           .when("scheme", {"generalized_alpha"})}};
+}
+
 NewmarkBossak read_newmark_bossak(ConfigReader in) {
   NewmarkBossak scheme;
-  const std::string name =
-      in.choice_or("scheme", {"newmark", "bossak", "generalized_alpha"}, "newmark");
+  const std::string name = in.choice("scheme");
   if (name == "bossak") {
-    const Range range{[](double x) { return x >= -1.0 / 3 && x <= 0; }, "a number in [-1/3, 0]"};
-    scheme = NewmarkBossak::bossak(in.number_or("alpha", -0.1, range));
+    scheme = NewmarkBossak::bossak(in.number("alpha"));
   } else if (name == "generalized_alpha") {
-    scheme = NewmarkBossak::generalized_alpha(in.number_or("rho_inf", 0.8, between(0, 1)));
+    scheme = NewmarkBossak::generalized_alpha(in.number("rho_inf"));
   }
   in.finish();
   return scheme;

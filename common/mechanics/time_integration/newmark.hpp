@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/settings/config_reader.hpp"
 
 namespace gabion {
@@ -65,6 +67,8 @@ struct NewmarkBossak {
 /// Read {"scheme": "newmark"}, the trapezoidal rule, {"scheme": "bossak", "alpha": -0.1} or
 /// {"scheme": "generalized_alpha", "rho_inf": 0.8}.
 NewmarkBossak read_newmark_bossak(ConfigReader in);
+/// @param scheme  the default
+KeyTable newmark_keys(const std::string& scheme);
 
 /// Refuse averaged forces where a solver exchanges forces with another one: both sides have to
 /// balance them at the same instant, t + dt.

@@ -190,7 +190,7 @@ TEST(TimeSteps, a_last_step_beyond_dt_is_shortened_to_the_end) {
 
 TEST(TimeSettings, all_keys_are_required_and_checked) {
   const auto read = [](const Json& value) {
-    return read_time_settings(ConfigReader(value, "f.json"));
+    return read_time_settings(ConfigReader(value, "f.json", time_keys()));
   };
   const auto refuses = [&](const Json& value, const std::vector<std::string_view>& parts) {
     expect_error<ConfigError>([&] { read(value); }, parts);

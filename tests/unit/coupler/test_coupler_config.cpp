@@ -11,7 +11,7 @@ namespace {
 CouplerSettings read_with(const std::string& pointer, const Json& value) {
   Json config = test::good_coupler();
   config[Json::json_pointer(pointer)] = value;
-  return read_coupler_settings(ConfigReader(config, "coupler.json"));
+  return read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys()));
 }
 
 /// The good file with this value there is refused at the place `at`.
@@ -22,7 +22,7 @@ void expect_refused(const std::string& pointer, const Json& value, const std::st
 }
 
 TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
-  const ConfigReader reader(test::good_coupler(), "coupler.json");
+  const ConfigReader reader(test::good_coupler(), "coupler.json", coupler_keys());
   const CouplerSettings s = read_coupler_settings(reader);
   EXPECT_EQ(s.time.dt, 2e-4);
   EXPECT_EQ(s.output_interval, 0.01);
@@ -36,7 +36,7 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
   EXPECT_EQ(resolved["coupling"]["convergence"]["stagnation"], 20);
   EXPECT_TRUE(resolved["protocol"].contains("silence_deadline"));
   // What was resolved is a complete config that reads as the same.
-  const ConfigReader again(resolved, "resolved");
+  const ConfigReader again(resolved, "resolved", coupler_keys());
   read_coupler_settings(again);
   EXPECT_EQ(again.resolved(), resolved);
 }
@@ -45,7 +45,8 @@ TEST(CouplerConfig, a_number_is_the_limit_of_qr2_and_an_object_names_the_filter)
   const auto filter_of = [](const Json& value) {
     Json config = test::good_coupler();
     config["coupling"]["acceleration"]["filter"] = value;
-    return read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.acceleration.filter;
+    return read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys()))
+        .coupling.acceleration.filter;
   };
   EXPECT_EQ(filter_of(0.05).kind, FilterKind::qr2);
   EXPECT_EQ(filter_of(0.05).limit, 0.05);
@@ -59,7 +60,8 @@ TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
   Json config = test::good_coupler();
   config["coupling"]["convergence"] = {{"displacement", {{"drop", 1e-4}}}, {"combine", "or"}};
   const ConvergenceSettings s =
-      read_coupler_settings(ConfigReader(config, "coupler.json")).coupling.convergence;
+      read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys()))
+          .coupling.convergence;
   EXPECT_EQ(*s.displacement.drop, 1e-4);
   EXPECT_FALSE(s.displacement.absolute || s.displacement.relative || s.force.given());
   EXPECT_EQ(s.combine, Combine::any);
@@ -68,7 +70,8 @@ TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
 TEST(CouplerConfig, a_participant_may_have_a_command) {
   Json config = test::good_coupler();
   config["participants"]["structure"]["command"] = {"python3", "wall.py"};
-  const CouplerSettings s = read_coupler_settings(ConfigReader(config, "coupler.json"));
+  const CouplerSettings s =
+      read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys()));
   EXPECT_EQ(s.participants[1].command, (std::vector<std::string>{"python3", "wall.py"}));
   EXPECT_TRUE(s.participants[0].command.empty());
 }
@@ -140,7 +143,8 @@ TEST(CouplerConfig, deformed_positions_need_a_projection) {
   const std::string at = "/coupling/mapping";
   Json config = test::good_coupler();
   config["coupling"]["mapping"] = {{"tolerance", 1}, {"positions", "deformed"}, {"moved", 0}};
-  const auto mapping = read_coupler_settings(ConfigReader(config, "c.json")).coupling.mapping;
+  const auto mapping =
+      read_coupler_settings(ConfigReader(config, "c.json", coupler_keys())).coupling.mapping;
   EXPECT_TRUE(mapping.deformed);
   EXPECT_EQ(mapping.moved, 0);
   expect_refused(at, {{"tolerance", 1}, {"positions", "current"}}, at + "/positions",

@@ -22,7 +22,8 @@ class SceneCheck : public ::testing::Test {
     if (!mpm.is_null()) std::ofstream(folder.path() + "/mpm.json") << mpm.dump();
     if (!fem.is_null()) std::ofstream(folder.path() + "/fem.json") << fem.dump();
     const Scene scene(folder.path(), {});
-    const CouplerSettings settings = read_coupler_settings(scene.reader("coupler.json"));
+    const CouplerSettings settings =
+        read_coupler_settings(scene.reader("coupler.json", coupler_keys()));
     const auto files = files_read(scene, settings, [&](const std::string& name) {
       return std::find(launched.begin(), launched.end(), name) != launched.end();
     });

@@ -16,7 +16,7 @@ template <int dim>
 fem::FemSettings<dim> fem_settings(const Json& json) {
   const TemporaryScene folder("fem.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("fem.json");
+  ConfigReader in = scene.reader("fem.json", fem::fem_keys());
   fem::read_dimension(in);
   auto settings = fem::read_fem_settings<dim>(scene, in);
   in.finish();

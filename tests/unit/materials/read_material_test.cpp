@@ -13,8 +13,9 @@ Json soil() {
 }
 
 void expect_refused(const Json& material, const std::vector<std::string_view>& parts) {
-  test::expect_error<ConfigError>([&] { read_material<2>(ConfigReader(material, "mpm.json")); },
-                                  parts);
+  test::expect_error<ConfigError>(
+      [&] { read_material<2>(ConfigReader(material, "mpm.json", material_keys(material_laws))); },
+      parts);
 }
 
 void expect_refused_with(const std::string& key, const Json& value,
@@ -25,7 +26,8 @@ void expect_refused_with(const std::string& key, const Json& value,
 }
 
 TEST(ReadMaterial, MohrCoulomb) {
-  const auto material = read_material<2>(ConfigReader(soil(), "mpm.json"));
+  const auto material =
+      read_material<2>(ConfigReader(soil(), "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(material.law_name, "mohr_coulomb");
   EXPECT_EQ(material.density, 2650);
   const auto& law = std::get<MohrCoulomb<2>>(material.law);
@@ -47,7 +49,8 @@ Json clay() {
 }
 
 TEST(ReadMaterial, Tresca) {
-  const auto material = read_material<3>(ConfigReader(clay(), "mpm.json"));
+  const auto material =
+      read_material<3>(ConfigReader(clay(), "mpm.json", material_keys(material_laws)));
   const auto& law = std::get<Tresca<3>>(material.law);
   EXPECT_NEAR(law.parameters().mu, 5e6 / 2.9, 1e-6);
   EXPECT_EQ(law.parameters().cohesion, 2e4);
@@ -68,14 +71,16 @@ TEST(ReadMaterial, Tresca) {
 TEST(ReadMaterial, DruckerPrager) {
   Json json = soil();
   json["law"] = "drucker_prager";
-  const auto plain = std::get<DruckerPrager<2>>(read_material<2>(ConfigReader(json, "f")).law);
+  const auto plain = std::get<DruckerPrager<2>>(
+      read_material<2>(ConfigReader(json, "f", material_keys(material_laws))).law);
   EXPECT_EQ(plain.parameters().match, ConeMatch::plane_strain);
   EXPECT_EQ(plain.parameters().apex_volume, ApexVolume::gap);
   EXPECT_NEAR(plain.cone().eta, std::sin(19.8 * degree), 1e-15);
   for (const auto& [word, match] :
        {std::pair{"compression", ConeMatch::compression}, {"extension", ConeMatch::extension}}) {
     json["match"] = word;
-    const auto law = std::get<DruckerPrager<2>>(read_material<2>(ConfigReader(json, "f")).law);
+    const auto law = std::get<DruckerPrager<2>>(
+        read_material<2>(ConfigReader(json, "f", material_keys(material_laws))).law);
     EXPECT_EQ(law.parameters().match, match);
   }
   json["match"] = "inner";
@@ -94,14 +99,15 @@ TEST(ReadMaterial, ApexVolume) {
   }
   Json json = soil();
   json["apex_volume"] = "forget";
-  const auto material = read_material<2>(ConfigReader(json, "mpm.json"));
+  const auto material =
+      read_material<2>(ConfigReader(json, "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(std::get<MohrCoulomb<2>>(material.law).parameters().apex_volume, ApexVolume::forget);
 }
 
 TEST(ReadMaterial, TensionCutoff) {
   Json json = soil();  // apex at 10 / tan 19.8 = 27.78
   json["tension_cutoff"] = 5;
-  const auto sand = read_material<2>(ConfigReader(json, "mpm.json"));
+  const auto sand = read_material<2>(ConfigReader(json, "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(std::get<MohrCoulomb<2>>(sand.law).parameters().tension_cutoff, 5);
   for (const double bad : {-1.0, 28.0}) {
     expect_refused_with("tension_cutoff", bad, {"/tension_cutoff", "27.7", "apex"});
@@ -110,12 +116,12 @@ TEST(ReadMaterial, TensionCutoff) {
   expect_refused(json, {"/tension_cutoff", "unknown"});
 
   json = clay();
-  const auto uncut = read_material<2>(ConfigReader(json, "mpm.json"));
+  const auto uncut = read_material<2>(ConfigReader(json, "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(std::get<Tresca<2>>(uncut.law).parameters().tension_cutoff, no_cutoff);
   json["apex_volume"] = "gap";
   expect_refused(json, {"/apex_volume", "unknown"});  // nothing to apply it to
   json["tension_cutoff"] = 0;
-  const auto cut = read_material<2>(ConfigReader(json, "mpm.json"));
+  const auto cut = read_material<2>(ConfigReader(json, "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(std::get<Tresca<2>>(cut.law).parameters().tension_cutoff, 0);
   json["tension_cutoff"] = -1;
   expect_refused(json, {"/tension_cutoff", ">= 0"});
@@ -125,7 +131,8 @@ template <class Law>
 void expect_elastic(const std::string& name) {
   const Json wall = {
       {"law", name}, {"density", 1100}, {"young_modulus", 1e6}, {"poisson_ratio", 0}};
-  const auto material = read_material<3>(ConfigReader(wall, "fem.json"));
+  const auto material =
+      read_material<3>(ConfigReader(wall, "fem.json", material_keys(elastic_laws)));
   ASSERT_TRUE(std::holds_alternative<Law>(material.law)) << name;
   EXPECT_TRUE(is_elastic<3>(material.law));
   EXPECT_EQ(std::get<Law>(material.law).lambda, 0);
@@ -160,7 +167,8 @@ TEST(ConstitutiveLaw, IsWhatTheSolversAskFor) {
 }
 
 TEST(ReadMaterial, TheVariantUpdatesLikeItsLaw) {
-  const auto material = read_material<2>(ConfigReader(soil(), "mpm.json"));
+  const auto material =
+      read_material<2>(ConfigReader(soil(), "mpm.json", material_keys(material_laws)));
   const Matrix<2> H = -0.01 * Matrix<2>::Identity();
   StressUpdate<2> out;
   ASSERT_TRUE(update<2>(material.law, H, {}, out, nullptr));

@@ -27,7 +27,7 @@ class ReadMesh : public testing::Test {
   Mesh<dim> read(const std::string& mesh) {
     std::ofstream(folder_ / "fem.json") << "{\"mesh\": " << mesh << "}";
     const Scene scene(folder_.string(), {});
-    auto in = scene.reader("fem.json");
+    auto in = scene.reader("fem.json", {"fem", "", {key::object("mesh", mesh_keys(), "")}});
     return read_mesh<dim>(scene, in.object("mesh"));
   }
   void expect_refused(const std::string& mesh, const std::vector<std::string_view>& parts) {

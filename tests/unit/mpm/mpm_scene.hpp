@@ -20,8 +20,8 @@ template <int dim>
 mpm::MpmSettings<dim> mpm_settings(const Json& json) {
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
-  in.integer("dimension", between(dim, dim));
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
+  in.integer("dimension");
   return mpm::read_mpm_settings<dim>(scene, in, nullptr);
 }
 
@@ -29,7 +29,7 @@ mpm::MpmSettings<dim> mpm_settings(const Json& json) {
 inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm()) {
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
   return make_mpm_solver(scene, in, on, "", nullptr);
 }
 

@@ -39,7 +39,7 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
 TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   const TemporaryScene folder("mpm.json", valid());
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
   in.integer("dimension");
   const auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
   const double M = 1e5 * 0.7 / (1.3 * 0.4);
@@ -119,7 +119,9 @@ TEST(MpmConfig, volumes_are_averaged_where_soil_would_lock) {
   json["locking"] = {{"method", "bbar"}};
   expect_refused(json, {"/locking/method", "bbar", "fbar, none"});
   json["locking"] = {{"mode", "fbar"}};
-  expect_refused(json, {"/locking/method"});
+  expect_refused(json, {"/locking/mode", "did you mean \"method\"?"});
+  json["locking"] = Json::object();
+  EXPECT_EQ(locking_method(json), "none");
 }
 
 TEST(MpmConfig, small_cuts) {
@@ -376,7 +378,7 @@ TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   json["output"] = {{"interval", 0.5}};
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
   AloneSettings alone;
   make_mpm_solver(scene, in, comm(), "", &alone);
   EXPECT_EQ(alone.time.dt, 0.1);
@@ -448,7 +450,7 @@ TEST(MpmConfig, phases_end_on_the_raster_of_the_steps) {
   const auto read = [](const Json& scene_json) {
     const TemporaryScene folder("mpm.json", scene_json);
     const Scene scene(folder.path(), {});
-    ConfigReader in = scene.reader("mpm.json");
+    ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
     AloneSettings alone;
     make_mpm_solver(scene, in, comm(), "", &alone);
   };

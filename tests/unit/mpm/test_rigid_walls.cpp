@@ -12,7 +12,7 @@ namespace {
 
 template <int dim>
 mpm::RigidMotion<dim> read(const Json& json) {
-  return mpm::read_rigid_motion<dim>(ConfigReader(json, "mpm.json"));
+  return mpm::read_rigid_motion<dim>(ConfigReader(json, "mpm.json", mpm::rigid_motion_keys()));
 }
 
 TEST(RigidMotion, velocity_and_table) {

@@ -262,20 +262,22 @@ TEST(Newton, FailedSolveForgetsTheMatrix) {
 
 TEST(NewtonSettings, ReadAndRefused) {
   const Json json = {{"residual_tolerance", 1e-6}, {"max_iterations", 7}, {"reuse_matrix", true}};
-  const auto settings =
-      read_newton_settings(ConfigReader(json, "f.json"), {.increment_tolerance = 1e-3});
+  const auto settings = read_newton_settings(
+      ConfigReader(json, "f.json", newton_keys({.increment_tolerance = 1e-3})));
   EXPECT_EQ(settings.residual_tolerance, 1e-6);
   EXPECT_EQ(settings.increment_tolerance, 1e-3);
   EXPECT_EQ(settings.max_iterations, 7);
   EXPECT_TRUE(settings.reuse_matrix);
   const auto refuses = [](const Json& wrong, const std::vector<std::string_view>& parts) {
-    test::expect_error<ConfigError>([&] { read_newton_settings(ConfigReader(wrong, "f.json")); },
-                                    parts);
+    test::expect_error<ConfigError>(
+        [&] { read_newton_settings(ConfigReader(wrong, "f.json", newton_keys())); }, parts);
   };
   refuses({{"residual_tolerance", 0}}, {"/residual_tolerance: found 0"});
   refuses({{"residual_tolerance", 2e-16}}, {"/residual_tolerance", "rounding of the forces"});
   const Json smallest = {{"residual_tolerance", 2.3e-16}};
-  EXPECT_EQ(read_newton_settings(ConfigReader(smallest, "f.json")).residual_tolerance, 2.3e-16);
+  EXPECT_EQ(
+      read_newton_settings(ConfigReader(smallest, "f.json", newton_keys())).residual_tolerance,
+      2.3e-16);
   refuses({{"increment_tolerance", -1}}, {"/increment_tolerance: found -1", "(0, 1]"});
   refuses({{"max_iterations", 0}}, {"/max_iterations: found 0"});
   refuses({{"tolerance", 1e-6}}, {"/tolerance", "unknown"});

@@ -43,7 +43,7 @@ TEST(LinearMethod, SettingsOverrideTheRegime) {
 }
 
 LinearSolverSettings read(const Json& json) {
-  return read_linear_solver_settings(ConfigReader(json, "f.json"));
+  return read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
 }
 
 TEST(LinearMethod, ReadsSettings) {

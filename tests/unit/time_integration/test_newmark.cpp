@@ -148,7 +148,7 @@ TEST(NewmarkBossak, AccelerationAndVelocityAreExactForConstantAcceleration) {
 
 TEST(NewmarkBossak, Config) {
   const auto read = [](const Json& json) {
-    return read_newmark_bossak(ConfigReader(json, "f.json"));
+    return read_newmark_bossak(ConfigReader(json, "f.json", newmark_keys("newmark")));
   };
   EXPECT_EQ(read(Json::object()).alpha_m, 0);
   EXPECT_EQ(read({{"scheme", "bossak"}}).alpha_m, -0.1);

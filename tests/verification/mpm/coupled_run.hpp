@@ -16,7 +16,7 @@ namespace gabion::test {
 inline std::unique_ptr<Solver> make_fem(const Json& json) {
   const TemporaryScene folder("fem.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("fem.json");
+  ConfigReader in = scene.reader("fem.json", fem::fem_keys());
   return make_fem_solver(scene, in, comm(), "", nullptr);
 }
 

@@ -69,7 +69,7 @@ double displacement_error(const std::string& type, int cells, const std::string&
                      {"linear_solver", {{"method", "lu"}}}};
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
-  ConfigReader in = scene.reader("mpm.json");
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
   in.integer("dimension");
   auto settings = mpm::read_mpm_settings<dim>(scene, in, nullptr);
   settings.body_acceleration = [&](const Vector<dim>& X, double) {

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/fem_config.hpp"
+#include "solver_program/solver_program.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+const std::vector<std::string> components = {component_names, component_names + 3};
+constexpr const char* factor_sentence =
+    "Rows [t, factor], linear between rows and held before and after; none: factor 1.";
+
+Key group_key(const std::string& sentence) {
+  return key::text("group", sentence);
+}
+
+KeyTable support_keys() {
+  return {"support",
+          "Nodes that do not move. A component of a group is fixed once.",
+          {group_key("Facet group whose nodes are held."),
+           key::texts("components", "Components of the displacement that are zero.")
+               .among(components)
+               .not_empty()
+               .or_computed("all"),
+           key::boolean("report_reaction", "Adds the columns reaction_GROUP_x, ... to the probes.")
+               .or_else(SupportSettings{}.report_reaction)}};
+}
+
+KeyTable prescribed_keys() {
+  return {"prescribed",
+          "One component of the displacement of a group as a function of time.",
+          {group_key("Facet group whose nodes are moved."),
+           key::choice("component", components, "Component of the displacement."),
+           key::number("rate", "m/s", "The displacement is this times t.").or_none(),
+           time_table_key(
+               "m", "Rows [t, displacement], linear between rows and held before and after.")},
+          {"rate", "table"}};
+}
+
+KeyTable load_keys() {
+  return {
+      "load",
+      "A force on the node at a point, or in equal parts on the nodes of a group.",
+      {key::vector("point", "m", "Coordinates of a node in the reference configuration.").or_none(),
+       group_key("Facet group whose nodes share the force.").or_none(),
+       key::vector("force", "N", "The resultant; in 2D per metre of thickness."),
+       time_table_key("", factor_sentence)},
+      {"point", "group"}};
+}
+
+KeyTable traction_keys() {
+  return {"traction",
+          "A dead load on the facets of a group.",
+          {group_key("Facet group that carries it."),
+           key::vector("traction", "Pa", "Force per reference area."),
+           time_table_key("", factor_sentence)}};
+}
+
+KeyTable interface_keys() {
+  return {"interface",
+          "A wet surface that the coupler couples; no facet belongs to two, or twice to one.",
+          {key::plain_name("As in coupler.json."),
+           key::texts("groups", "Facet groups of the surface.").not_empty()}};
+}
+
+KeyTable probe_keys() {
+  return {"probe",
+          "A point whose displacement is reported: that of the node there, or interpolated in the "
+          "cell.",
+          {key::plain_name("Its own; columns of the tables start with it."),
+           key::vector("point", "m", "In the reference configuration.")}};
+}
+
+std::vector<Key> model_keys() {
+  const std::vector<std::string> dynamic = {"dynamic"};
+  return {
+      key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
+      key::object("mesh", mesh_keys(), "Mesh of the structure."),
+      key::object("material", material_keys(elastic_laws), "Of all cells; elastic laws only."),
+      key::choice("analysis", {"dynamic", "static"}, "`static`: without inertia.")
+          .or_else("dynamic"),
+      key::object("time_integration", newmark_keys("newmark"), "Scheme of the dynamic analysis.")
+          .or_empty()
+          .when("analysis", dynamic),
+      key::choice("mass", {"consistent", "lumped"},
+                  "`lumped`: row sums of the consistent mass matrix.")
+          .or_else("consistent")
+          .when("analysis", dynamic),
+      key::vector("gravity", "m/s^2", "Acceleration on all cells.").or_else(0),
+      key::vector("initial_velocity", "m/s",
+                  "Of all free components; zero with `initial_equilibrium`.")
+          .or_else(0)
+          .when("analysis", dynamic),
+      key::boolean("initial_equilibrium",
+                   "Start at rest under gravity and the loads at time 0; needs `supports` or "
+                   "`prescribed` in every direction.")
+          .or_else(FemSettings<2>{}.initial_equilibrium)};
+}
+
+std::vector<Key> condition_keys() {
+  return {
+      key::objects("supports", support_keys(), "Held nodes.").or_empty(),
+      key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty(),
+      key::objects("loads", load_keys(), "Forces.").or_empty(),
+      key::objects("tractions", traction_keys(), "Forces per area.").or_empty(),
+      key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
+      key::objects("probes", probe_keys(), "Reported points.").or_empty(),
+      key::object("newton", newton_keys(FemSettings<2>{}.newton), "Newton's method.").or_empty(),
+      key::object("linear_solver", linear_solver_keys(), "Linear systems.").or_empty()};
+}
+
+}  // namespace
+
+KeyTable fem_keys() {
+  KeyTable table{"fem", "Settings of the structure.", {key::schema()}};
+  for (const auto& group : {model_keys(), condition_keys(), alone_keys()}) {
+    table.keys.insert(table.keys.end(), group.begin(), group.end());
+  }
+  return table;
+}
+
+}  // namespace gabion::fem

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/contact_keys.hpp"
+
+#include "mpm_solver/contact/rigid_motion.hpp"
+#include "mpm_solver/contact/surface_config.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+std::vector<Key> boundary_keys() {
+  return {
+      key::object("surface", surface_keys(), "Where the boundary points lie."),
+      key::choice(
+          "mode", {"fixed", "contact", "slip"},
+          "`contact`: pushes, never pulls, and sticks or slides by `friction`; `slip`: pushes "
+          "in normal direction only; `fixed`: holds in all directions, in tension too.")
+          .or_else("contact"),
+      key::choice(
+          "gap", {"accumulated", "step"},
+          "What the penalty acts on: `accumulated`: the gap since soil came near; `step`: the "
+          "displacement of this step only.")
+          .or_else("accumulated"),
+      key::number("penalty", "Pa/m", "Traction over penetration.").in(positive()).or_none(),
+      key::number("penalty_factor", "",
+                  "Penalty times the mean cell size over the largest P-wave modulus of the bodies.")
+          .in(positive())
+          .or_else(0.5)
+          .without("penalty"),
+      key::number("friction", "", "Coefficient of friction; none: it sticks.")
+          .in(non_negative())
+          .or_none()
+          .when("mode", {"contact"}),
+      key::number("tangential_share", "", "Tangential over normal penalty.")
+          .in(between(1e-6, 1))
+          .or_computed("1; 0.1 with `friction`"),
+      key::integer("points_per_facet",
+                   "Boundary points of a facet: any number of a segment; 1, 3, 4, 6, 12 or 16 of a "
+                   "triangle; 1, 4, 9 or 16 of a quadrilateral; at most 1 000 000 in all.")
+          .in(at_least(1))
+          .or_computed("number of its vertices")};
+}
+
+KeyTable with_boundary(KeyTable table) {
+  for (const Key& key : boundary_keys()) table.keys.push_back(key);
+  return table;
+}
+
+}  // namespace
+
+KeyTable interface_keys() {
+  return with_boundary(
+      {"interface",
+       "A surface that the coupler moves and that gets the force of the soil.",
+       {key::plain_name("As in coupler.json."),
+        key::choice("method", {"boundary_points"}, "Boundary points with a penalty.")
+            .or_else("boundary_points")}});
+}
+
+KeyTable rigid_wall_keys() {
+  KeyTable table =
+      with_boundary({"rigid_wall",
+                     "A surface that moves as given, whatever the soil does.",
+                     {key::plain_name("Its own; columns of the tables start with it.")}});
+  table.keys.push_back(
+      key::object("motion", rigid_motion_keys(), "Given motion; none: it is at rest.").or_none());
+  return table;
+}
+
+}  // namespace gabion::mpm

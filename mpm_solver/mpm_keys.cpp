@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "mpm_solver/contact/contact_keys.hpp"
+#include "mpm_solver/mpm_config.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+KeyTable body_keys() {
+  return {"body",
+          "Soil of one material. Its mesh gives shape and material points only.",
+          {key::plain_name("Its own."), key::object("mesh", mesh_keys(), "Shape at the start."),
+           key::integer(
+               "points_per_cell",
+               "Material points of a cell: tri3 1, 3, 4, 6, 12 or 16; quad4 1, 4, 9 or 16; tet4 1 "
+               "or 4; hex8 1, 8 or 27.")
+               .in(at_least(1)),
+           key::choice("point_placement", {"gauss", "regular"},
+                       "At Gauss points, or at the centres of equal parts of a quad4 or hex8.")
+               .or_computed("`regular` with `basis` `gimp` in quad4 and hex8, else `gauss`"),
+           key::vector("velocity", "m/s", "At the start; zero where the run starts quasi-static.")
+               .or_else(0),
+           key::object("material", material_keys(material_laws), "Law and constants."),
+           key::object("initial_stress", initial_stress_keys(),
+                       "Geostatic stress at the start; none: free of stress.")
+               .or_none()}};
+}
+
+KeyTable transfer_keys() {
+  return {"transfer",
+          "How velocities go from the grid back to the material points.",
+          {key::choice("method", {"flip", "tpic"},
+                       "`flip`: the change of velocity; `tpic`: the velocity, with gradients.")
+               .or_else("flip"),
+           key::number("pic_share", "", "Share of PIC in the velocity: 0 is FLIP, 1 PIC.")
+               .in(between(0, 1))
+               .or_else(0)
+               .when("method", {"flip"})}};
+}
+
+KeyTable locking_keys() {
+  return {"locking",
+          "What is done against volumetric locking.",
+          {key::choice("method", {"fbar", "none"}, "`fbar` averages volumes over patches of cells.")
+               .or_computed(fmt::format(
+                   "`fbar` when a body has a law that yields at constant volume (tresca; "
+                   "mohr_coulomb, drucker_prager with `dilation_angle` 0) or `poisson_ratio` > {}, "
+                   "else `none`",
+                   locking_poisson_ratio))}};
+}
+
+KeyTable small_cut_keys() {
+  const SmallCutSettings defaults;
+  return {"small_cuts",
+          "What is done about cells and nodes that hold little soil.",
+          {key::choice("method", {"auto", "none", "ghost", "mass_cutoff"},
+                       "`auto`: `ghost` in quasi-static phases with the linear basis, else `none`; "
+                       "another word holds for all phases, `ghost` with the linear basis only.")
+               .or_else("auto"),
+           key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
+               .in(positive())
+               .or_else(defaults.ghost_factor)
+               .only("where a phase has `ghost`"),
+           key::number("mass_share", "",
+                       "Share of the mass of its points below which a node joins another.")
+               .in({.low = 0, .high = 0.01, .low_open = true, .allowed = "a number in (0, 0.01]"})
+               .or_else(defaults.mass_share)
+               .only("where a phase is quasi-static or has `mass_cutoff`")}};
+}
+
+KeyTable probe_keys() {
+  return {
+      "probe",
+      "A place whose motion is reported: that of the material point nearest to it at the start.",
+      {key::plain_name("Its own; columns of the tables start with it."),
+       key::vector("point", "m", "At the start.")}};
+}
+
+std::vector<Key> model_keys() {
+  return {key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
+          key::object("grid", mesh_keys(), "Mesh of the background."),
+          key::choice("basis", {"linear", "gimp", "bspline"},
+                      "Functions of the grid; the last two need a `box` of quad4 or hex8.")
+              .or_computed("`gimp` where the grid and all bodies are boxes of quad4 or hex8, else "
+                           "`linear`"),
+          key::objects("bodies", body_keys(), "The soil.").not_empty(),
+          key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
+          key::choice("outside", {"error", "remove"},
+                      "Material points that leave the grid: the step fails, or they are taken out.")
+              .or_else("error"),
+          key::object("transfer", transfer_keys(), "From grid to points.")
+              .or_empty()
+              .only("where a phase has inertia"),
+          key::object("locking", locking_keys(), "Against volumetric locking.").or_empty(),
+          key::object("small_cuts", small_cut_keys(), "Against small cuts.").or_empty()};
+}
+
+std::vector<Key> surface_and_solver_keys() {
+  return {
+      key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
+      key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
+      key::objects("probes", probe_keys(), "Reported places.").or_empty(),
+      key::object("newton", newton_keys(MpmSettings<2>{}.newton), "Newton's method.").or_empty(),
+      key::object("linear_solver", linear_solver_keys(), "Linear systems.").or_empty(),
+      key::object("step_control", step_control_keys(), "Limits of dt; none: no limit acts.")
+          .or_none()};
+}
+
+}  // namespace
+
+KeyTable mpm_keys() {
+  KeyTable table{"mpm", "Settings of the soil.", {key::schema()}};
+  for (const auto& group : {model_keys(), phases_keys(), surface_and_solver_keys(), alone_keys()}) {
+    table.keys.insert(table.keys.end(), group.begin(), group.end());
+  }
+  return table;
+}
+
+}  // namespace gabion::mpm
