@@ -155,13 +155,13 @@ InterfaceLayout InterfaceMap::layout(const std::string& participant) const {
 Eigen::VectorXd InterfaceMap::soil_displacement(const Eigen::VectorXd& x) const {
   Eigen::VectorXd u(soil_size_);
   for (const Interface& interface : interfaces_) {
-    to_soil(interface, x, part(u, interface.soil_begin, interface.soil_mesh));
+    soil_values(interface, x, part(u, interface.soil_begin, interface.soil_mesh));
   }
   return u;
 }
 
-void InterfaceMap::to_soil(const Interface& interface, const Eigen::VectorXd& x,
-                           std::span<double> u) const {
+void InterfaceMap::soil_values(const Interface& interface, const Eigen::VectorXd& x,
+                               std::span<double> u) const {
   const auto own = part(x, interface.begin, interface.structure_mesh);
   if (interface.x_b.size() == 0) return interface.mapping.to_soil(own, u);
   std::vector<double> dx(own.begin(), own.end());
@@ -190,7 +190,7 @@ void InterfaceMap::accept(const Eigen::VectorXd& x) {
     const double farthest = moved.reshaped(dim_, moved.size() / dim_).colwise().norm().maxCoeff();
     if (farthest <= interface.reach) continue;
     Eigen::VectorXd u(std::ssize(interface.soil_mesh.coordinates));
-    to_soil(interface, x, part(u, 0, interface.soil_mesh));
+    soil_values(interface, x, part(u, 0, interface.soil_mesh));
     interface.u_b = u;
     interface.x_b = x_own;
     set_up(interface);

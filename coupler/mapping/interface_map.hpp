@@ -79,7 +79,7 @@ class InterfaceMap {
     int num_set_ups = 1;
   };
   void place_soils();
-  void to_soil(const Interface& interface, const Eigen::VectorXd& x, std::span<double> u) const;
+  void soil_values(const Interface& interface, const Eigen::VectorXd& x, std::span<double> u) const;
   void set_up(Interface& interface) const;
 
   MappingSettings settings_;
