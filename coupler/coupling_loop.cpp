@@ -91,7 +91,8 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   if (clock_.due(steps_.time())) write_output();
 }
 
-/// The solvers' wish, made smaller where the coupling needed many iterations (README section 3).
+/// The solvers' wish, made smaller where the coupling needed many iterations
+/// (docs/theory/coupling.md).
 double CouplingLoop::allowed_dt(const Attempt& done, double proposed_dt) const {
   const DtByIterations& control = settings_.coupling.step_control;
   const bool halve = control.many > 0 && done.iterations() >= control.many;

@@ -8,8 +8,8 @@
 
 namespace gabion {
 
-/// One try to solve a step: the values of its last iteration, named as in README.md section 1, and
-/// what became of it.
+/// One try to solve a step: the values of its last iteration, named as in docs/theory/coupling.md,
+/// and what became of it.
 struct Attempt {
   Eigen::VectorXd x = {};        ///< [m] displacement of the structures' wet surfaces, as guessed
   Eigen::VectorXd u = {};        ///< [m] H x, given to the soils

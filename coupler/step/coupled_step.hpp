@@ -18,8 +18,8 @@
 
 namespace gabion {
 
-/// The coupling of both sides within one step (README.md section 1), and what it learns from step
-/// to step.
+/// The coupling of both sides within one step (docs/theory/coupling.md), and what it learns from
+/// step to step.
 ///
 ///     (solve, reject)*, solve, accept
 class CoupledStep {

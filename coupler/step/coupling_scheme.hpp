@@ -11,7 +11,7 @@
 
 namespace gabion {
 
-/// How both sides take turns in one iteration, and what is iterated on (README.md section 1).
+/// How both sides take turns in one iteration, and what is iterated on (docs/theory/coupling.md).
 class CouplingScheme {
  public:
   virtual ~CouplingScheme() = default;
