@@ -54,7 +54,11 @@ PrincipalDruckerPrager cone_constants(const DruckerPragerParameters& p) {
     eta = triaxial_slope(p.friction_angle, p.match);
     eta_bar = triaxial_slope(p.dilation_angle, p.match);
   }
-  return {p.lambda, p.mu, eta, eta_bar, eta * p.cohesion / std::tan(p.friction_angle)};
+  return {.lambda = p.lambda,
+          .mu = p.mu,
+          .eta = eta,
+          .eta_bar = eta_bar,
+          .strength = eta * p.cohesion / std::tan(p.friction_angle)};
 }
 
 template <int dim>

@@ -51,11 +51,19 @@ inline ConeReturn return_to_cone(const PrincipalDruckerPrager& law, const Eigen:
   if (root > law.mu * multiplier) {
     const Eigen::Vector3d n = s / root;
     const Eigen::Vector3d plastic = (multiplier * (0.5 * n.array() + law.eta_bar / 3)).matrix();
-    return {YieldRegion::shear, eps - plastic, plastic, n, 1 - law.mu * multiplier / root};
+    return {.region = YieldRegion::shear,
+            .eps_e = eps - plastic,
+            .plastic = plastic,
+            .direction = n,
+            .shrinkage = 1 - law.mu * multiplier / root};
   }
   const Eigen::Vector3d eps_e =
       Eigen::Vector3d::Constant(law.strength / law.eta / (3 * law.bulk()));
-  return {YieldRegion::apex, eps_e, eps - eps_e, Eigen::Vector3d::Zero(), 0};
+  return {.region = YieldRegion::apex,
+          .eps_e = eps_e,
+          .plastic = eps - eps_e,
+          .direction = Eigen::Vector3d::Zero(),
+          .shrinkage = 0};
 }
 
 /// d tau / d eps of the stress returned to the cone.

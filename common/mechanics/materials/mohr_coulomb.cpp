@@ -13,7 +13,11 @@ double flow_ratio(double angle) {
 
 PrincipalMohrCoulomb principal_constants(const MohrCoulombParameters& p) {
   const double k = flow_ratio(p.friction_angle);
-  return {p.lambda, p.mu, k, flow_ratio(p.dilation_angle), 2 * p.cohesion * std::sqrt(k)};
+  return {.lambda = p.lambda,
+          .mu = p.mu,
+          .k = k,
+          .m = flow_ratio(p.dilation_angle),
+          .strength = 2 * p.cohesion * std::sqrt(k)};
 }
 
 }  // namespace

@@ -24,7 +24,11 @@ class Tresca {
   static constexpr bool is_elastic = false;
   explicit Tresca(const TrescaParameters& parameters)
       : parameters_(parameters),
-        principal_{parameters.lambda, parameters.mu, 1, 1, 2 * parameters.cohesion} {}
+        principal_{.lambda = parameters.lambda,
+                   .mu = parameters.mu,
+                   .k = 1,
+                   .m = 1,
+                   .strength = 2 * parameters.cohesion} {}
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;

@@ -38,7 +38,12 @@ class ReadMesh : public testing::Test {
 };
 
 TEST_F(ReadMesh, FromAFileOfTheScene) {
-  EXPECT_EQ(read(R"({"file": "plate.msh"})").cell_type, CellType::tri3);
+  const auto mesh = read(R"({"file": "plate.msh"})");
+  const auto direct = read_gmsh<2>(MESH_DATA "/plate.msh");
+  EXPECT_EQ(mesh.cell_type, CellType::tri3);
+  EXPECT_EQ(mesh.nodes, direct.nodes);
+  EXPECT_EQ(mesh.cells, direct.cells);
+  EXPECT_EQ(mesh.facet_groups, direct.facet_groups);
 }
 
 TEST_F(ReadMesh, FromABox) {

@@ -232,9 +232,11 @@ TEST(Newton, ReusedMatrixThatNoLongerServesIsReplaced) {
   bench.settings.max_iterations = 40;
   bench.solve();
   EXPECT_TRUE(bench.matrix.is_usable);
+  const auto before = bench.linear.factorisations();
   bench.chain.load_x = 3000;  // ten times stiffer
   bench.solve();
   expect_exact(bench, 1e-7);
+  EXPECT_GT(bench.linear.factorisations(), before);
 }
 
 TEST(Newton, LinearProblemIsFactorisedOnceForEver) {
