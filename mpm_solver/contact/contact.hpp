@@ -34,7 +34,7 @@ struct ContactCounts {
 
 /// A surface that touches the soil: between them act equal and opposite forces, by a method of its
 /// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
-/// or the next begin_step. Forces are those of the first rank; all ranks hold the same state.
+/// or the next begin_step. add_forces is asked of the first rank alone: the others carry no force.
 template <int dim>
 class Contact {
  public:

@@ -74,7 +74,8 @@ void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
     std::partial_sum(starts.begin(), starts.end(), starts.begin());
     for (std::int32_t c = 0; c < num_cells; ++c) {
       if (starts[c] == starts[c + 1]) continue;
-      weights.groups.push_back({c, b, begin + starts[c], begin + starts[c + 1], 0, 0});
+      weights.groups.push_back(
+          {.cell = c, .body = b, .first = begin + starts[c], .last = begin + starts[c + 1]});
     }
     for (std::int32_t p = begin; p < end; ++p) {
       weights.point[begin + starts[points.cell[p]]++] = p;

@@ -32,7 +32,8 @@ void sort_by_patch(const CellPatches& patches, const MaterialPoints<dim>& points
     for (std::int32_t k = 0; k < patches.size(); ++k) {
       const std::int32_t first = next[patches.starts[k]], last = next[patches.starts[k + 1]];
       if (first == last) continue;
-      weights.groups.push_back({patches.cells[patches.starts[k]], b, first, last, 0, 0});
+      weights.groups.push_back(
+          {.cell = patches.cells[patches.starts[k]], .body = b, .first = first, .last = last});
     }
     for (std::int32_t p = begin; p < end; ++p) weights.point[next[place[points.cell[p]]]++] = p;
     weights.body_groups.push_back(static_cast<std::int32_t>(weights.groups.size()));

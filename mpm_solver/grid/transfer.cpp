@@ -73,23 +73,29 @@ void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights
   }
 }
 
+// The nodes that act on a point: values of an entry of PointWeights.
+template <int dim>
+struct EntryNodes {
+  std::int32_t entry;
+  const Vector<dim>* grad;
+  const std::int32_t* active;  // numbers of the group's nodes
+};
+
 // Gradients of velocity and acceleration at the new position of a point.
 template <int dim>
 void update_gradients(const NodalMotion<dim>& motion, const PointWeights<dim>& weights,
-                      const CellGroup& group, std::int32_t entry, const std::int32_t* active,
-                      MaterialPoints<dim>& points) {
-  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
-  const std::uint8_t* local = weights.local_of(entry);
+                      const EntryNodes<dim>& at, MaterialPoints<dim>& points) {
+  const std::uint8_t* local = weights.local_of(at.entry);
   Matrix<dim> F = Matrix<dim>::Identity();
   Matrix<dim> grad_v = Matrix<dim>::Zero();
   Matrix<dim> grad_a = Matrix<dim>::Zero();
-  for (int i = 0; i < weights.num_nodes(entry); ++i) {
-    const std::int32_t node = active[local[i]];
-    F += motion.du[node] * grad[i].transpose();
-    grad_v += motion.v_new[node] * grad[i].transpose();
-    grad_a += motion.a_new[node] * grad[i].transpose();
+  for (int i = 0; i < weights.num_nodes(at.entry); ++i) {
+    const std::int32_t node = at.active[local[i]];
+    F += motion.du[node] * at.grad[i].transpose();
+    grad_v += motion.v_new[node] * at.grad[i].transpose();
+    grad_a += motion.a_new[node] * at.grad[i].transpose();
   }
-  const std::int32_t p = weights.point[entry];
+  const std::int32_t p = weights.point[at.entry];
   const Matrix<dim> F_inverse = F.inverse();
   points.grad_v[p] = grad_v * F_inverse;
   points.grad_a[p] = grad_a * F_inverse;
@@ -183,7 +189,11 @@ void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
         v_grid += N[i] * motion.v_new[active[local[i]]];
         a_grid += N[i] * motion.a_new[active[local[i]]];
       }
-      if (points.has_gradients()) update_gradients(motion, weights, group, e, active, points);
+      if (points.has_gradients()) {
+        const std::int32_t row = weights.constant_gradient ? group.first : e;
+        update_gradients<dim>(motion, weights,
+                              {.entry = e, .grad = weights.grad_of(row), .active = active}, points);
+      }
       points.x[p] += du;
       points.u[p] += du;
       points.v[p] = (1 - pic_share) * (points.v[p] + dv) + pic_share * v_grid;

@@ -40,6 +40,23 @@ std::array<double, max_cell_nodes> normal_slopes(const BackgroundGrid<dim>& grid
   return slopes;
 }
 
+struct SharedNodes {
+  std::vector<std::int32_t> list;                   // of both cells, each once
+  std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
+};
+
+SharedNodes nodes_of_both(std::span<const std::int32_t> own,
+                          std::span<const std::int32_t> neighbour) {
+  SharedNodes nodes{.list = {own.begin(), own.end()}};
+  auto& list = nodes.list;
+  for (std::size_t a = 0; a < neighbour.size(); ++a) {
+    const auto found = std::find(list.begin(), list.end(), neighbour[a]);
+    nodes.place[a] = static_cast<std::size_t>(found - list.begin());
+    if (found == list.end()) list.push_back(neighbour[a]);
+  }
+  return nodes;
+}
+
 }  // namespace
 
 template <int dim>
@@ -106,14 +123,8 @@ void GhostStiffness<dim>::add_facet(const BackgroundGrid<dim>& grid, const GridN
   const double E =
       (stiffness_[cell] + stiffness_[neighbour]) / (volume_[cell] + volume_[neighbour]);
 
-  const auto own = mesh.cell(cell), others = mesh.cell(neighbour);
-  std::vector<std::int32_t> list(own.begin(), own.end());
-  std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
-  for (std::size_t a = 0; a < others.size(); ++a) {
-    place[a] =
-        static_cast<std::size_t>(std::find(list.begin(), list.end(), others[a]) - list.begin());
-    if (place[a] == list.size()) list.push_back(others[a]);
-  }
+  const auto own = mesh.cell(cell);
+  const auto [list, place] = nodes_of_both(own, mesh.cell(neighbour));
 
   const std::size_t n = list.size(), first = k_.size();
   k_.resize(first + n * n, 0.0);

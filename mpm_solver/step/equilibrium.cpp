@@ -31,7 +31,11 @@ constexpr double share_of_stopping = 1e-3;
 template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
-      internal_({parts.bodies, parts.points, parts.weights, parts.nodes, parts.trial},
+      internal_({.bodies = parts.bodies,
+                 .points = parts.points,
+                 .weights = parts.weights,
+                 .nodes = parts.nodes,
+                 .trial = parts.trial},
                 parts.cell_size, parts.same_strain,
                 parts.average_volumes ? std::optional(parts.comm) : std::nullopt),
       m_(parts.nodes.m) {

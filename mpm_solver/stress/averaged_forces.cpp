@@ -44,10 +44,11 @@ bool AveragedForces<dim>::add_stresses(const Law& law, std::int32_t g, bool with
   const CellGroup& group = parts_.weights.groups[g];
   StressUpdate<dim> stress;
   Tangent<dim> A;
+  const StressTarget<dim> target{.stress = stress, .A = with_K ? &A : nullptr, .worst = worst};
   for (std::int32_t e = group.first; e < group.last; ++e) {
     const std::size_t k = e - group.first;
     const Matrix<dim> H_bar = average.averaged_gradient(k);
-    if (!point_stress(parts_, law, e, H_bar, stress, with_K ? &A : nullptr, worst)) return false;
+    if (!point_stress<dim>(parts_, law, e, H_bar, target)) return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
     average.set_stress(k, V0, stress.P, with_K ? &A : nullptr);
   }

@@ -47,16 +47,21 @@ void InternalForces<dim>::forget() {
 // V0 P and V0 dP/dH summed over the points of a cell that share one gradient.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H,
-                                       bool with_A, GroupStress& known, std::int32_t& worst) {
+bool InternalForces<dim>::group_stress(const Law& law, const GroupRequest& request,
+                                       const Matrix<dim>& H) {
+  const CellGroup& group = parts_.weights.groups[request.number];
+  const bool with_A = request.with_K;
+  GroupStress& known = known_[request.number];
   StressUpdate<dim> stress;
   Tangent<dim> A;
+  const StressTarget<dim> target{
+      .stress = stress, .A = with_A ? &A : nullptr, .worst = request.worst};
   known.is_known = false;
   known.H = H;
   known.P.setZero();
   known.A.setZero();
   for (std::int32_t e = group.first; e < group.last; ++e) {
-    if (!point_stress(parts_, law, e, H, stress, with_A ? &A : nullptr, worst)) return false;
+    if (!point_stress<dim>(parts_, law, e, H, target)) return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
     known.P += V0 * stress.P;
     if (with_A) known.A += V0 * A;
@@ -80,7 +85,7 @@ bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& req
   const double size = change.cwiseAbs().maxCoeff();
   const bool near =
       known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !request.with_K);
-  if (!near && !group_stress(law, group, H, request.with_K, known, request.worst)) return false;
+  if (!near && !group_stress(law, request, H)) return false;
   request.sum.add_stress(n, local, known.P, grad);
   if (near && size > 0) {
     Matrix<dim> P_change;
@@ -102,13 +107,14 @@ bool InternalForces<dim>::general_forces(const Law& law, const GroupRequest& req
   const CellGroup& group = parts_.weights.groups[request.number];
   StressUpdate<dim> stress;
   Tangent<dim> A;
+  const StressTarget<dim> target{
+      .stress = stress, .A = request.with_K ? &A : nullptr, .worst = request.worst};
   for (std::int32_t e = group.first; e < group.last; ++e) {
     const int n = parts_.weights.num_nodes(e);
     const std::uint8_t* local = parts_.weights.local_of(e);
     const Vector<dim>* grad = parts_.weights.grad_of(e);
     const Matrix<dim> H = gradient_of(request, e);
-    if (!point_stress(parts_, law, e, H, stress, request.with_K ? &A : nullptr, request.worst))
-      return false;
+    if (!point_stress<dim>(parts_, law, e, H, target)) return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
     request.sum.add_stress(n, local, V0 * stress.P, grad);
     if (request.with_K) request.sum.add_tangent(n, local, group.num_nodes, V0 * A, grad);
@@ -128,7 +134,12 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
     const CellGroup& group = weights.groups[g];
     parts_.nodes.list_active(weights.nodes_of(group), active);
     sum.set_zero(group.num_nodes, K != nullptr);
-    const GroupRequest request{g, active, du, K != nullptr, sum, worst};
+    const GroupRequest request{.number = g,
+                               .active = active,
+                               .du = du,
+                               .with_K = K != nullptr,
+                               .sum = sum,
+                               .worst = worst};
     const bool admissible =
         weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
     if (!admissible) return false;

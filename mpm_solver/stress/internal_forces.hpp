@@ -76,8 +76,7 @@ class InternalForces {
   template <class Law>
   bool general_forces(const Law& law, const GroupRequest& request);
   template <class Law>
-  bool group_stress(const Law& law, const CellGroup& group, const Matrix<dim>& H, bool with_A,
-                    GroupStress& known, std::int32_t& worst);
+  bool group_stress(const Law& law, const GroupRequest& request, const Matrix<dim>& H);
   Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
     return displacement_gradient(parts_.weights, entry, request.active, request.du);
   }

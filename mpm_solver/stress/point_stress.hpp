@@ -56,17 +56,23 @@ Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t
   return H;
 }
 
-/// Stress of one point at the end of the step, into `stress` and the trial state.
-/// @param A      null, or set to dP/dH
-/// @param worst  set to the point when it makes the state inadmissible
+/// Where point_stress puts what it finds.
+template <int dim>
+struct StressTarget {
+  StressUpdate<dim>& stress;
+  Tangent<dim>* A = nullptr;  ///< null, or set to dP/dH
+  std::int32_t& worst;        ///< set to the point when it makes the state inadmissible
+};
+
+/// Stress of one point at the end of the step, into `target` and the trial state.
 /// @returns false when the point would be squeezed below min_J_ratio of its volume
 template <int dim, class Law>
 bool point_stress(const StressParts<dim>& parts, const Law& law, std::int32_t entry,
-                  const Matrix<dim>& H, StressUpdate<dim>& stress, Tangent<dim>* A,
-                  std::int32_t& worst) {
+                  const Matrix<dim>& H, const StressTarget<dim>& target) {
   const std::int32_t p = parts.weights.point[entry];
-  if (!law.update(H, parts.points.history[p], stress, A) || stress.J < min_J_ratio) {
-    worst = p;
+  StressUpdate<dim>& stress = target.stress;
+  if (!law.update(H, parts.points.history[p], stress, target.A) || stress.J < min_J_ratio) {
+    target.worst = p;
     return false;
   }
   parts.trial.history[entry] = stress.state;

@@ -53,8 +53,10 @@ struct SoilPatch {
   /// Fill the grid with the regular points of each cell.
   void fill(int points_per_cell, double density = 1) {
     const bool with_domains = grid.basis == mpm::Basis::gimp;
-    lay_points<dim>({grid.mesh, points_per_cell, Vector<dim>::Zero(),
-                     with_domains ? PointPlacement::regular : PointPlacement::gauss, with_domains},
+    lay_points<dim>({.mesh = grid.mesh,
+                     .points_per_cell = points_per_cell,
+                     .placement = with_domains ? PointPlacement::regular : PointPlacement::gauss,
+                     .with_domains = with_domains},
                     density, {}, points);
   }
   /// `count` points at random places with random mass, velocity and acceleration.

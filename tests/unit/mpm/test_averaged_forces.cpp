@@ -35,7 +35,11 @@ struct AveragedSoil {
       points.history[p].e.template head<3>().setConstant(-squeeze * (1 + 0.2 * soil.random()));
     }
     soil.to_grid();
-    const mpm::StressParts<dim> parts{soil.bodies, points, soil.weights, soil.nodes, trial};
+    const mpm::StressParts<dim> parts{.bodies = soil.bodies,
+                                      .points = points,
+                                      .weights = soil.weights,
+                                      .nodes = soil.nodes,
+                                      .trial = trial};
     internal.emplace(parts, 0.5, 0, averaged ? std::optional(comm()) : std::nullopt);
     std::vector<std::int32_t> offsets = {0}, nodes;
     for (const auto& group : soil.weights.groups) {

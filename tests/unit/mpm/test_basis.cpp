@@ -290,7 +290,11 @@ TEST(Basis, other_than_linear_needs_cells_in_rows) {
 TEST(PointDomains, fill_a_body_of_bricks) {
   const Mesh<2> plane = box_mesh<2>({1, 2}, {3, 3}, {4, 5}, CellType::quad4);
   mpm::MaterialPoints<2> points;
-  mpm::lay_points<2>({plane, 9, {0, 0}, PointPlacement::regular, true}, 1, {}, points);
+  mpm::lay_points<2>({.mesh = plane,
+                      .points_per_cell = 9,
+                      .placement = PointPlacement::regular,
+                      .with_domains = true},
+                     1, {}, points);
   std::set<std::pair<int, int>> places;  // in a lattice of domains
   for (std::int32_t p = 0; p < points.size(); ++p) {
     EXPECT_LT((points.half_length[p] - Vector<2>(0.5 / 6, 0.2 / 6)).norm(), 1e-15);
@@ -309,8 +313,7 @@ TEST(PointDomains, have_the_volume_of_the_point_in_any_cell) {
     Mesh<dim> mesh = unit_box<dim>(type, 2);
     for (auto& x : mesh.nodes) x[0] = 3 * x[0] + 0.4 * x[1];
     mpm::MaterialPoints<dim> points;
-    mpm::lay_points<dim>({mesh, 1, Vector<dim>::Zero(), PointPlacement::gauss, true}, 1, {},
-                         points);
+    mpm::lay_points<dim>({.mesh = mesh, .with_domains = true}, 1, {}, points);
     for (std::int32_t p = 0; p < points.size(); ++p) {
       EXPECT_NEAR((2 * points.half_length[p]).prod(), points.V0[p], 1e-15);
     }
