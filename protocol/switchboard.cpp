@@ -16,6 +16,7 @@ namespace {
 
 constexpr int slice_milliseconds = 100;  // of any wait: a peer's death is noticed after one slice
 constexpr double health_check_period = 0.05;  // [s]
+constexpr int patient_looks = 4;              // in which others were heard, until one is silent
 constexpr double last_words_wait = 0.5;  // [s] until the connection of a process that ended closes
 constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
 constexpr double wait_log_period = 3;    // [s]
@@ -276,8 +277,11 @@ bool Switchboard::listen(const Peer* awaited) {
   check_deaths(awaited);
   if (has_answered()) return true;
   if (ends) interrupt::check();
+  // A sign of life may be close behind one of another participant.
+  silent_looks_ = was_silent ? silent_looks_ + 1 : 0;
+  if (!was_silent || (came && silent_looks_ < patient_looks)) return came;
   for (const auto& [name, checked] : peers_) {
-    if (!was_silent || checked.released || !checked.sends_heartbeat) continue;
+    if (checked.released || !checked.sends_heartbeat) continue;
     if (const auto silence = checked.watch->silence(deadlines_.silence)) {
       throw ProtocolError(*silence);
     }

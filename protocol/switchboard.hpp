@@ -119,6 +119,7 @@ class Switchboard {
   bool logs_waits_ = false;
   std::optional<Stopwatch> since_signal_;
   Stopwatch since_health_check_;
+  int silent_looks_ = 0;  // one after the other in which somebody was silent
 
   std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below
   Socket socket_;

@@ -94,8 +94,8 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
     connection->handshake(solver.interfaces(), solver.probe_names(), probes, solver.keeps_state());
     welcomed(*connection);
   } catch (const std::exception& problem) {
-    if (connection && connection->welcomed()) connection->abort(problem.what());
     end_followers(comm, problem.what());
+    if (connection) connection->abort(problem.what());
     throw;
   }
   LeadingRequests requests(comm, *connection);

@@ -93,7 +93,7 @@ class ByHand(ForeignCase):
         ended = run.wait()
         self.assertEqual(ended.code, 4, ended.text)
         self.assert_says(ended.text, "[cpl] error: ", 'participant "structure" (foreign_structure', "died")
-        self.assertEqual(run.alive(), {})
+        run.wait_none_left()
 
 
 class Check(ForeignCase):

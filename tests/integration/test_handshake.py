@@ -18,7 +18,8 @@ class Handshake(IntegrationCase):
     def with_fake(self, version: str) -> tuple[str, str]:
         """What a coupler without solvers says, and what a foreign participant of this version gets."""
         endpoint = free_endpoint()
-        coupler = self.start("--coupler", endpoint, programs=("coupler",))
+        patience = "coupler.json:/protocol/connect_deadline=5"  # for the soil, which does not come
+        coupler = self.start("--coupler", endpoint, "--set", patience, programs=("coupler",))
         fake = subprocess.run([launch.binaries / "fake_participant", "structure", endpoint, "--version", version],
                               text=True, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=launch.TIMEOUT)

@@ -29,7 +29,7 @@ class Killed(IntegrationCase):
         ended = run.wait()
         print(f"{program}: all programs gone after {seconds:.2f} s, mpirun {time.monotonic() - begin:.2f} s later")
         self.assertNotEqual(ended.code, 0)
-        self.assertEqual(run.alive(), {})
+        run.wait_none_left()
         return ended
 
     def check_results(self, in_contact: bool) -> None:
@@ -120,7 +120,7 @@ class Interrupted(IntegrationCase):
         ended = run.wait()
         print(f"{number.name}: all programs gone after {seconds:.2f} s")
         self.assertNotEqual(ended.code, 0)
-        self.assertEqual(run.alive(), {})
+        run.wait_none_left()
         log = (self.out / "coupler.log").read_text()
         self.assertTrue(log.endswith("\n"))
         self.assertRegex(log, r"error: .*interrupted by signal \d+")

@@ -49,7 +49,7 @@ class NoSpace(IntegrationCase):
         resource.prlimit(run.pid_of(program), resource.RLIMIT_FSIZE, (size, size))
         ended = run.wait()
         self.assertEqual(ended.code, 1, ended.text)
-        self.assertEqual(run.alive(), {})
+        run.wait_none_left()
         self.assertGreater(len(read_table(self.out / "steps.csv")), 48)
         return ended
 

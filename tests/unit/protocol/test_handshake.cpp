@@ -241,10 +241,12 @@ TEST(Handshake, AHelloThatIsNotUnderstoodIsAnsweredAndTheCouplerWaitsOn) {
   Server server(patient_settings());
   RawParticipant hasty(server.endpoint(), "hasty");
   hasty.send_frames({R"({"type":"hello","participant":"soil"})"});
+  auto arrived =
+      std::async(std::launch::async, [&] { return server.wait_for({expected("soil")}).size(); });
+  const Message answer = hasty.receive();
   RawParticipant raw(server.endpoint(), "raw");
   raw.send(to_message(good_hello("soil")));
-  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
-  const Message answer = hasty.receive();
+  EXPECT_EQ(arrived.get(), 1u);
   ASSERT_EQ(answer.type, "refused");
   EXPECT_NE(answer.text("reason").find("expected an integer \"sequence\""), std::string::npos)
       << answer.text("reason");
