@@ -180,11 +180,7 @@ int ConfigReader::integer_or(const std::string& key, int computed) {
 
 bool ConfigReader::boolean(const std::string& key) {
   const Key& entry = key_of(key, KeyType::boolean);
-  if (falls_back(entry)) {
-    note(key, entry.fallback);
-    return entry.fallback.get<bool>();
-  }
-  const Json& value = require_key(key);
+  const Json& value = falls_back(entry) ? entry.fallback : require_key(key);
   if (!value.is_boolean()) {
     fail(key, fmt::format("found {}, allowed: true or false", shown(value)));
   }

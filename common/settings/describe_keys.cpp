@@ -26,7 +26,7 @@ void collect(const KeyTable& table, const std::string& place, std::vector<Sectio
     if (section.table->name == table.name) known = &section;
   }
   if (known != nullptr) {
-    known->places.push_back(place);
+    if (known->places.back() != place) known->places.push_back(place);
     return;
   }
   sections.push_back({&table, {place}});

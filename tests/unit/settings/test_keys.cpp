@@ -23,6 +23,7 @@ KeyTable root_keys() {
           "A file.",
           {key::object("law", law_keys(), "The law."),
            key::objects("laws", law_keys(), "More.").or_empty(),
+           key::objects("laws", law_keys(), "Fewer.").or_none().with("file"),
            key::integer("count", "A count.").in(at_least(1)).or_else(3),
            key::number("limit", "", "A limit.").in(between(0, 1)).or_null().or_computed("half"),
            key::vector("gravity", "m/s^2", "Gravity.").or_else(0),
