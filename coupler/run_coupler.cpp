@@ -162,9 +162,16 @@ bool all_keep_states(const std::vector<NamedSolver>& participants,
   return true;
 }
 
-void couple(Server& server, const CouplerSettings& settings, const Scene& scene,
-            const ProgramOptions& options, const std::optional<Checkpoint>& restart,
-            RunRecord& files) {
+/// What a coupled run is made of.
+struct CoupledRun {
+  const CouplerSettings& settings;
+  const Scene& scene;
+  const ProgramOptions& options;
+  const std::optional<Checkpoint>& restart;
+};
+
+void couple(Server& server, const CoupledRun& run, RunRecord& files) {
+  const auto& [settings, scene, options, restart] = run;
   const auto solvers = server.wait_for(expected_participants(settings, scene.hash()),
                                        run_settings(settings, files.folder()));
   std::vector<NamedSolver> participants;
@@ -238,7 +245,7 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   Server server(settings.server);
   session.share("coupler", server.endpoint());
   try {
-    couple(server, settings, scene, options, restart, files);
+    couple(server, {settings, scene, options, restart}, files);
   } catch (const std::exception& error) {
     server.abort(error.what());
     throw;

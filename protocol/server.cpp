@@ -149,8 +149,12 @@ std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
   if (const auto mismatches = compare(*expected, hello); !mismatches.empty()) {
     refuse(label, mismatches);
   }
-  switchboard_.add_participant(hello.participant, arrival.route, hello.session, label,
-                               hello.process, hello.sends_heartbeat);
+  switchboard_.add_participant({.name = hello.participant,
+                                .route = arrival.route,
+                                .session = hello.session,
+                                .label = label,
+                                .process = hello.process,
+                                .sends_heartbeat = hello.sends_heartbeat});
   Welcome welcome;
   welcome.program_version = version;
   welcome.process = this_process();

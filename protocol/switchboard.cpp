@@ -70,15 +70,13 @@ void Switchboard::answer(const std::string& route, const Message& message) {
   if (!post(route, message)) log::warn("cannot answer \"{}\": its sender is gone", message.type);
 }
 
-void Switchboard::add_participant(const std::string& name, const std::string& route,
-                                  const std::string& session, const std::string& label,
-                                  const ProcessIdentity& process, bool sends_heartbeat) {
+void Switchboard::add_participant(const Guest& guest) {
   const std::lock_guard lock(socket_mutex_);
-  Peer& added = peers_[name];
-  added.route = route;
-  added.session = session;
-  added.sends_heartbeat = sends_heartbeat;
-  added.watch = std::make_unique<PeerWatch>(label, process);
+  Peer& added = peers_[guest.name];
+  added.route = guest.route;
+  added.session = guest.session;
+  added.sends_heartbeat = guest.sends_heartbeat;
+  added.watch = std::make_unique<PeerWatch>(guest.label, guest.process);
 }
 
 std::optional<Switchboard::Arrival> Switchboard::next_arrival() {

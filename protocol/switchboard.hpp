@@ -48,9 +48,16 @@ class Switchboard {
   std::optional<Arrival> next_arrival();
   /// Answer on a route that is no participant's yet.
   void answer(const std::string& route, const Message& message);
-  void add_participant(const std::string& name, const std::string& route,
-                       const std::string& session, const std::string& label,
-                       const ProcessIdentity& process, bool sends_heartbeat);
+  /// A participant that is welcome.
+  struct Guest {
+    std::string name;
+    std::string route;
+    std::string session;
+    std::string label;  ///< in messages to a person
+    ProcessIdentity process;
+    bool sends_heartbeat;
+  };
+  void add_participant(const Guest& guest);
   bool has_participant(const std::string& name) const { return peers_.contains(name); }
 
   /// Send a request; returns its sequence number.

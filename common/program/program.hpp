@@ -15,6 +15,7 @@ struct ProgramOptions {
   std::string output;                  ///< folder of results
   std::string restart;                 ///< results of the run to go on with; empty: from time 0
   std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
+  std::string log_level = "info";      ///< error, warn, info or debug
   bool check = false;                  ///< read and cross-check the scene, then end
   std::string coupler;   ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
   std::string name;      ///< of this participant, such as "soil"

@@ -48,7 +48,7 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   s.setZero(m + 1);
   t.setZero(m + 1);
   for_blocks(n, [&](Eigen::Index at, Eigen::Index rows) {
-    add_dots(rows_at(q_, at), v.data() + at, r.data() + at, rows, s.data(), t.data());
+    add_dots(rows_at(q_, at), rows, {v.data() + at, s.data()}, {r.data() + at, t.data()});
   });
   Eigen::VectorXd rest = v;
   Eigen::VectorXd left = take_out(s, rest);

@@ -16,9 +16,16 @@ double dot(const double* q, const double* v, std::ptrdiff_t begin, std::ptrdiff_
   return sum;
 }
 
+struct Combination {
+  const double* factors;
+  double* sum;
+};
+
 /// Two sums, so that the columns are read less.
-void add_to_two(const Rows& columns, const double* u_factors, const double* v_factors,
-                std::ptrdiff_t rows, double* u, double* v) {
+void add_to_two(const Rows& columns, std::ptrdiff_t rows, const Combination& first,
+                const Combination& second) {
+  const double *u_factors = first.factors, *v_factors = second.factors;
+  double *u = first.sum, *v = second.sum;
   std::size_t j = 0;
   for (; j + width <= columns.size(); j += width) {
     const double *a = columns[j], *b = columns[j + 1], *c = columns[j + 2], *d = columns[j + 3];
@@ -61,9 +68,10 @@ void add_dots(const Rows& columns, const double* v, std::ptrdiff_t rows, double*
   for (; j < columns.size(); ++j) dots[j] += dot(columns[j], v, 0, rows);
 }
 
-void add_dots(const Rows& columns, const double* v, const double* r, std::ptrdiff_t rows,
-              double* v_dots, double* r_dots) {
+void add_dots(const Rows& columns, std::ptrdiff_t rows, const Dots& first, const Dots& second) {
   constexpr int lanes = 2;  // more would not fit in the registers
+  const double *v = first.vector, *r = second.vector;
+  double *v_dots = first.sums, *r_dots = second.sums;
   const std::ptrdiff_t even = rows / lanes * lanes;
   std::size_t j = 0;
   for (; j + width <= columns.size(); j += width) {
@@ -110,7 +118,7 @@ void add_columns(const Rows& columns, const Rows& factors, std::ptrdiff_t rows,
                  const std::vector<double*>& sums) {
   std::size_t l = 0;
   for (; l + 2 <= sums.size(); l += 2) {
-    add_to_two(columns, factors[l], factors[l + 1], rows, sums[l], sums[l + 1]);
+    add_to_two(columns, rows, {factors[l], sums[l]}, {factors[l + 1], sums[l + 1]});
   }
   if (l < sums.size()) add_columns(columns, factors[l], rows, sums[l]);
 }

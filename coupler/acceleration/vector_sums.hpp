@@ -12,9 +12,12 @@ using Rows = std::vector<const double*>;
 /// dots[k] += columns[k] . v
 void add_dots(const Rows& columns, const double* v, std::ptrdiff_t rows, double* dots);
 
-/// The same for two vectors at once: v_dots[k] += columns[k] . v, r_dots[k] += columns[k] . r
-void add_dots(const Rows& columns, const double* v, const double* r, std::ptrdiff_t rows,
-              double* v_dots, double* r_dots);
+/// The same for two vectors at once: sums[k] += columns[k] . vector
+struct Dots {
+  const double* vector;
+  double* sums;
+};
+void add_dots(const Rows& columns, std::ptrdiff_t rows, const Dots& first, const Dots& second);
 
 /// sum += factors[0] columns[0] + factors[1] columns[1] + ...
 void add_columns(const Rows& columns, const double* factors, std::ptrdiff_t rows, double* sum);

@@ -26,7 +26,7 @@ void expect_override_refused(const std::string& text, const std::vector<std::str
   test::expect_error<ConfigError>([&] { read_text("mpm.json", "{}", {text}); }, parts);
 }
 
-TEST(SceneText, RepeatedKeysAreRefused) {
+TEST(SceneText, repeated_keys_are_refused) {
   for (const std::string file : {"coupler.json", "mpm.json", "fem.json"}) {
     expect_refused(file, R"({"time": 1, "time": 2})", {file + ": at /time:", "second time"});
     expect_refused(file, R"({"a": [1, {"b": {}}, {"b/c": 1, "d": [], "b/c": 1}]})",
@@ -35,7 +35,7 @@ TEST(SceneText, RepeatedKeysAreRefused) {
   }
 }
 
-TEST(SceneText, DeepNestingIsRefused) {
+TEST(SceneText, deep_nesting_is_refused) {
   const auto nested = [](std::size_t depth) {
     return R"({"a": )" + std::string(depth, '[') + std::string(depth, ']') + "}";
   };
@@ -47,18 +47,18 @@ TEST(SceneText, DeepNestingIsRefused) {
   expect_refused("mpm.json", std::string(200000, '['), {"mpm.json: at /0/0"});
 }
 
-TEST(SceneText, NumbersBeyondDoubleNameTheirPlace) {
+TEST(SceneText, numbers_beyond_double_name_their_place) {
   expect_refused("fem.json", R"({"time": {"dt": 1, "end": [0, 1e400]}})",
                  {"fem.json: at /time/end/1:", "1e400", "1.8e308"});
 }
 
-TEST(SceneText, BrokenTextNamesItsLine) {
+TEST(SceneText, broken_text_names_its_line) {
   expect_refused("mpm.json", "{\n\"a\": 1,\n}", {"mpm.json: not valid", "line 3"});
   expect_refused("mpm.json", std::string("{}\n\0 7", 6),
                  {"mpm.json: not valid", "byte 0", "line 2"});
 }
 
-TEST(SceneText, OverridesFollowTheSameRules) {
+TEST(SceneText, overrides_follow_the_same_rules) {
   expect_override_refused(R"(mpm.json:/a={"b": 1, "b": 2})",
                           {"--set mpm.json:/a", "at /b:", "second time"});
   const std::string deep = std::string(50000, '[') + std::string(50000, ']');

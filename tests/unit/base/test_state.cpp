@@ -21,7 +21,7 @@ TimeSteps loaded(TimeSteps& from, const TimeSettings& settings) {
   return steps;
 }
 
-TEST(State, GivesEveryPartBack) {
+TEST(State, gives_every_part_back) {
   State state;
   StateWriter writer(state, "a.");
   std::vector<double> reals = {-0.0, 1.0 / 3, std::numeric_limits<double>::infinity()};
@@ -54,7 +54,7 @@ TEST(State, GivesEveryPartBack) {
   EXPECT_TRUE(flag_back);
 }
 
-TEST(State, MissingPartsAndOtherSizesAreErrors) {
+TEST(State, missing_parts_and_other_sizes_are_errors) {
   State state;
   StateWriter writer(state);
   std::vector<double> two = {1, 2}, three(3);
@@ -68,7 +68,7 @@ TEST(State, MissingPartsAndOtherSizesAreErrors) {
   expect_error<Error>([&] { reader.fact("v", fact); }, {"\"v\" is missing"});
 }
 
-TEST(State, TimeStepsGoOnAsIfNothingHadBeen) {
+TEST(State, time_steps_go_on_as_if_nothing_had_been) {
   const TimeSettings settings{.end = 0.1, .dt = 1e-3, .dt_min = 1e-6};
   for (int saved_after = 0; saved_after < 12; ++saved_after) {
     TimeSteps straight(settings);
@@ -88,7 +88,7 @@ TEST(State, TimeStepsGoOnAsIfNothingHadBeen) {
   }
 }
 
-TEST(State, AFinishedRunIsExtended) {
+TEST(State, a_finished_run_is_extended) {
   TimeSettings settings{.end = 0.0025, .dt = 1e-3, .dt_min = 1e-3};
   TimeSteps first(settings);
   while (!first.finished()) first.accept();

@@ -37,7 +37,7 @@ class CheckpointFolder : public testing::Test {
   fs::path all_ = fs::path(results_) / "checkpoints";
 };
 
-TEST_F(CheckpointFolder, ReadsBackEveryBit) {
+TEST_F(CheckpointFolder, reads_back_every_bit) {
   write_checkpoint(results_, "coupler", made(7));
   const Checkpoint found = read_checkpoint(find_checkpoint(results_), "coupler");
   EXPECT_EQ(found.point.step, 7);
@@ -52,7 +52,7 @@ TEST_F(CheckpointFolder, ReadsBackEveryBit) {
                             {"step 7: found no state of \"structure\", but of run, soil"});
 }
 
-TEST_F(CheckpointFolder, TheLastWholeOneCounts) {
+TEST_F(CheckpointFolder, the_last_whole_one_counts) {
   expect_error<ConfigError>([&] { find_checkpoint(results_); },
                             {results_, "found no checkpoint there"});
   write_checkpoint(results_, "coupler", made(9));
@@ -67,7 +67,7 @@ TEST_F(CheckpointFolder, TheLastWholeOneCounts) {
   EXPECT_FALSE(fs::exists(all_ / "step_000010"));
 }
 
-TEST_F(CheckpointFolder, DamageAndOtherRunsAreRefused) {
+TEST_F(CheckpointFolder, damage_and_other_runs_are_refused) {
   write_checkpoint(results_, "coupler", made(3));
   const std::string path = find_checkpoint(results_);
   expect_error<ConfigError>([&] { read_checkpoint(path, "mpm_solver"); },
@@ -79,7 +79,7 @@ TEST_F(CheckpointFolder, DamageAndOtherRunsAreRefused) {
   expect_error<Error>([&] { read_checkpoint(path, "coupler"); }, {"manifest.json: not valid JSON"});
 }
 
-TEST_F(CheckpointFolder, AFailedWriteLeavesTheLastOne) {
+TEST_F(CheckpointFolder, a_failed_write_leaves_the_last_one) {
   write_checkpoint(results_, "coupler", made(3));
   Checkpoint bad = made(4);
   bad.states["no/folder"] = {};
@@ -88,7 +88,7 @@ TEST_F(CheckpointFolder, AFailedWriteLeavesTheLastOne) {
   EXPECT_EQ(read_checkpoint(find_checkpoint(results_), "coupler").point.step, 3);
 }
 
-TEST_F(CheckpointFolder, ResultsThatTheNewRunWouldReplaceAreRefused) {
+TEST_F(CheckpointFolder, results_that_the_new_run_would_replace_are_refused) {
   const auto write = [&](const std::string& name, const std::string& text) {
     fs::create_directories((fs::path(results_) / name).parent_path());
     std::ofstream(fs::path(results_) / name) << text;

@@ -69,7 +69,7 @@ void check_gauss_rules(CellType type, int max_degree) {
   }
 }
 
-TEST(GaussRule, IsExactToItsDegreeWithPositiveWeightsInside) {
+TEST(GaussRule, is_exact_to_its_degree_with_positive_weights_inside) {
   check_gauss_rules<1>(CellType::line2, 7);
   check_gauss_rules<2>(CellType::tri3, 6);
   check_gauss_rules<2>(CellType::quad4, 7);
@@ -77,7 +77,7 @@ TEST(GaussRule, IsExactToItsDegreeWithPositiveWeightsInside) {
   check_gauss_rules<3>(CellType::hex8, 7);
 }
 
-TEST(GaussRule, IsNotExactBeyondItsDegree) {
+TEST(GaussRule, is_not_exact_beyond_its_degree) {
   EXPECT_GT(largest_error<2>(CellType::tri3, gauss_rule<2>(CellType::tri3, 2), 3), 1e-4);
   EXPECT_GT(largest_error<3>(CellType::tet4, gauss_rule<3>(CellType::tet4, 2), 3), 1e-4);
   EXPECT_GT(largest_error<2>(CellType::quad4, gauss_rule<2>(CellType::quad4, 3), 4), 1e-2);
@@ -94,7 +94,7 @@ void check_point_rule(CellType type, int count, int degree) {
   }
 }
 
-TEST(PointRule, HasPositiveWeightsInsideAndKeepsVolumeAndCentroid) {
+TEST(PointRule, has_positive_weights_inside_and_keeps_volume_and_centroid) {
   check_point_rule<2>(CellType::tri3, 1, 1);
   check_point_rule<2>(CellType::tri3, 3, 2);
   check_point_rule<2>(CellType::tri3, 4, 1);
@@ -112,7 +112,7 @@ TEST(PointRule, HasPositiveWeightsInsideAndKeepsVolumeAndCentroid) {
   check_point_rule<3>(CellType::hex8, 27, 5);
 }
 
-TEST(PointRule, OfThreePointsHasEqualWeights) {
+TEST(PointRule, of_three_points_has_equal_weights) {
   const auto rule = point_rule<2>(CellType::tri3, 3);
   for (const auto& point : rule) {
     EXPECT_DOUBLE_EQ(point.weight, 1.0 / 6.0);
@@ -122,7 +122,7 @@ TEST(PointRule, OfThreePointsHasEqualWeights) {
   EXPECT_LT((rule[2].xi - Vector<2>(1.0 / 6.0, 2.0 / 3.0)).norm(), 2e-16);
 }
 
-TEST(PointRule, OfAnotherCountIsRefusedWithTheAllowedOnes) {
+TEST(PointRule, of_another_count_is_refused_with_the_allowed_ones) {
   test::expect_error<ConfigError>(
       [] { point_rule<2>(CellType::tri3, 5); },
       {"points per cell of tri3: found 5, allowed: 1, 3, 4, 6, 12, 16"});

@@ -20,7 +20,7 @@ void for_each_cell_type(Check check) {
   check.template operator()<3>(CellType::hex8);
 }
 
-TEST(ShapeFunctions, AreOneAtTheirNodeAndZeroAtOthers) {
+TEST(ShapeFunctions, are_one_at_their_node_and_zero_at_others) {
   for_each_cell_type([]<int dim>(CellType type) {
     const auto nodes = reference_nodes<dim>(type);
     for (std::size_t b = 0; b < nodes.size(); ++b) {
@@ -33,7 +33,7 @@ TEST(ShapeFunctions, AreOneAtTheirNodeAndZeroAtOthers) {
   });
 }
 
-TEST(ShapeFunctions, SumToOneAndReproduceLinearFields) {
+TEST(ShapeFunctions, sum_to_one_and_reproduce_linear_fields) {
   for_each_cell_type([]<int dim>(CellType type) {
     const auto nodes = reference_nodes<dim>(type);
     for (const auto& xi : sample_points<dim>(type)) {
@@ -53,7 +53,7 @@ TEST(ShapeFunctions, SumToOneAndReproduceLinearFields) {
   });
 }
 
-TEST(ShapeFunctions, DerivativesMatchDifferences) {
+TEST(ShapeFunctions, derivatives_match_differences) {
   for_each_cell_type([]<int dim>(CellType type) {
     const double h = 0.25;  // multilinear: central differences are exact
     for (const auto& xi : sample_points<dim>(type, 10)) {
@@ -70,7 +70,7 @@ TEST(ShapeFunctions, DerivativesMatchDifferences) {
   });
 }
 
-TEST(ShapeFunctions, MappedGradientsOfALinearFieldAreExactInADistortedCell) {
+TEST(ShapeFunctions, mapped_gradients_of_a_linear_field_are_exact_in_a_distorted_cell) {
   for_each_cell_type([]<int dim>(CellType type) {
     auto x_nodes = reference_nodes<dim>(type);
     for (std::size_t a = 0; a < x_nodes.size(); ++a) {
@@ -90,7 +90,7 @@ TEST(ShapeFunctions, MappedGradientsOfALinearFieldAreExactInADistortedCell) {
   });
 }
 
-TEST(ShapeFunctions, DeterminantOfAnAffineMapIsThatOfTheMap) {
+TEST(ShapeFunctions, determinant_of_an_affine_map_is_that_of_the_map) {
   for_each_cell_type([]<int dim>(CellType type) {
     Matrix<dim> map = Matrix<dim>::Identity() * 2.0;
     map(0, 1) = 0.7;
@@ -104,7 +104,7 @@ TEST(ShapeFunctions, DeterminantOfAnAffineMapIsThatOfTheMap) {
   });
 }
 
-TEST(CellFacets, PointOutOfTheReferenceCell) {
+TEST(CellFacets, point_out_of_the_reference_cell) {
   for_each_cell_type([]<int dim>(CellType type) {
     const auto nodes = reference_nodes<dim>(type);
     Vector<dim> centre = Vector<dim>::Zero();
@@ -128,7 +128,7 @@ TEST(CellFacets, PointOutOfTheReferenceCell) {
   });
 }
 
-TEST(CellType, HasItsName) {
+TEST(CellType, has_its_name) {
   EXPECT_EQ(name(CellType::tri3), "tri3");
   EXPECT_EQ(name(CellType::hex8), "hex8");
 }

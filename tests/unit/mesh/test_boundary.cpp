@@ -8,7 +8,7 @@
 namespace gabion {
 namespace {
 
-TEST(Boundary, NeighboursOfARowOfQuads) {
+TEST(Boundary, neighbours_of_a_row_of_quads) {
   const auto mesh = box_mesh<2>({0, 0}, {3, 1}, {3, 1}, CellType::quad4);
   // Facets of a quad: bottom, right, top, left.
   EXPECT_EQ(cell_neighbours(mesh), (std::vector<std::int32_t>{-1, 1, -1, -1,  //
@@ -25,7 +25,7 @@ bool are_turned_round(const Facet& a, const Facet& b) {
   return false;
 }
 
-TEST(Boundary, NeighboursAreMutualAndShareTheFacetTurnedRound) {
+TEST(Boundary, neighbours_are_mutual_and_share_the_facet_turned_round) {
   const auto mesh = box_mesh<3>({0, 0, 0}, {1, 1, 1}, {3, 2, 2}, CellType::tet4, true);
   const auto neighbours = cell_neighbours(mesh);
   int inner = 0;
@@ -45,7 +45,7 @@ TEST(Boundary, NeighboursAreMutualAndShareTheFacetTurnedRound) {
   EXPECT_EQ(inner + static_cast<int>(boundary_facets(mesh).size()) / 3, 4 * mesh.num_cells());
 }
 
-TEST(Boundary, AFacetOfThreeCellsIsRefused) {
+TEST(Boundary, a_facet_of_three_cells_is_refused) {
   Mesh<2> mesh;
   mesh.nodes = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 2}};
   mesh.cells = {0, 1, 2, 1, 3, 2, 1, 4, 2};
@@ -53,7 +53,7 @@ TEST(Boundary, AFacetOfThreeCellsIsRefused) {
             "mesh: found 3 cells that share one facet of cell 0, allowed: at most two");
 }
 
-TEST(Boundary, NormalsAndAreasOfADeformedSurface) {
+TEST(Boundary, normals_and_areas_of_a_deformed_surface) {
   const auto mesh = box_mesh<2>({0, 0}, {1, 1}, {1, 1}, CellType::quad4);
   auto x = mesh.nodes;
   const double angle = 0.3;  // turned and stretched twofold
@@ -67,7 +67,7 @@ TEST(Boundary, NormalsAndAreasOfADeformedSurface) {
   EXPECT_LT((right[0].normal - Vector<2>(std::cos(angle), std::sin(angle))).norm(), 1e-15);
 }
 
-TEST(Boundary, AreaVectorOfAWarpedQuadIsExact) {
+TEST(Boundary, area_vector_of_a_warped_quad_is_exact) {
   // The integral of n dA depends on the rim only: compare with the two triangles of either cut.
   const std::vector<Vector<3>> x = {{0, 0, 0}, {1, 0, 0.3}, {1.2, 1, -0.2}, {0, 1, 0.5}};
   const std::vector<std::int32_t> quad = {0, 1, 2, 3}, triangles = {0, 1, 2, 0, 2, 3};
@@ -76,7 +76,7 @@ TEST(Boundary, AreaVectorOfAWarpedQuadIsExact) {
   EXPECT_LT((whole[0] - parts[0] - parts[1]).norm(), 1e-15);
 }
 
-TEST(Boundary, AFacetWithoutAreaIsRefused) {
+TEST(Boundary, a_facet_without_area_is_refused) {
   const std::vector<Vector<2>> x = {{1, 1}, {1, 1}};
   const std::vector<std::int32_t> facets = {0, 1};
   test::expect_error<Error>([&] { facet_geometry<2>(x, CellType::line2, facets); },

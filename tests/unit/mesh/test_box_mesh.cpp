@@ -46,7 +46,7 @@ void check_box(const BoxCase& box, const Vector<dim>& low, const Vector<dim>& hi
   EXPECT_TRUE(mesh.cell_groups.empty());
 }
 
-TEST(BoxMesh, OfThePlaneFillsTheBoxConformingly) {
+TEST(BoxMesh, of_the_plane_fills_the_box_conformingly) {
   for (const auto& box : plane_cases) {
     SCOPED_TRACE(name(box.type));
     check_box<2>(box, {-1.0, 2.0}, {2.0, 3.5}, {5, 4});
@@ -54,7 +54,7 @@ TEST(BoxMesh, OfThePlaneFillsTheBoxConformingly) {
   }
 }
 
-TEST(BoxMesh, OfSpaceFillsTheBoxConformingly) {
+TEST(BoxMesh, of_space_fills_the_box_conformingly) {
   for (const auto& box : space_cases) {
     SCOPED_TRACE(name(box.type));
     check_box<3>(box, {-1.0, 2.0, 0.0}, {2.0, 3.5, 1.0}, {3, 4, 2});
@@ -62,7 +62,7 @@ TEST(BoxMesh, OfSpaceFillsTheBoxConformingly) {
   }
 }
 
-TEST(BoxMesh, SidesFaceTheirWay) {
+TEST(BoxMesh, sides_face_their_way) {
   const Vector<2> low2(-1, 0), high2(3, 2);
   for (const auto& box : plane_cases) {
     const auto mesh = box_mesh<2>(low2, high2, {3, 5}, box.type, box.alternate);
@@ -85,7 +85,7 @@ TEST(BoxMesh, SidesFaceTheirWay) {
   }
 }
 
-TEST(BoxMesh, NodesAndCellsRunAlongXFirst) {
+TEST(BoxMesh, nodes_and_cells_run_along_x_first) {
   const auto mesh = box_mesh<2>({0, 0}, {2, 3}, {2, 3}, CellType::quad4);
   EXPECT_EQ(mesh.nodes[1], Vector<2>(1, 0));
   EXPECT_EQ(mesh.nodes[3], Vector<2>(0, 1));
@@ -94,12 +94,12 @@ TEST(BoxMesh, NodesAndCellsRunAlongXFirst) {
             (std::vector<std::int32_t>{4, 5, 8, 7}));
 }
 
-TEST(BoxMesh, AlternateTurnsTheDiagonalOfEverySecondRectangle) {
+TEST(BoxMesh, alternate_turns_the_diagonal_of_every_second_rectangle) {
   const auto mesh = box_mesh<2>({0, 0}, {2, 1}, {2, 1}, CellType::tri3, true);
   EXPECT_EQ(mesh.cells, (std::vector<std::int32_t>{0, 1, 4, 0, 4, 3, 1, 2, 4, 2, 5, 4}));
 }
 
-TEST(BoxMesh, RefusesWhatIsNoBox) {
+TEST(BoxMesh, refuses_what_is_no_box) {
   EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<2>({0, 0}, {1, 0}, {1, 1}, CellType::quad4);
             }),
@@ -118,7 +118,7 @@ TEST(BoxMesh, RefusesWhatIsNoBox) {
             "box mesh: found more cells than 32-bit indices can count");
 }
 
-TEST(Mesh, GroupsAreFoundByNameOrRefusedWithTheNamesThatExist) {
+TEST(Mesh, groups_are_found_by_name_or_refused_with_the_names_that_exist) {
   const auto mesh = box_mesh<2>({0, 0}, {1, 1}, {2, 2}, CellType::tri3);
   EXPECT_EQ(mesh.group_nodes("top", ""), (std::vector<std::int32_t>{6, 7, 8}));
   EXPECT_EQ(error_of<ConfigError>([&] { mesh.facets("lid", "a.json: at /x"); }),
@@ -127,7 +127,7 @@ TEST(Mesh, GroupsAreFoundByNameOrRefusedWithTheNamesThatExist) {
             "here: found facet group \"lid\", the mesh has: none");
 }
 
-TEST(Mesh, CellVolumeOfAGeneralQuadAndHexIsExact) {
+TEST(Mesh, cell_volume_of_a_general_quad_and_hex_is_exact) {
   Mesh<2> quad;
   quad.cell_type = CellType::quad4;
   quad.nodes = {{0, 0}, {2, 0.5}, {3, 2}, {-0.5, 1}};

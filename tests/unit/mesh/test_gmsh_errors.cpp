@@ -53,7 +53,7 @@ class GmshErrors : public testing::Test {
   std::string path_;
 };
 
-TEST_F(GmshErrors, TheSmallFileIsGoodAndLosesItsUnusedNode) {
+TEST_F(GmshErrors, the_small_file_is_good_and_loses_its_unused_node) {
   const auto mesh = read(SmallFile().text());
   EXPECT_EQ(mesh.num_nodes_total(), 4);
   EXPECT_EQ(mesh.nodes[3], Vector<2>(0, 1));
@@ -63,7 +63,7 @@ TEST_F(GmshErrors, TheSmallFileIsGoodAndLosesItsUnusedNode) {
   EXPECT_EQ(mesh.cell_groups.at("body"), (std::vector<std::int32_t>{0, 1}));
 }
 
-TEST_F(GmshErrors, OtherFormats) {
+TEST_F(GmshErrors, other_formats) {
   SmallFile file;
   file.format = "2.2 0 8";
   EXPECT_EQ(message(file.text()),
@@ -80,7 +80,7 @@ TEST_F(GmshErrors, OtherFormats) {
             "allowed: little-endian");
 }
 
-TEST_F(GmshErrors, MissingFileAndSections) {
+TEST_F(GmshErrors, missing_file_and_sections) {
   EXPECT_EQ(error_of<ConfigError>([] { read_gmsh<2>("/nowhere/a.msh"); }),
             "/nowhere/a.msh: cannot open this mesh file");
   EXPECT_EQ(message("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"),
@@ -94,13 +94,13 @@ TEST_F(GmshErrors, MissingFileAndSections) {
             "in one piece");
 }
 
-TEST_F(GmshErrors, UnreadSectionsArePassedOver) {
+TEST_F(GmshErrors, unread_sections_are_passed_over) {
   const std::string text = SmallFile().text();
   const auto mesh = read(text + "$NodeData\n1\n\"x\"\n$EndNodeData\n");
   EXPECT_EQ(mesh.num_cells(), 2);
 }
 
-TEST_F(GmshErrors, BrokenNumbersAndCounts) {
+TEST_F(GmshErrors, broken_numbers_and_counts) {
   SmallFile file;
   file.nodes = "1 5 10 50\n2 1 0 5\n10\n20\n30\n50\n40\n0 0 0\n1 zero 0\n";
   EXPECT_EQ(message(file.text()), "line 23, section $Nodes: found \"zero\", expected a coordinate");
@@ -124,7 +124,7 @@ TEST_F(GmshErrors, BrokenNumbersAndCounts) {
             "line 31, section $Elements: found \"40\", expected $EndElements");
 }
 
-TEST_F(GmshErrors, ElementsThatCannotBeRead) {
+TEST_F(GmshErrors, elements_that_cannot_be_read) {
   SmallFile file;
   file.elements = "1 1 1 1\n2 1 9 1\n1 10 20 30 10 20 30\n";
   EXPECT_EQ(message(file.text()),
@@ -141,7 +141,7 @@ TEST_F(GmshErrors, ElementsThatCannotBeRead) {
             "file holds only elements of physical groups once there is one");
 }
 
-TEST_F(GmshErrors, DimensionMismatch) {
+TEST_F(GmshErrors, dimension_mismatch) {
   EXPECT_EQ(message<3>(SmallFile().text()),
             "section $Elements: found no cells of dimension 3 (the highest dimension is 2); a Gmsh "
             "file holds only elements of physical groups once there is one");
@@ -157,7 +157,7 @@ TEST_F(GmshErrors, DimensionMismatch) {
             "dimension 2");
 }
 
-TEST_F(GmshErrors, BadGeometryAndTopology) {
+TEST_F(GmshErrors, bad_geometry_and_topology) {
   SmallFile file;
   file.elements = "1 1 1 1\n2 1 2 1\n1 10 20 20\n";
   EXPECT_EQ(message(file.text()),
@@ -176,7 +176,7 @@ TEST_F(GmshErrors, BadGeometryAndTopology) {
   EXPECT_EQ(message(file.text()), "section $Nodes: found node 20 twice");
 }
 
-TEST_F(GmshErrors, EveryTruncationIsAnErrorAndNoneCrashes) {
+TEST_F(GmshErrors, every_truncation_is_an_error_and_none_crashes) {
   for (const std::string name : {"plate.msh", "plate_binary.msh", "tetrahedra_binary.msh"}) {
     std::ostringstream whole;
     whole << std::ifstream(std::string(MESH_DATA) + "/" + name, std::ios::binary).rdbuf();

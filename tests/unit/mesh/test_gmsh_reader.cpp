@@ -24,14 +24,14 @@ void expect_equal(const Mesh<dim>& a, const Mesh<dim>& b) {
   }
 }
 
-TEST(GmshReader, TextAndBinaryFilesOfOneMeshAreEqual) {
+TEST(GmshReader, text_and_binary_files_of_one_mesh_are_equal) {
   expect_equal(read_gmsh<2>(data + "/plate.msh"), read_gmsh<2>(data + "/plate_binary.msh"));
   expect_equal(read_gmsh<3>(data + "/bricks.msh"), read_gmsh<3>(data + "/bricks_binary.msh"));
   expect_equal(read_gmsh<3>(data + "/tetrahedra.msh"),
                read_gmsh<3>(data + "/tetrahedra_binary.msh"));
 }
 
-TEST(GmshReader, ReadsATriangleMeshWithGroups) {
+TEST(GmshReader, reads_a_triangle_mesh_with_groups) {
   const auto mesh = read_gmsh<2>(data + "/plate.msh");
   EXPECT_EQ(mesh.cell_type, CellType::tri3);
   EXPECT_NEAR(total_volume(mesh), enclosed_volume(mesh, boundary_facets(mesh)), 1e-14);
@@ -53,7 +53,7 @@ TEST(GmshReader, ReadsATriangleMeshWithGroups) {
             static_cast<std::size_t>(mesh.num_cells()));
 }
 
-TEST(GmshReader, ReadsAHexMeshWithGroups) {
+TEST(GmshReader, reads_a_hex_mesh_with_groups) {
   const auto mesh = read_gmsh<3>(data + "/bricks.msh");
   EXPECT_EQ(mesh.cell_type, CellType::hex8);
   EXPECT_EQ(mesh.num_cells(), 12);
@@ -64,7 +64,7 @@ TEST(GmshReader, ReadsAHexMeshWithGroups) {
   EXPECT_EQ(mesh.cell_groups.at("block").size(), 12u);
 }
 
-TEST(GmshReader, ReadsATetMeshAndNamesANamelessGroupByItsNumber) {
+TEST(GmshReader, reads_a_tet_mesh_and_names_a_nameless_group_by_its_number) {
   const auto mesh = read_gmsh<3>(data + "/tetrahedra.msh");
   EXPECT_EQ(mesh.cell_type, CellType::tet4);
   EXPECT_NEAR(total_volume(mesh), 2.0, 1e-14);

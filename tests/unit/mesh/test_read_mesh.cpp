@@ -37,7 +37,7 @@ class ReadMesh : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(ReadMesh, FromAFileOfTheScene) {
+TEST_F(ReadMesh, from_a_file_of_the_scene) {
   const auto mesh = read(R"({"file": "plate.msh"})");
   const auto direct = read_gmsh<2>(MESH_DATA "/plate.msh");
   EXPECT_EQ(mesh.cell_type, CellType::tri3);
@@ -46,19 +46,19 @@ TEST_F(ReadMesh, FromAFileOfTheScene) {
   EXPECT_EQ(mesh.facet_groups, direct.facet_groups);
 }
 
-TEST_F(ReadMesh, FromABox) {
+TEST_F(ReadMesh, from_a_box) {
   const auto mesh = read<3>(
       R"({"box": {"low": [0, 0, 0], "high": [1, 2, 3], "cells": [2, 2, 2], "type": "tet4", "alternate": true}})");
   EXPECT_EQ(mesh.num_cells(), 40);
   EXPECT_NEAR(test::total_volume(mesh), 6.0, 1e-14);
 }
 
-TEST_F(ReadMesh, ExactlyOneSource) {
+TEST_F(ReadMesh, exactly_one_source) {
   expect_refused("{}", {"/mesh/file: found neither, allowed: exactly one of \"file\" and \"box\""});
   expect_refused(R"({"file": "plate.msh", "box": {}})", {"found both \"file\" and \"box\""});
 }
 
-TEST_F(ReadMesh, ErrorsNameTheKey) {
+TEST_F(ReadMesh, errors_name_the_key) {
   expect_refused(R"({"box": {"low": [0, 0], "high": [1, 0], "cells": [1, 1], "type": "tri3"}})",
                  {"/mesh/box/high: component 1: found 0, allowed: a number > low = 0"});
   expect_refused(R"({"box": {"low": [0, 0], "high": [1, 1], "cells": [1, 0], "type": "tri3"}})",

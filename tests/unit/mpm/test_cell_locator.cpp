@@ -104,7 +104,7 @@ void check_against_brute_force(const Mesh<dim>& mesh, int num_random) {
   EXPECT_GT(outside, num_random / 20);
 }
 
-TEST(CellLocator, AgreesWithBruteForceInThePlane) {
+TEST(CellLocator, agrees_with_brute_force_in_the_plane) {
   for (const CellType type : {CellType::tri3, CellType::quad4}) {
     SCOPED_TRACE(name(type));
     auto mesh = box_mesh<2>({0, 0}, {1, 1}, {12, 9}, type, true);
@@ -114,7 +114,7 @@ TEST(CellLocator, AgreesWithBruteForceInThePlane) {
   }
 }
 
-TEST(CellLocator, AgreesWithBruteForceInSpace) {
+TEST(CellLocator, agrees_with_brute_force_in_space) {
   for (const CellType type : {CellType::tet4, CellType::hex8}) {
     SCOPED_TRACE(name(type));
     auto mesh = box_mesh<3>({0, 0, 0}, {1, 1, 1}, {4, 3, 3}, type);
@@ -145,7 +145,7 @@ void check_round_trip(const Mesh<dim>& mesh, double tolerance) {
   }
 }
 
-TEST(CellLocator, FindsLocalCoordinatesInRegularAndDistortedCells) {
+TEST(CellLocator, finds_local_coordinates_in_regular_and_distorted_cells) {
   for (const double amount : {0.0, 0.1}) {
     auto triangles = box_mesh<2>({0, 0}, {1, 1}, {6, 5}, CellType::tri3);
     auto quads = box_mesh<2>({0, 0}, {1, 1}, {6, 5}, CellType::quad4);
@@ -162,7 +162,7 @@ TEST(CellLocator, FindsLocalCoordinatesInRegularAndDistortedCells) {
   }
 }
 
-TEST(CellLocator, FindsLocalCoordinatesInAStronglyDistortedQuadAndHex) {
+TEST(CellLocator, finds_local_coordinates_in_a_strongly_distorted_quad_and_hex) {
   Mesh<2> quad;
   quad.cell_type = CellType::quad4;
   quad.nodes = {{0, 0}, {4, 0}, {2.05, 1.5}, {0, 3}};  // nearly a triangle
@@ -176,7 +176,7 @@ TEST(CellLocator, FindsLocalCoordinatesInAStronglyDistortedQuadAndHex) {
   check_round_trip(hex, 1e-12);
 }
 
-TEST(CellLocator, WorksFarFromTheOrigin) {
+TEST(CellLocator, works_far_from_the_origin) {
   const Vector<2> shift(3.1e5, -7.7e5);
   auto mesh = box_mesh<2>({0, 0}, {1, 1}, {10, 10}, CellType::tri3);
   for (auto& x : mesh.nodes) x += shift;
@@ -190,7 +190,7 @@ TEST(CellLocator, WorksFarFromTheOrigin) {
   }
 }
 
-TEST(CellLocator, WalksRoundAHoleOrFindsItsWayByTheBins) {
+TEST(CellLocator, walks_round_a_hole_or_finds_its_way_by_the_bins) {
   const auto whole = box_mesh<2>({0, 0}, {1, 1}, {20, 20}, CellType::quad4);
   Mesh<2> ring = whole;
   ring.cells.clear();
@@ -209,7 +209,7 @@ TEST(CellLocator, WalksRoundAHoleOrFindsItsWayByTheBins) {
   EXPECT_EQ(locator.locate({0.5, 0.5}, 0), -1);
 }
 
-TEST(CellLocator, GivesMinusOneOutsideAndForWhatIsNoPoint) {
+TEST(CellLocator, gives_minus_one_outside_and_for_what_is_no_point) {
   const auto mesh = box_mesh<2>({0, 0}, {1, 1}, {4, 4}, CellType::tri3);
   const CellLocator<2> locator(mesh);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -221,7 +221,7 @@ TEST(CellLocator, GivesMinusOneOutsideAndForWhatIsNoPoint) {
   EXPECT_GE(locator.locate({1 + 1e-14, 0.5}, -1), 0);
 }
 
-TEST(CellLocator, RefusesACellOfNegativeVolume) {
+TEST(CellLocator, refuses_a_cell_of_negative_volume) {
   auto mesh = box_mesh<2>({0, 0}, {1, 1}, {1, 1}, CellType::tri3);
   std::swap(mesh.cells[3], mesh.cells[4]);
   test::expect_error<ConfigError>([&] { CellLocator<2>{mesh}; },

@@ -36,7 +36,7 @@ void expect_linear_solution(const std::string& method, const std::string& precon
   EXPECT_LT(largest_error(problem, u), 1e-11);
 }
 
-TEST(Conduction, EveryMethodSolvesThePoissonEquation) {
+TEST(Conduction, every_method_solves_the_poisson_equation) {
   for (const char* method : {"cg", "bicgstab", "gmres"}) {
     for (const char* preconditioner : {"jacobi", "ilu"}) {
       expect_linear_solution<1>(method, preconditioner);
@@ -70,7 +70,7 @@ void expect_newton_solution() {
   }
 }
 
-TEST(Conduction, NewtonSolvesForAnyNumberOfUnknowns) {
+TEST(Conduction, newton_solves_for_any_number_of_unknowns) {
   expect_newton_solution<1>();
   expect_newton_solution<2>();
   expect_newton_solution<3>();

@@ -53,7 +53,7 @@ void expect_exact(const Bench& bench, double tolerance) {
   }
 }
 
-TEST(Newton, FindsTheSolutionOfANonlinearChain) {
+TEST(Newton, finds_the_solution_of_a_nonlinear_chain) {
   Bench bench;
   const NewtonReport report = bench.solve();
   expect_exact(bench, 1e-8);
@@ -63,7 +63,7 @@ TEST(Newton, FindsTheSolutionOfANonlinearChain) {
   EXPECT_TRUE(bench.times.seconds().contains("assembly"));
 }
 
-TEST(Newton, ConvergesQuadratically) {
+TEST(Newton, converges_quadratically) {
   Bench bench({}, "lu");
   bench.settings.residual_tolerance = 1e-12;
   const auto residuals = bench.solve().residuals;
@@ -77,7 +77,7 @@ TEST(Newton, ConvergesQuadratically) {
   EXPECT_LT(order, 2.2);
 }
 
-TEST(Newton, InexactLinearSolvesCostNoIteration) {
+TEST(Newton, inexact_linear_solves_cost_no_iteration) {
   for (const double load : {3.0, 30.0, 100.0}) {
     SpringChain chain;
     chain.num_springs = 40;
@@ -90,7 +90,7 @@ TEST(Newton, InexactLinearSolvesCostNoIteration) {
   }
 }
 
-TEST(Newton, WrongTangentConvergesLinearly) {
+TEST(Newton, wrong_tangent_converges_linearly) {
   SpringChain chain;
   chain.tangent_factor = 1.3;
   Bench bench(chain, "lu");
@@ -102,7 +102,7 @@ TEST(Newton, WrongTangentConvergesLinearly) {
   EXPECT_NEAR(r[r.size() - 1] / r[r.size() - 2], 0.3 / 1.3, 0.01);
 }
 
-TEST(Newton, LinearProblemNeedsOneStepAndItsConfirmation) {
+TEST(Newton, linear_problem_needs_one_step_and_its_confirmation) {
   SpringChain chain;
   chain.quadratic = chain.cubic = 0;
   Bench bench(chain, "lu");
@@ -114,7 +114,7 @@ TEST(Newton, LinearProblemNeedsOneStepAndItsConfirmation) {
   expect_exact(bench, 1e-12);
 }
 
-TEST(Newton, WarmStartNeedsNoIteration) {
+TEST(Newton, warm_start_needs_no_iteration) {
   Bench bench;
   bench.solve();
   const auto solution = bench.du;
@@ -123,14 +123,14 @@ TEST(Newton, WarmStartNeedsNoIteration) {
   EXPECT_EQ(bench.du, solution);
 }
 
-TEST(Newton, PredictionSavesTheLastMatrix) {
+TEST(Newton, prediction_saves_the_last_matrix) {
   Bench bench;
   const auto report = bench.solve();
   EXPECT_EQ(report.matrices, report.iterations);
   EXPECT_EQ(bench.chain.evaluations, report.iterations + 1);
 }
 
-TEST(Newton, IncrementCriterionIsEnforced) {
+TEST(Newton, increment_criterion_is_enforced) {
   Bench loose, tight;
   loose.settings.residual_tolerance = tight.settings.residual_tolerance = 1e-2;
   loose.settings.increment_tolerance = 1;
@@ -139,7 +139,7 @@ TEST(Newton, IncrementCriterionIsEnforced) {
   expect_exact(tight, 1e-9);
 }
 
-TEST(Newton, LineSearchSavesAnInadmissibleStep) {
+TEST(Newton, line_search_saves_an_inadmissible_step) {
   // Soft at first, stiff in compression: the full first step turns springs inside out.
   SpringChain chain;
   chain.load_x = -150;
@@ -151,7 +151,7 @@ TEST(Newton, LineSearchSavesAnInadmissibleStep) {
   expect_exact(bench, 1e-7);
 }
 
-TEST(Newton, LineSearchGivesUpWithTheReason) {
+TEST(Newton, line_search_gives_up_with_the_reason) {
   // No spring can carry this: N(-1) = -500.
   SpringChain chain;
   chain.load_x = -600;
@@ -162,7 +162,7 @@ TEST(Newton, LineSearchGivesUpWithTheReason) {
   expect_parts(bench.failure(), {"line search failed: spring ", "is turned inside out"});
 }
 
-TEST(Newton, IterationLimitNamesTheWorstNodeAndAllResiduals) {
+TEST(Newton, iteration_limit_names_the_worst_node_and_all_residuals) {
   Bench bench;
   bench.settings.max_iterations = 2;
   const std::string message = bench.failure();
@@ -171,7 +171,7 @@ TEST(Newton, IterationLimitNamesTheWorstNodeAndAllResiduals) {
   EXPECT_EQ(std::count(series.begin(), series.end(), 'e'), 3) << message;
 }
 
-TEST(Newton, ResidualThatIsNotFiniteFailsAtOnce) {
+TEST(Newton, residual_that_is_not_finite_fails_at_once) {
   SpringChain chain;
   chain.load_y = std::numeric_limits<double>::quiet_NaN();
   Bench bench(chain);
@@ -179,20 +179,20 @@ TEST(Newton, ResidualThatIsNotFiniteFailsAtOnce) {
   EXPECT_EQ(bench.chain.evaluations, 1);
 }
 
-TEST(Newton, InadmissibleGuessFails) {
+TEST(Newton, inadmissible_guess_fails) {
   Bench bench;
   bench.du[6] = -5;
   expect_parts(bench.failure(), {"the guess is inadmissible: spring 2"});
 }
 
-TEST(Newton, SingularMatrixFailsWithTheIteration) {
+TEST(Newton, singular_matrix_fails_with_the_iteration) {
   SpringChain chain;
   chain.tangent_factor = 0;
   Bench bench(chain);
   expect_parts(bench.failure(), {"iteration 0: linear solver: "});
 }
 
-TEST(Newton, WithoutForcesTheGuessIsTheSolution) {
+TEST(Newton, without_forces_the_guess_is_the_solution) {
   SpringChain chain;
   chain.load_x = chain.load_y = 0;
   Bench bench(chain);
@@ -218,7 +218,7 @@ std::int64_t load_history(bool reuse, std::vector<double>& du) {
   return bench.linear.factorisations();
 }
 
-TEST(Newton, ReusedMatrixGivesTheSameSolutionWithFewerFactorisations) {
+TEST(Newton, reused_matrix_gives_the_same_solution_with_fewer_factorisations) {
   std::vector<double> full, reused;
   const auto many = load_history(false, full);
   const auto few = load_history(true, reused);
@@ -226,7 +226,7 @@ TEST(Newton, ReusedMatrixGivesTheSameSolutionWithFewerFactorisations) {
   for (std::size_t k = 0; k < full.size(); ++k) EXPECT_NEAR(full[k], reused[k], 1e-8);
 }
 
-TEST(Newton, ReusedMatrixThatNoLongerServesIsReplaced) {
+TEST(Newton, reused_matrix_that_no_longer_serves_is_replaced) {
   Bench bench({}, "lu");
   bench.settings.reuse_matrix = true;
   bench.settings.max_iterations = 40;
@@ -239,7 +239,7 @@ TEST(Newton, ReusedMatrixThatNoLongerServesIsReplaced) {
   EXPECT_GT(bench.linear.factorisations(), before);
 }
 
-TEST(Newton, LinearProblemIsFactorisedOnceForEver) {
+TEST(Newton, linear_problem_is_factorised_once_for_ever) {
   SpringChain chain;
   chain.quadratic = chain.cubic = 0;
   Bench bench(chain, "lu");
@@ -253,7 +253,7 @@ TEST(Newton, LinearProblemIsFactorisedOnceForEver) {
   EXPECT_EQ(bench.chain.tangents, 1);
 }
 
-TEST(Newton, FailedSolveForgetsTheMatrix) {
+TEST(Newton, failed_solve_forgets_the_matrix) {
   Bench bench({}, "lu");
   bench.settings.reuse_matrix = true;
   bench.solve();
@@ -262,7 +262,7 @@ TEST(Newton, FailedSolveForgetsTheMatrix) {
   EXPECT_FALSE(bench.matrix.is_usable);
 }
 
-TEST(NewtonSettings, ReadAndRefused) {
+TEST(NewtonSettings, read_and_refused) {
   const Json json = {{"residual_tolerance", 1e-6}, {"max_iterations", 7}, {"reuse_matrix", true}};
   const auto settings = read_newton_settings(
       ConfigReader(json, "f.json", newton_keys({.increment_tolerance = 1e-3})));

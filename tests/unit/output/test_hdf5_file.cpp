@@ -25,7 +25,7 @@ std::vector<double> noise(std::size_t n) {
   return values;
 }
 
-TEST_F(Hdf5FileTest, ReadsBackWhatWasWritten) {
+TEST_F(Hdf5FileTest, reads_back_what_was_written) {
   const auto values = noise(30000);
   const std::vector<std::int32_t> numbers = {7, -8, 9};
   const std::vector<float> small = {0.5f, 0.25f};
@@ -47,7 +47,7 @@ TEST_F(Hdf5FileTest, ReadsBackWhatWasWritten) {
   EXPECT_TRUE(read_dataset(path("a.h5"), "nothing", &sizes).empty());
 }
 
-TEST_F(Hdf5FileTest, EqualDataGiveEqualFiles) {
+TEST_F(Hdf5FileTest, equal_data_give_equal_files) {
   const auto values = noise(500);
   std::string bytes[2];
   for (int i = 0; i < 2; ++i) {
@@ -63,7 +63,7 @@ TEST_F(Hdf5FileTest, EqualDataGiveEqualFiles) {
   EXPECT_TRUE(bytes[0] == bytes[1]);
 }
 
-TEST_F(Hdf5FileTest, AnUnfinishedFileLeavesNothing) {
+TEST_F(Hdf5FileTest, an_unfinished_file_leaves_nothing) {
   {
     Hdf5File file(path("a.h5"));
     file.write("values", 1, noise(100));
@@ -71,7 +71,7 @@ TEST_F(Hdf5FileTest, AnUnfinishedFileLeavesNothing) {
   EXPECT_TRUE(files().empty());
 }
 
-TEST_F(Hdf5FileTest, AKilledWriterLeavesTheOldFrameWhole) {
+TEST_F(Hdf5FileTest, a_killed_writer_leaves_the_old_frame_whole) {
   const auto before = noise(100);
   Hdf5File first(path("a.h5"));
   first.write("values", 1, before);
@@ -94,7 +94,7 @@ TEST_F(Hdf5FileTest, AKilledWriterLeavesTheOldFrameWhole) {
   EXPECT_EQ(files(), std::vector<std::string>{"a.h5"});
 }
 
-TEST_F(Hdf5FileTest, ErrorsNameTheFileAndTheCause) {
+TEST_F(Hdf5FileTest, errors_name_the_file_and_the_cause) {
   const std::string lost = path("no/such/folder.h5");
   expect_error<Error>([&] { Hdf5File{lost}; },
                       {lost + ": cannot create this file: ", "No such file or directory"});
@@ -129,7 +129,7 @@ class SmallDisk {
   void (*old_handler_)(int);
 };
 
-TEST_F(Hdf5FileTest, AFullDiskIsAnErrorAndLeavesNothing) {
+TEST_F(Hdf5FileTest, a_full_disk_is_an_error_and_leaves_nothing) {
   for (const rlim_t size : {100, 3000, 200000}) {
     SCOPED_TRACE(size);
     {

@@ -48,7 +48,7 @@ bool is_well_formed(const std::string& xml) {
   return open.empty();
 }
 
-TEST_F(XdmfSeriesTest, ThreeFramesAreThreeFilesAndOneIndex) {
+TEST_F(XdmfSeriesTest, three_frames_are_three_files_and_one_index) {
   XdmfSeries series(path("results"), "soil");
   for (int frame = 0; frame < 3; ++frame) {
     const std::vector<double> x(2 * (4 + frame), 0.1 + frame);
@@ -80,7 +80,7 @@ TEST_F(XdmfSeriesTest, ThreeFramesAreThreeFilesAndOneIndex) {
             std::vector<double>(5, 2.0));
 }
 
-TEST_F(XdmfSeriesTest, TensorsAreReorderedAndVectorsPadded) {
+TEST_F(XdmfSeriesTest, tensors_are_reordered_and_vectors_padded) {
   const std::vector<double> x = {1, 2}, plane = {11, 22, 33, 12}, space = {11, 22, 33, 12, 23, 13};
   const std::vector<double> vector = {7, 8, 9};
   XdmfSeries series(folder_.string(), "a");
@@ -97,7 +97,7 @@ TEST_F(XdmfSeriesTest, TensorsAreReorderedAndVectorsPadded) {
   EXPECT_EQ(count(text("a.xdmf"), "AttributeType=\"Vector\""), 2);
 }
 
-TEST_F(XdmfSeriesTest, AMeshHasItsCellsAndCellValues) {
+TEST_F(XdmfSeriesTest, a_mesh_has_its_cells_and_cell_values) {
   const std::vector<double> x = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, value = {3.0};
   const std::vector<std::int32_t> cells = {0, 1, 2, 3};
   XdmfSeries series(folder_.string(), "mesh");
@@ -115,7 +115,7 @@ TEST_F(XdmfSeriesTest, AMeshHasItsCellsAndCellValues) {
   EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "cell/damage"), value);
 }
 
-TEST_F(XdmfSeriesTest, SizeOfAFrameIsForetold) {
+TEST_F(XdmfSeriesTest, size_of_a_frame_is_foretold) {
   constexpr std::int64_t n = 3000;
   std::mt19937 random(1);  // next to nothing to compress
   std::uniform_real_distribution<double> number(-1, 1);
@@ -139,7 +139,7 @@ TEST_F(XdmfSeriesTest, SizeOfAFrameIsForetold) {
   EXPECT_LE(found, foretold + 16384);
 }
 
-TEST_F(XdmfSeriesTest, BadFieldsAreRefusedAndLeaveNoFrame) {
+TEST_F(XdmfSeriesTest, bad_fields_are_refused_and_leave_no_frame) {
   const std::vector<double> x = {0, 0, 1, 1}, one = {1.0}, two = {1.0, 2.0}, huge = {1e39, 0};
   XdmfSeries series(folder_.string(), "a");
   const auto refuses = [&](const OutputField& field, const std::string& text) {
@@ -158,7 +158,7 @@ TEST_F(XdmfSeriesTest, BadFieldsAreRefusedAndLeaveNoFrame) {
   EXPECT_EQ(series.num_frames(), 0);
 }
 
-TEST_F(XdmfSeriesTest, AFolderThatCannotBeOrIsGoneIsAnError) {
+TEST_F(XdmfSeriesTest, a_folder_that_cannot_be_or_is_gone_is_an_error) {
   std::ofstream(path("file")) << "x";
   const std::vector<double> x = {0, 0};
   const auto first_frame = [&] { XdmfSeries(path("file/results"), "a").write({.coordinates = x}); };

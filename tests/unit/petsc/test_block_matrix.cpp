@@ -35,14 +35,14 @@ void expect_equal_to_dense(int nodes_per_cell) {
   EXPECT_LT((y - system.dense * x).norm(), round_off * system.dense.norm() * x.norm());
 }
 
-TEST(BlockMatrix, EqualsDenseSumOfCells) {
+TEST(BlockMatrix, equals_dense_sum_of_cells) {
   for (const int nodes : {1, 2, 3, 4, 6, 9}) expect_equal_to_dense<2>(nodes);
   for (const int nodes : {1, 3, 4, 8, 10}) expect_equal_to_dense<3>(nodes);
   for (const int nodes : {1, 2, 3, 4, 8, 9}) expect_equal_to_dense<1>(nodes);
   for (const int nodes : {2, 4, 8}) expect_equal_to_dense<6>(nodes);
 }
 
-TEST(BlockMatrix, PatternIsSortedCompleteAndMinimal) {
+TEST(BlockMatrix, pattern_is_sorted_complete_and_minimal) {
   // Triangles 0-1-2 and 2-1-3; node 4 belongs to no cell.
   const std::vector<std::int32_t> offsets{0, 3, 6}, nodes{0, 1, 2, 2, 1, 3};
   BlockMatrix<2> K;
@@ -54,7 +54,7 @@ TEST(BlockMatrix, PatternIsSortedCompleteAndMinimal) {
   EXPECT_EQ(K.values().size(), 15u * 4);
 }
 
-TEST(BlockMatrix, NewPatternForgetsTheOld) {
+TEST(BlockMatrix, new_pattern_forgets_the_old) {
   const auto large = random_system<2>(40, 50, 4, 0.1, 1);
   const auto small = random_system<2>(11, 7, 3, 0.1, 2);
   auto K = assembled(large);
@@ -68,7 +68,7 @@ TEST(BlockMatrix, NewPatternForgetsTheOld) {
   EXPECT_EQ(to_dense(K).norm(), 0);
 }
 
-TEST(BlockMatrix, SingleBlocksAndDiagonals) {
+TEST(BlockMatrix, single_blocks_and_diagonals) {
   const std::vector<std::int32_t> offsets{0, 2}, nodes{1, 0};
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);
@@ -114,7 +114,7 @@ void expect_projected(bool owned) {
   EXPECT_LT((to_dense(K) - expected).norm(), round_off * system.dense.norm());
 }
 
-TEST(BlockMatrix, ConstrainIsQKQPlusScaledRest) {
+TEST(BlockMatrix, constrain_is_qkq_plus_scaled_rest) {
   for (const bool owned : {true, false}) {
     expect_projected<1>(owned);
     expect_projected<2>(owned);
@@ -123,7 +123,7 @@ TEST(BlockMatrix, ConstrainIsQKQPlusScaledRest) {
   }
 }
 
-TEST(BlockMatrix, ConstrainedEmptyNodeGetsScaleOfTheOthers) {
+TEST(BlockMatrix, constrained_empty_node_gets_scale_of_the_others) {
   const std::vector<std::int32_t> offsets{0, 1}, nodes{0};
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);
@@ -135,7 +135,7 @@ TEST(BlockMatrix, ConstrainedEmptyNodeGetsScaleOfTheOthers) {
   EXPECT_DOUBLE_EQ(to_dense(K)(3, 3), 4);
 }
 
-TEST(BlockMatrix, ConstrainRefusesListsOfDifferentLength) {
+TEST(BlockMatrix, constrain_refuses_lists_of_different_length) {
   const std::vector<std::int32_t> offsets{0, 1}, nodes{0};
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);

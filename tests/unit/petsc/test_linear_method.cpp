@@ -16,7 +16,7 @@ LinearMethod automatic(double courant, bool symmetric, int dim, std::int64_t num
   return choose_linear_method({}, {symmetric, courant}, dim, num_dofs, num_ranks);
 }
 
-TEST(LinearMethod, AutomaticFollowsTheRegime) {
+TEST(LinearMethod, automatic_follows_the_regime) {
   using M = SolutionMethod;
   using P = Preconditioner;
   EXPECT_EQ(automatic(0.8, false, 2, 3000), (LinearMethod{M::bicgstab, P::jacobi}));
@@ -32,7 +32,7 @@ TEST(LinearMethod, AutomaticFollowsTheRegime) {
   EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
 }
 
-TEST(LinearMethod, SettingsOverrideTheRegime) {
+TEST(LinearMethod, settings_override_the_regime) {
   LinearSolverSettings settings;
   settings.method = "gmres";
   settings.preconditioner = "ilu";
@@ -46,7 +46,7 @@ LinearSolverSettings read(const Json& json) {
   return read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
 }
 
-TEST(LinearMethod, ReadsSettings) {
+TEST(LinearMethod, reads_settings) {
   const Json json = {
       {"method", "gmres"}, {"preconditioner", "ilu"}, {"tolerance", 1e-6}, {"max_iterations", 80}};
   const auto settings = read(json);
@@ -56,7 +56,7 @@ TEST(LinearMethod, ReadsSettings) {
   EXPECT_EQ(settings.max_iterations, 80);
 }
 
-TEST(LinearMethod, RefusesWrongSettings) {
+TEST(LinearMethod, refuses_wrong_settings) {
   const auto refuses = [](const Json& json, const std::vector<std::string_view>& parts) {
     test::expect_error<ConfigError>([&] { read(json); }, parts);
   };

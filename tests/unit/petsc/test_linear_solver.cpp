@@ -66,7 +66,7 @@ void for_each_block_size(const LinearSolverSettings& settings, double skew) {
   expect_dense_solution<6>(settings, skew);
 }
 
-TEST(LinearSolver, EveryMethodSolvesUnsymmetricSystems) {
+TEST(LinearSolver, every_method_solves_unsymmetric_systems) {
   for (const char* method : {"bicgstab", "gmres"})
     for (const char* preconditioner : {"jacobi", "ilu"}) {
       for_each_block_size(settings_of(method, preconditioner), 0.3);
@@ -76,7 +76,7 @@ TEST(LinearSolver, EveryMethodSolvesUnsymmetricSystems) {
   }
 }
 
-TEST(LinearSolver, EveryMethodSolvesSymmetricSystems) {
+TEST(LinearSolver, every_method_solves_symmetric_systems) {
   for (const char* method : {"cg", "bicgstab", "gmres"})
     for (const char* preconditioner : {"jacobi", "ilu"}) {
       for_each_block_size(settings_of(method, preconditioner), 0);
@@ -84,7 +84,7 @@ TEST(LinearSolver, EveryMethodSolvesSymmetricSystems) {
   expect_dense_solution<2>(settings_of("auto", "auto"), 0);
 }
 
-TEST(LinearSolver, NumberOfRanksDoesNotMatter) {
+TEST(LinearSolver, number_of_ranks_does_not_matter) {
   const auto system = random_system<2>(61, 80, 3, 0.3, 5);
   BlockMatrix<2> K_all;
   K_all.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
@@ -101,7 +101,7 @@ TEST(LinearSolver, NumberOfRanksDoesNotMatter) {
   }
 }
 
-TEST(LinearSolver, RanksMayHoldDifferentPatterns) {
+TEST(LinearSolver, ranks_may_hold_different_patterns) {
   const auto system = random_system<2>(31, 40, 3, 0.2, 6);
   std::vector<std::int32_t> offsets{0}, nodes;
   BlockMatrix<2> K;
@@ -122,7 +122,7 @@ TEST(LinearSolver, RanksMayHoldDifferentPatterns) {
   EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
 }
 
-TEST(LinearSolver, NewValuesAndNewPatternsAreSeen) {
+TEST(LinearSolver, new_values_and_new_patterns_are_seen) {
   for (const char* method : {"bicgstab", "gmres", "lu", "mumps"})
     for (const char* preconditioner : {"jacobi", "ilu"}) {
       SCOPED_TRACE(std::string(method) + " " + preconditioner);
@@ -150,7 +150,7 @@ TEST(LinearSolver, NewValuesAndNewPatternsAreSeen) {
     }
 }
 
-TEST(LinearSolver, FactorServesManyRightHandSides) {
+TEST(LinearSolver, factor_serves_many_right_hand_sides) {
   const auto system = random_system<2>(40, 60, 3, 0.2, 8);
   const auto K = assembled_share(system);
   for (const char* method : {"lu", "mumps"}) {
@@ -164,7 +164,7 @@ TEST(LinearSolver, FactorServesManyRightHandSides) {
   }
 }
 
-TEST(LinearSolver, KrylovThatFailsIsReplacedByDirect) {
+TEST(LinearSolver, krylov_that_fails_is_replaced_by_direct) {
   const auto system = random_system<2>(61, 80, 3, 0.3, 11);
   const auto K = assembled_share(system);
   auto settings = settings_of("bicgstab", "jacobi");
@@ -192,7 +192,7 @@ BlockMatrix<2> saddle() {
   return K;
 }
 
-TEST(LinearSolver, ZeroDiagonalBlocksEndInThePivotingSolver) {
+TEST(LinearSolver, zero_diagonal_blocks_end_in_the_pivoting_solver) {
   const auto K = saddle();
   const Eigen::Vector4d b(1, 2, 3, 4), expected(1, 4.0 / 3, 0.5, 1);
   for (const char* preconditioner : {"jacobi", "ilu"}) {
@@ -206,7 +206,7 @@ TEST(LinearSolver, ZeroDiagonalBlocksEndInThePivotingSolver) {
   EXPECT_LT((solve(lu, b) - expected).norm(), 1e-12);
 }
 
-TEST(LinearSolver, SingularMatrixThrows) {
+TEST(LinearSolver, singular_matrix_throws) {
   // One spring between two nodes that nothing holds, and a load that is not in equilibrium.
   BlockMatrix<2> K;
   const std::vector<std::int32_t> offsets{0, 2}, nodes{0, 1};
@@ -229,7 +229,7 @@ TEST(LinearSolver, SingularMatrixThrows) {
   }
 }
 
-TEST(LinearSolver, ValuesThatAreNotFiniteThrow) {
+TEST(LinearSolver, values_that_are_not_finite_throw) {
   const auto system = random_system<2>(20, 30, 3, 0, 1);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* method : {"bicgstab", "gmres", "cg", "lu", "mumps"}) {
@@ -248,7 +248,7 @@ TEST(LinearSolver, ValuesThatAreNotFiniteThrow) {
   }
 }
 
-TEST(LinearSolver, NoLoadNoDisplacement) {
+TEST(LinearSolver, no_load_no_displacement) {
   const auto system = random_system<2>(20, 30, 3, 0, 1);
   const auto K = assembled_share(system);
   LinearSolver<2> solver(test::comm(), 2, {});
@@ -256,7 +256,7 @@ TEST(LinearSolver, NoLoadNoDisplacement) {
   EXPECT_EQ(solve(solver, Eigen::VectorXd::Zero(40)).norm(), 0);
 }
 
-TEST(LinearSolver, LooserToleranceSavesIterations) {
+TEST(LinearSolver, looser_tolerance_saves_iterations) {
   const auto system = random_system<2>(200, 260, 3, 0.1, 1);
   const auto K = assembled_share(system);
   LinearSolver<2> solver(test::comm(), 2, settings_of("bicgstab", "jacobi", 1e-10));
@@ -269,7 +269,7 @@ TEST(LinearSolver, LooserToleranceSavesIterations) {
   EXPECT_LT(solver.solve(load_span, x, 1e-3), tight);
 }
 
-TEST(PetscSession, ErrorsCarryPetscsText) {
+TEST(PetscSession, errors_carry_petscs_text) {
   expect_error<Error>([] { check_petsc(63, "KSPSolve"); },
                       {"PETSc: KSPSolve failed with code 63: Argument out of range"});
 }

@@ -67,7 +67,7 @@ std::string refusal_of(const Frames& frames, const CodecLimits& limits = {}) {
 #define EXPECT_REFUSED(frames, part) \
   EXPECT_NE(refusal_of(frames).find(part), std::string::npos) << refusal_of(frames)
 
-TEST(Codec, ArraysRoundTripBits) {
+TEST(Codec, arrays_round_trip_bits) {
   Message message;
   message.type = "solved";
   message.sequence = std::numeric_limits<std::uint64_t>::max();
@@ -100,7 +100,7 @@ TEST(Codec, ArraysRoundTripBits) {
   EXPECT_TRUE(back.integers("no integers", {3, 0}).empty());
 }
 
-TEST(Codec, HeaderNumbersRoundTripBits) {
+TEST(Codec, header_numbers_round_trip_bits) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 20000; ++i) {
     const double value = std::bit_cast<double>(random());
@@ -113,7 +113,7 @@ TEST(Codec, HeaderNumbersRoundTripBits) {
   }
 }
 
-TEST(Codec, FieldsOfEveryKindRoundTrip) {
+TEST(Codec, fields_of_every_kind_round_trip) {
   Message message;
   message.type = "welcome";
   message.fields = {
@@ -121,14 +121,14 @@ TEST(Codec, FieldsOfEveryKindRoundTrip) {
   EXPECT_EQ(decode(frames_of(message)).fields, message.fields);
 }
 
-TEST(Codec, TextThatIsNotUtf8IsStillSent) {
+TEST(Codec, text_that_is_not_utf8_is_still_sent) {
   Message message;
   message.type = "abort";
   message.fields["reason"] = "file \xff\xfe missing";
   EXPECT_NE(decode(frames_of(message)).text("reason").find("missing"), std::string::npos);
 }
 
-TEST(Codec, CoupledStepRoundTrips) {
+TEST(Codec, coupled_step_round_trips) {
   Message message;
   const StepRequest request{57, 3, 0.1 + 0.2, 1e-4 / 3};
   put(message, request);
@@ -168,7 +168,7 @@ Frames readme_frames() {
   return frames;
 }
 
-TEST(Codec, WorkedExampleOfTheReadmeIsTrue) {
+TEST(Codec, worked_example_of_the_readme_is_true) {
   const Frames frames = readme_frames();
   ASSERT_EQ(frames.size(), 4u);
   const Message request = decode(Frames{frames[0], frames[1]});
@@ -184,7 +184,7 @@ TEST(Codec, WorkedExampleOfTheReadmeIsTrue) {
   EXPECT_EQ(frames_of(reply), (Frames{frames[2], frames[3]}));
 }
 
-TEST(Codec, BrokenFramesAreRefused) {
+TEST(Codec, broken_frames_are_refused) {
   const std::string two_values(16, '\0');
   EXPECT_EQ(refusal_of({one_array("[2]"), two_values}), "");
   EXPECT_REFUSED(Frames{}, "without frames");
@@ -216,7 +216,7 @@ TEST(Codec, BrokenFramesAreRefused) {
                  "twice");
 }
 
-TEST(Codec, LimitsHoldOnBothSides) {
+TEST(Codec, limits_hold_on_both_sides) {
   CodecLimits small;
   small.max_arrays = 1;
   small.max_payload_bytes = 24;
@@ -235,14 +235,14 @@ TEST(Codec, LimitsHoldOnBothSides) {
   EXPECT_EQ(refusal_of(frames_of(message), small), "");
 }
 
-TEST(Codec, EncodeRefusesShapeThatDoesNotFit) {
+TEST(Codec, encode_refuses_shape_that_does_not_fit) {
   Message message;
   message.type = "solved";
   message.add("x", {3, 2}, std::vector<double>(5));
   expect_error<ProtocolError>([&] { encode(message); }, {"\"x\": shape [3, 2] but 5 values"});
 }
 
-TEST(Codec, TypedAccessNamesFieldAndFinding) {
+TEST(Codec, typed_access_names_field_and_finding) {
   Message message;
   message.type = "solve_step";
   message.fields = {{"dt", nullptr}, {"step", 1.5}, {"time", -1.0}};
@@ -265,7 +265,7 @@ TEST(Codec, TypedAccessNamesFieldAndFinding) {
   EXPECT_NE(text([&] { message.integers("x", {2}); }).find("found \"<f8\""), std::string::npos);
 }
 
-TEST(Codec, NonFiniteValuesAreFound) {
+TEST(Codec, non_finite_values_are_found) {
   std::vector<double> values(6, 1.0);
   EXPECT_NO_THROW(require_finite(values, 2, "force:wall"));
   values[5] = std::numeric_limits<double>::quiet_NaN();
@@ -279,7 +279,7 @@ TEST(Codec, NonFiniteValuesAreFound) {
 }
 
 // Any bytes: decode returns a message or throws ProtocolError, and stays inside its memory bound.
-TEST(Codec, MutatedFramesNeverCrashNorExceedTheMemoryBound) {
+TEST(Codec, mutated_frames_never_crash_nor_exceed_the_memory_bound) {
   Message message;
   message.type = "solved";
   message.fields = {{"details", {{"energy", 1.25}, {"list", {1, 2, 3}}}}, {"busy_seconds", 0.1}};
@@ -328,7 +328,7 @@ TEST(Codec, MutatedFramesNeverCrashNorExceedTheMemoryBound) {
   EXPECT_LT(whole, 60000);  // nor all harmless
 }
 
-TEST(Codec, WorstHeadersStayInsideTheMemoryBound) {
+TEST(Codec, worst_headers_stay_inside_the_memory_bound) {
   for (const std::string& unit :
        {std::string("[],"), std::string("{},"), std::string("0,"), std::string("\"\",")}) {
     std::string list;

@@ -135,7 +135,7 @@ class Processes : public ::testing::Test {
 
 // The deadlines of these tests do not pass: a death that they report was noticed before.
 
-TEST_F(Processes, KilledParticipantIsNamed) {
+TEST_F(Processes, killed_participant_is_named) {
   Child& structure = fork_that("structure", [] { raise(SIGKILL); });
   Child& soil = fork_slow("soil", 0);
   start();
@@ -150,7 +150,7 @@ TEST_F(Processes, KilledParticipantIsNamed) {
   EXPECT_EQ(soil.exit_status(), 4);
 }
 
-TEST_F(Processes, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
+TEST_F(Processes, death_of_a_participant_that_is_not_awaited_is_noticed_too) {
   fork_slow("structure", for_ever);
   Child& soil = fork_slow("soil", 0);
   start();
@@ -158,13 +158,13 @@ TEST_F(Processes, DeathOfAParticipantThatIsNotAwaitedIsNoticedToo) {
   EXPECT_CONTAINS(error_of_solve("structure"), "participant \"soil\" (mpm_solver, pid");
 }
 
-TEST_F(Processes, ParticipantThatExitsWithZeroTooEarlyIsNoticed) {
+TEST_F(Processes, participant_that_exits_with_zero_too_early_is_noticed) {
   fork_that("soil", [] { _exit(0); });
   start();
   EXPECT_CONTAINS(error_of_solve("soil"), "has died: no process");
 }
 
-TEST_F(Processes, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
+TEST_F(Processes, stopped_participant_is_reported_after_the_silence_deadline) {
   fork_that("soil", [] { raise(SIGSTOP); });
   ServerSettings settings = patient_settings();
   settings.deadlines.silence = 2;
@@ -176,7 +176,7 @@ TEST_F(Processes, StoppedParticipantIsReportedAfterTheSilenceDeadline) {
   EXPECT_CONTAINS(error, "solve_step 2 iteration 1");
 }
 
-TEST_F(Processes, BusyParticipantOutlivesTheSilenceDeadline) {
+TEST_F(Processes, busy_participant_outlives_the_silence_deadline) {
   Child& soil = fork_slow("soil", 2.5);
   ServerSettings settings = patient_settings();
   settings.deadlines.silence = 2;
@@ -190,7 +190,7 @@ TEST_F(Processes, BusyParticipantOutlivesTheSilenceDeadline) {
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
-TEST_F(Processes, BusyCouplerOutlivesTheSilenceDeadline) {
+TEST_F(Processes, busy_coupler_outlives_the_silence_deadline) {
   Child& soil = fork_slow("soil", 0);
   ServerSettings settings = patient_settings();
   settings.deadlines.silence = 2;
@@ -201,7 +201,7 @@ TEST_F(Processes, BusyCouplerOutlivesTheSilenceDeadline) {
   EXPECT_EQ(soil.exit_status(), 0);
 }
 
-TEST_F(Processes, AliveButNeverAnsweringIsReportedAfterTheAnswerDeadline) {
+TEST_F(Processes, alive_but_never_answering_is_reported_after_the_answer_deadline) {
   fork_slow("soil", for_ever);
   ServerSettings settings = patient_settings();
   settings.deadlines.answer = 0.5;
@@ -243,7 +243,7 @@ class DyingCoupler {
   std::string endpoint_;
 };
 
-TEST(Faults, WaitingParticipantNoticesTheCouplersDeath) {
+TEST(Faults, waiting_participant_notices_the_couplers_death) {
   DyingCoupler coupler(false, 50);
   DummySolver solver(3, 2, 1.0);
   Connection connection(participant("soil", coupler.endpoint()));
@@ -254,7 +254,7 @@ TEST(Faults, WaitingParticipantNoticesTheCouplersDeath) {
                   "the coupler (pid " + std::to_string(coupler.child().pid()) + ") has died");
 }
 
-TEST(Faults, WaitingParticipantNoticesAStoppedCoupler) {
+TEST(Faults, waiting_participant_notices_a_stopped_coupler) {
   DyingCoupler coupler(false, 1);
   DummySolver solver(3, 2, 1.0);
   Connection connection(participant("soil", coupler.endpoint()));
@@ -266,7 +266,7 @@ TEST(Faults, WaitingParticipantNoticesAStoppedCoupler) {
 }
 
 /// Only its heartbeat thread can end the process: its solution takes longer than the test may.
-TEST(Faults, BusyParticipantEndsWhenTheCouplerDies) {
+TEST(Faults, busy_participant_ends_when_the_coupler_dies) {
   std::array<int, 2> busy{};
   ASSERT_EQ(pipe(busy.data()), 0);
   Child soil(participant_that("soil", [busy] {
@@ -283,7 +283,7 @@ TEST(Faults, BusyParticipantEndsWhenTheCouplerDies) {
   close(busy[1]);
 }
 
-TEST(Faults, AbsentParticipantMeetsTheConnectDeadline) {
+TEST(Faults, absent_participant_meets_the_connect_deadline) {
   ServerSettings settings = patient_settings();
   settings.deadlines.connect = 0.3;
   Server server(settings);
@@ -294,7 +294,7 @@ TEST(Faults, AbsentParticipantMeetsTheConnectDeadline) {
       {"soil", "structure", server.endpoint(), "protocol/connect_deadline"});
 }
 
-TEST(Faults, AbsentCouplerMeetsTheConnectDeadline) {
+TEST(Faults, absent_coupler_meets_the_connect_deadline) {
   std::string endpoint;
   {
     Server gone(patient_settings());
@@ -340,7 +340,7 @@ class Threads : public ::testing::Test {
   InterfaceValues sent_;
 };
 
-TEST_F(Threads, FailedStepIsAConvergenceErrorAndTheRunGoesOn) {
+TEST_F(Threads, failed_step_is_a_convergence_error_and_the_run_goes_on) {
   solver_.on_solve = [](const StepRequest& request) {
     if (request.dt > 0.06) throw ConvergenceError("Newton: residual 3.1 after 20 iterations");
   };
@@ -356,7 +356,7 @@ TEST_F(Threads, FailedStepIsAConvergenceErrorAndTheRunGoesOn) {
   EXPECT_EQ(participants_error(), "");
 }
 
-TEST_F(Threads, AnyOtherErrorOfASolverEndsTheRunWithItsText) {
+TEST_F(Threads, any_other_error_of_a_solver_ends_the_run_with_its_text) {
   solver_.on_solve = [](const StepRequest&) { throw std::runtime_error("disk full"); };
   Solver& soil = connect();
   const std::string error = message_of<ProtocolError>([&] {
@@ -367,7 +367,7 @@ TEST_F(Threads, AnyOtherErrorOfASolverEndsTheRunWithItsText) {
   EXPECT_EQ(participants_error(), "disk full");
 }
 
-TEST_F(Threads, WhatFailsAfterTheWelcomeEndsTheRunWithItsText) {
+TEST_F(Threads, what_fails_after_the_welcome_ends_the_run_with_its_text) {
   welcomed_ = [] { throw std::runtime_error("no folder"); };
   Solver& soil = connect();
   EXPECT_CONTAINS(message_of<ProtocolError>([&] {
@@ -377,7 +377,7 @@ TEST_F(Threads, WhatFailsAfterTheWelcomeEndsTheRunWithItsText) {
   EXPECT_EQ(participants_error(), "no folder");
 }
 
-TEST_F(Threads, ValuesThatAreNotFiniteAreReported) {
+TEST_F(Threads, values_that_are_not_finite_are_reported) {
   solver_.spoil = [](InterfaceValues& sent) {
     sent["wall"][3] = std::numeric_limits<double>::infinity();
   };
@@ -388,20 +388,20 @@ TEST_F(Threads, ValuesThatAreNotFiniteAreReported) {
                   "\"force:wall\" is inf at vertex 1, component 1");
 }
 
-TEST_F(Threads, CouplersAbortReachesTheParticipant) {
+TEST_F(Threads, couplers_abort_reaches_the_participant) {
   connect();
   server_->abort("dt_min reached");
   EXPECT_EQ(participants_error(), "the coupler ended the run: dt_min reached");
 }
 
-TEST_F(Threads, CouplerThatEndsWithoutFinishIsAFailure) {
+TEST_F(Threads, coupler_that_ends_without_finish_is_a_failure) {
   connect();
   solvers_.clear();
   server_.reset();
   EXPECT_CONTAINS(participants_error(), "the coupler ended without finishing the run");
 }
 
-TEST_F(Threads, AcceptingWithoutSolutionIsRefused) {
+TEST_F(Threads, accepting_without_solution_is_refused) {
   Solver& soil = connect();
   EXPECT_CONTAINS(message_of<ProtocolError>([&] {
                     soil.accept_step({4, 0, 0, 0.1}, true);
@@ -409,7 +409,7 @@ TEST_F(Threads, AcceptingWithoutSolutionIsRefused) {
                   "accepts step 4, which has no solution");
 }
 
-TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
+TEST_F(Threads, wrong_sizes_given_by_the_coupler_are_refused_before_they_are_sent) {
   Solver& soil = connect();
   EXPECT_CONTAINS(message_of<ProtocolError>([&] {
                     soil.solve_step({1, 0, 0, 0.1}, {{"wall", std::vector<double>(5)}}, sent_);
@@ -418,7 +418,7 @@ TEST_F(Threads, WrongSizesGivenByTheCouplerAreRefusedBeforeTheyAreSent) {
 }
 
 /// Each solution waits until the other one is under way.
-TEST_F(Threads, TwoSolversWorkAtOnce) {
+TEST_F(Threads, two_solvers_work_at_once) {
   DummySolver a(3, 2, 1.0);
   DummySolver b(3, 2, 1.0);
   std::latch both_solve(2);
@@ -476,7 +476,7 @@ Message solved(const Message& request, std::int64_t num_vertices, double value) 
   return reply;
 }
 
-TEST(Lies, WrongAnswersAreReported) {
+TEST(Lies, wrong_answers_are_reported) {
   EXPECT_EQ(error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 3, 1)); }), "");
   EXPECT_CONTAINS(
       error_on_answer([](auto& raw, auto& request) { raw.send(solved(request, 4, 1)); }),
@@ -519,7 +519,7 @@ class Signals : public Threads {
 };
 
 /// The solution, which brings the signal, takes until the wait for it has ended.
-TEST_F(Signals, SignalEndsAWait) {
+TEST_F(Signals, signal_ends_a_wait) {
   std::promise<void> wait_ended;
   solver_.on_solve = [self = pthread_self(), ended = wait_ended.get_future().share()](auto&) {
     pthread_kill(self, SIGTERM);
@@ -537,7 +537,7 @@ TEST_F(Signals, SignalEndsAWait) {
 }
 
 /// Answers that come without delay do not hide a signal.
-TEST_F(Signals, SignalEndsARunOfQuickAnswers) {
+TEST_F(Signals, signal_ends_a_run_of_quick_answers) {
   Solver& soil = connect();
   std::raise(SIGTERM);
   EXPECT_EQ(error_of<Interrupted>([&] {
@@ -548,7 +548,7 @@ TEST_F(Signals, SignalEndsARunOfQuickAnswers) {
 }
 
 /// A launcher ends the coupler too when one of its processes has died.
-TEST_F(Processes, DeathOfAPeerIsTheMessageEvenWhenALauncherEndsTheCoupler) {
+TEST_F(Processes, death_of_a_peer_is_the_message_even_when_a_launcher_ends_the_coupler) {
   Child& soil = fork_that("soil", [] { raise(SIGKILL); });
   interrupt::install();
   start();

@@ -38,7 +38,7 @@ void expect_refused(const Message& hello, const std::vector<std::string>& parts)
   }
 }
 
-TEST(Handshake, MessagesRoundTrip) {
+TEST(Handshake, messages_round_trip) {
   Hello hello = good_hello("soil");
   hello.probe_names = {"tip"};
   hello.probes = {0.25};
@@ -63,13 +63,13 @@ TEST(Handshake, MessagesRoundTrip) {
   EXPECT_EQ(welcomed.deadlines.silence, 3);
 }
 
-TEST(Handshake, OtherMajorVersionIsRefused) {
+TEST(Handshake, other_major_version_is_refused) {
   Hello hello = good_hello("soil");
   hello.protocol = "2.0";
   expect_refused(to_message(hello), {"protocol version", protocol_version, "2.0"});
 }
 
-TEST(Handshake, OtherMinorVersionIsWelcome) {
+TEST(Handshake, other_minor_version_is_welcome) {
   Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   Hello hello = good_hello("soil");
@@ -79,7 +79,7 @@ TEST(Handshake, OtherMinorVersionIsWelcome) {
   EXPECT_EQ(raw.receive().type, "welcome");
 }
 
-TEST(Handshake, ForeignCodeWithoutSceneHashIsWelcome) {
+TEST(Handshake, foreign_code_without_scene_hash_is_welcome) {
   Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");
   Hello hello = good_hello("soil");
@@ -88,7 +88,7 @@ TEST(Handshake, ForeignCodeWithoutSceneHashIsWelcome) {
   EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
 }
 
-TEST(Handshake, EveryMismatchIsRefusedWithBothValues) {
+TEST(Handshake, every_mismatch_is_refused_with_both_values) {
   Hello hello = good_hello("soil");
   hello.scene_hash = "def";
   expect_refused(to_message(hello), {"scene hash", "abc", "def"});
@@ -114,18 +114,18 @@ TEST(Handshake, EveryMismatchIsRefusedWithBothValues) {
   expect_refused(to_message(hello), {"dimension", "2", "3"});
 }
 
-TEST(Handshake, AllMismatchesAreToldAtOnce) {
+TEST(Handshake, all_mismatches_are_told_at_once) {
   Hello hello = good_hello("soil");
   hello.scene_hash = "def";
   hello.sends.unit = "kN";
   expect_refused(to_message(hello), {"scene hash", "kN"});
 }
 
-TEST(Handshake, UnknownNameIsRefused) {
+TEST(Handshake, unknown_name_is_refused) {
   expect_refused(to_message(good_hello("structure")), {"participant name", "soil", "structure"});
 }
 
-TEST(Handshake, NameTwiceIsRefused) {
+TEST(Handshake, name_twice_is_refused) {
   Server server(patient_settings());
   RawParticipant first(server.endpoint(), "a");
   RawParticipant second(server.endpoint(), "b");
@@ -140,7 +140,7 @@ TEST(Handshake, NameTwiceIsRefused) {
   EXPECT_EQ((std::set<std::string>{one, other}), (std::set<std::string>{"welcome", "refused"}));
 }
 
-TEST(Handshake, HelloDuringTheRunIsRefusedAndTheRunGoesOn) {
+TEST(Handshake, hello_during_the_run_is_refused_and_the_run_goes_on) {
   Server server(patient_settings());
   DummySolver soil(3, 2, 1.0);
   auto end = std::async(std::launch::async, [&] {
@@ -164,7 +164,7 @@ TEST(Handshake, HelloDuringTheRunIsRefusedAndTheRunGoesOn) {
   EXPECT_EQ(end.get(), "");
 }
 
-TEST(Handshake, BrokenHellosAreRefused) {
+TEST(Handshake, broken_hellos_are_refused) {
   const auto broken = [](const std::string& key, const Json& value) {
     Message hello = to_message(good_hello("soil"));
     hello.fields[key] = value;
@@ -184,7 +184,7 @@ TEST(Handshake, BrokenHellosAreRefused) {
   expect_refused(bad_coordinate, {"coordinates:wall", "vertex 2, component 0"});
 }
 
-TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
+TEST(Handshake, names_that_are_no_columns_are_refused) {
   const auto with_probes = [](const std::vector<std::string>& names) {
     Hello hello = good_hello("soil");
     hello.probe_names = names;
@@ -209,7 +209,7 @@ TEST(Handshake, NamesThatAreNoColumnsAreRefused) {
   EXPECT_EQ(read_hello(with_probes({"A.ux", "v-1", "left wall.fx"})).probe_names.size(), 3u);
 }
 
-TEST(Handshake, ParticipantsErrorNamesBothValues) {
+TEST(Handshake, participants_error_names_both_values) {
   Server server(patient_settings());
   auto end = std::async(std::launch::async, [endpoint = server.endpoint()] {
     return message_of<ProtocolError>([&] {
@@ -225,7 +225,7 @@ TEST(Handshake, ParticipantsErrorNamesBothValues) {
   EXPECT_NE(error.find("scene hash: coupler abc, participant def"), std::string::npos) << error;
 }
 
-TEST(Handshake, GarbageFromStrangersIsIgnored) {
+TEST(Handshake, garbage_from_strangers_is_ignored) {
   Server server(patient_settings());
   RawParticipant stranger(server.endpoint(), "stranger");
   stranger.send_frames({"GET / HTTP/1.1"});
@@ -237,7 +237,7 @@ TEST(Handshake, GarbageFromStrangersIsIgnored) {
   EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
 }
 
-TEST(Handshake, AHelloThatIsNotUnderstoodIsAnsweredAndTheCouplerWaitsOn) {
+TEST(Handshake, a_hello_that_is_not_understood_is_answered_and_the_coupler_waits_on) {
   Server server(patient_settings());
   RawParticipant hasty(server.endpoint(), "hasty");
   hasty.send_frames({R"({"type":"hello","participant":"soil"})"});

@@ -99,7 +99,7 @@ class LastWords : public testing::Test {
 };
 
 /// Even when the launcher, which sees processes end, sends its signal in the meantime.
-TEST_F(LastWords, ACompletedRunIsNoFailure) {
+TEST_F(LastWords, a_completed_run_is_no_failure) {
   server_ = std::make_unique<Server>(patient_settings());
   soil_ =
       std::make_unique<GoneParticipant>(server_->endpoint(), "soil", busy(new_message("finished")));
@@ -107,24 +107,24 @@ TEST_F(LastWords, ACompletedRunIsNoFailure) {
   EXPECT_NO_THROW(server_->finish());
 }
 
-TEST_F(LastWords, ASolutionCounts) {
+TEST_F(LastWords, a_solution_counts) {
   InterfaceValues sent;
   expect_answered_then_dead(solved("force"),
                             [&](RemoteSolver& soil) { soil.solve_step(step_, {}, sent); });
   EXPECT_EQ(sent["wall"], std::vector<double>(6, 1.0));
 }
 
-TEST_F(LastWords, AnAcceptedStepCounts) {
+TEST_F(LastWords, an_accepted_step_counts) {
   expect_answered_then_dead(accepted(),
                             [&](RemoteSolver& soil) { soil.accept_and_write(step_, true, 0.1); });
 }
 
-TEST_F(LastWords, OutputThatWasWrittenCounts) {
+TEST_F(LastWords, output_that_was_written_counts) {
   expect_answered_then_dead(busy(new_message("written")),
                             [](RemoteSolver& soil) { soil.write_output(0.1); });
 }
 
-TEST_F(LastWords, AStateThatWasSavedCounts) {
+TEST_F(LastWords, a_state_that_was_saved_counts) {
   State state;
   state.reals["u"] = {1.0 / 3};
   State found;
@@ -133,19 +133,19 @@ TEST_F(LastWords, AStateThatWasSavedCounts) {
   EXPECT_EQ(found.reals, state.reals);
 }
 
-TEST_F(LastWords, AReasonIsTheBetterMessage) {
+TEST_F(LastWords, a_reason_is_the_better_message) {
   RemoteSolver& soil = connect(new_message("abort", {{"reason", "disk full"}}));
   expect_error<ProtocolError>([&] { soil.reject_step(); },
                               {"participant \"soil\" (foreign, pid ", "ended the run: disk full"});
 }
 
-TEST_F(LastWords, WhoSaysNothingHasDied) {
+TEST_F(LastWords, who_says_nothing_has_died) {
   RemoteSolver& soil = connect({});
   expect_error<ProtocolError>([&] { soil.reject_step(); }, {") has died: no process"});
 }
 
 /// Nobody waits for the one that is gone.
-TEST_F(LastWords, TheDeathOfAnotherOneIsToldWithItsReason) {
+TEST_F(LastWords, the_death_of_another_one_is_told_with_its_reason) {
   server_ = std::make_unique<Server>(patient_settings());
   soil_ = std::make_unique<GoneParticipant>(server_->endpoint(), "soil",
                                             new_message("abort", {{"reason", "disk full"}}));
@@ -158,7 +158,7 @@ TEST_F(LastWords, TheDeathOfAnotherOneIsToldWithItsReason) {
 }
 
 /// The connection is closed before the coupler asks.
-TEST_F(LastWords, AReasonBeforeTheQuestionIsTold) {
+TEST_F(LastWords, a_reason_before_the_question_is_told) {
   server_ = std::make_unique<Server>(patient_settings());
   auto raw = std::make_unique<RawParticipant>(server_->endpoint(), "soil");
   raw->send(to_message(good_hello("soil")));
@@ -233,13 +233,13 @@ Message request(const std::string& type, Json fields = Json::object()) {
   return message;
 }
 
-TEST_F(LastWords, AParticipantThatIsToldToFinishEndsWell) {
+TEST_F(LastWords, a_participant_that_is_told_to_finish_ends_well) {
   GoneCoupler coupler(gone(), {request("finish")});
   EXPECT_NO_THROW(serve_gone(coupler));
   EXPECT_EQ(coupler.last_answer().type, "finished");
 }
 
-TEST_F(LastWords, AParticipantThatIsToldToFinishEndsWellWhenASignalComesToo) {
+TEST_F(LastWords, a_participant_that_is_told_to_finish_ends_well_when_a_signal_comes_too) {
   GoneCoupler coupler(this_process(), {request("finish")});
   DummySolver solver(3, 2, 1.0);
   Connection connection(participant("soil", coupler.endpoint()));
@@ -249,13 +249,13 @@ TEST_F(LastWords, AParticipantThatIsToldToFinishEndsWellWhenASignalComesToo) {
   EXPECT_EQ(coupler.last_answer().type, "finished");
 }
 
-TEST_F(LastWords, AParticipantIsToldWhyTheCouplerEnded) {
+TEST_F(LastWords, a_participant_is_told_why_the_coupler_ended) {
   GoneCoupler coupler(gone(), {request("abort", {{"reason", "dt_min reached"}})});
   expect_error<ProtocolError>([&] { serve_gone(coupler); },
                               {"the coupler ended the run: dt_min reached"});
 }
 
-TEST_F(LastWords, WhatElseACouplerAskedThatIsGoneNobodyAwaits) {
+TEST_F(LastWords, what_else_a_coupler_asked_that_is_gone_nobody_awaits) {
   GoneCoupler coupler(gone(), {request("summarize")});
   expect_error<ProtocolError>([&] { serve_gone(coupler); }, {"the coupler (pid ", ") has died"});
 }

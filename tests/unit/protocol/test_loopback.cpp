@@ -27,7 +27,7 @@ struct Pair {
   DummySolver structure{3, 2, 0.5};
 };
 
-TEST(Loopback, TwoSolversSolveAcceptSkipAndWrite) {
+TEST(Loopback, two_solvers_solve_accept_skip_and_write) {
   Pair pair;
   Server server(patient_settings());
   auto soil_end = start(pair.soil, participant("soil", server.endpoint()));

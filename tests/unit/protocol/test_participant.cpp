@@ -113,7 +113,7 @@ class OwnLoop : public testing::Test {
   double time_ = 0, dt_ = 0.1;  // [s] of the accepted state, and of the step
 };
 
-TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
+TEST_F(OwnLoop, repeats_rejects_cuts_and_accepts) {
   start();
   solver().write_output(0);
   EXPECT_EQ(solve(1, 8), 0.2);
@@ -142,7 +142,7 @@ TEST_F(OwnLoop, RepeatsRejectsCutsAndAccepts) {
                                       "save 0.10", "restore 0.10", "complete"}));
 }
 
-TEST_F(OwnLoop, SavesAndLoadsBetweenSteps) {
+TEST_F(OwnLoop, saves_and_loads_between_steps) {
   loop_.keeps = true;
   start();
   EXPECT_TRUE(solver().keeps_state());
@@ -167,7 +167,7 @@ TEST_F(OwnLoop, SavesAndLoadsBetweenSteps) {
                                                    "save 0.20", "restore 0.20", "restore 0.20"}));
 }
 
-TEST_F(OwnLoop, LoadsBeforeTheFirstStep) {
+TEST_F(OwnLoop, loads_before_the_first_step) {
   loop_.keeps = true;
   start();
   loop_.u = 0;
@@ -180,7 +180,7 @@ TEST_F(OwnLoop, LoadsBeforeTheFirstStep) {
   EXPECT_EQ(end_.get(), "");
 }
 
-TEST_F(OwnLoop, WhatIsNoStateOfItsOwnEndsTheRun) {
+TEST_F(OwnLoop, what_is_no_state_of_its_own_ends_the_run) {
   loop_.keeps = true;
   start();
   const std::string lost = message_of<ProtocolError>(
@@ -189,7 +189,7 @@ TEST_F(OwnLoop, WhatIsNoStateOfItsOwnEndsTheRun) {
   EXPECT_EQ(end_.get(), "not a state of this loop");
 }
 
-TEST_F(OwnLoop, IsNotAskedInTheMiddleOfAStep) {
+TEST_F(OwnLoop, is_not_asked_in_the_middle_of_a_step) {
   loop_.keeps = true;
   start();
   solve(1, 8);
@@ -197,7 +197,7 @@ TEST_F(OwnLoop, IsNotAskedInTheMiddleOfAStep) {
   EXPECT_NE(lost.find("asked for \"save\" in the middle of a step"), std::string::npos) << lost;
 }
 
-TEST_F(OwnLoop, KeepsNoStateByItself) {
+TEST_F(OwnLoop, keeps_no_state_by_itself) {
   start();
   EXPECT_FALSE(solver().keeps_state());
   const std::string lost = message_of<ProtocolError>([&] { solver().save_state(); });
@@ -206,7 +206,7 @@ TEST_F(OwnLoop, KeepsNoStateByItself) {
       << lost;
 }
 
-TEST_F(OwnLoop, StepsThatDoNotFollowOneAnotherEndTheRun) {
+TEST_F(OwnLoop, steps_that_do_not_follow_one_another_end_the_run) {
   start();
   solve(1, 8);
   accept(1);
@@ -217,7 +217,7 @@ TEST_F(OwnLoop, StepsThatDoNotFollowOneAnotherEndTheRun) {
       << lost;
 }
 
-TEST_F(OwnLoop, WhatWasRejectedIsNotAccepted) {
+TEST_F(OwnLoop, what_was_rejected_is_not_accepted) {
   start();
   solve(1, 8);
   solver().reject_step();
@@ -225,7 +225,7 @@ TEST_F(OwnLoop, WhatWasRejectedIsNotAccepted) {
   EXPECT_NE(lost.find("accepts step 1, which has no solution"), std::string::npos) << lost;
 }
 
-TEST_F(OwnLoop, AFailedStepIsRepeated) {
+TEST_F(OwnLoop, a_failed_step_is_repeated) {
   loop_.fails_above = 5;
   start();
   const std::string failure = message_of<ConvergenceError>([&] { solve(1, 8); });
@@ -237,7 +237,7 @@ TEST_F(OwnLoop, AFailedStepIsRepeated) {
   EXPECT_EQ(end_.get(), "");
 }
 
-TEST_F(OwnLoop, StepsOfItsOwn) {
+TEST_F(OwnLoop, steps_of_its_own) {
   loop_.own_dt = 0.03;
   start();
   for (int n = 0; n < 2; ++n) EXPECT_NEAR(solve(1, 8), 0.2, 1e-15);
@@ -247,7 +247,7 @@ TEST_F(OwnLoop, StepsOfItsOwn) {
   EXPECT_EQ(loop_.calls, (std::vector<std::string>{"save 0.00", "restore 0.00", "complete"}));
 }
 
-TEST_F(OwnLoop, TheCouplersEndIsTold) {
+TEST_F(OwnLoop, the_couplers_end_is_told) {
   start();
   solve(1, 8);
   server_->abort("disk full");
@@ -283,7 +283,7 @@ bool says(const std::string& text, const std::string& part) {
 }
 #define EXPECT_SAYS(text, part) EXPECT_PRED2(says, text, part)
 
-TEST(Participant, WrongCallsAreNamed) {
+TEST(Participant, wrong_calls_are_named) {
   const std::vector<double> six(6, 0.0);
   EXPECT_SAYS(usage_error([&](Participant& p) { p.set_interface("roof", six); }),
               "set_interface: allowed before initialize() only");
@@ -308,7 +308,7 @@ TEST(Participant, WrongCallsAreNamed) {
               "nothing was written for \"wall\"");
 }
 
-TEST(Participant, WrongSettingsAreNamed) {
+TEST(Participant, wrong_settings_are_named) {
   auto settings = participant("structure", "tcp://127.0.0.1:9");
   EXPECT_SAYS(message_of<UsageError>([&] { Participant(settings).is_coupling_ongoing(); }),
               "initialize() comes first");
@@ -328,7 +328,7 @@ TEST(Participant, WrongSettingsAreNamed) {
   EXPECT_SAYS(message_of<UsageError>([&] { Participant{settings}; }), "found 4, allowed: 2 or 3");
 }
 
-TEST(ParticipantInC, FailuresAreStatusAndText) {
+TEST(ParticipantInC, failures_are_status_and_text) {
   EXPECT_EQ(gabion_create("structure", "tcp://127.0.0.1:9", 2, "heat"), nullptr);
   EXPECT_SAYS(gabion_last_error(nullptr), "found \"heat\", allowed: force, displacement");
   EXPECT_EQ(gabion_create(nullptr, "tcp://127.0.0.1:9", 2, "force"), nullptr);

@@ -23,7 +23,7 @@ StepOrder two_steps() {
   return order;
 }
 
-TEST(StepOrder, TheNextStepStartsWhereTheLastOneEnded) {
+TEST(StepOrder, the_next_step_starts_where_the_last_one_ended) {
   const StepOrder order = two_steps();
   order.check({3, 0, 0.1 + 0.05, 0.1});
   order.check({3, 7, 0.15, 0.05});
@@ -41,7 +41,7 @@ TEST(StepOrder, TheNextStepStartsWhereTheLastOneEnded) {
             std::string::npos);
 }
 
-TEST(StepOrder, RoundOffOfLongRunsIsAllowed) {
+TEST(StepOrder, round_off_of_long_runs_is_allowed) {
   StepOrder order;
   const StepRequest late{1000, 0, 1e4, 1e-9};
   order.solved(late);
@@ -49,7 +49,7 @@ TEST(StepOrder, RoundOffOfLongRunsIsAllowed) {
   order.check({1001, 0, std::nextafter(1e4 + 1e-9, 2e4), 1e-9});
 }
 
-TEST(StepOrder, OnlyWhatWasSolvedIsAccepted) {
+TEST(StepOrder, only_what_was_solved_is_accepted) {
   StepOrder order = two_steps();
   const StepRequest step{3, 0, 0.15, 0.1};
   EXPECT_EQ(refusal_of([&] { order.accept(step, true); }),
@@ -69,7 +69,7 @@ TEST(StepOrder, OnlyWhatWasSolvedIsAccepted) {
   order.check({4, 0, 0.25, 0.1});
 }
 
-TEST(StepOrder, ALoadedStateIsOfAnyStep) {
+TEST(StepOrder, a_loaded_state_is_of_any_step) {
   StepOrder order = two_steps();
   order.forget();
   order.check({57, 0, 5.6, 0.1});

@@ -63,7 +63,7 @@ bool same_bits(const std::vector<Value>& a, const std::vector<Value>& b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0);
 }
 
-TEST(Vectors, EncodeToTheseBytes) {
+TEST(Vectors, encode_to_these_bytes) {
   for (const Json& vector : read_vectors("accepted.json")) {
     SCOPED_TRACE(vector["name"]);
     const Message message = message_of(vector["message"]);
@@ -74,7 +74,7 @@ TEST(Vectors, EncodeToTheseBytes) {
   }
 }
 
-TEST(Vectors, DecodeToThisContent) {
+TEST(Vectors, decode_to_this_content) {
   for (const Json& vector : read_vectors("accepted.json")) {
     SCOPED_TRACE(vector["name"]);
     const Message expected = message_of(vector["message"]);
@@ -97,7 +97,7 @@ TEST(Vectors, DecodeToThisContent) {
   }
 }
 
-TEST(Vectors, BytesOfAState) {
+TEST(Vectors, bytes_of_a_state) {
   int count = 0;
   for (const Json& vector : read_vectors("accepted.json")) {
     if (!vector.contains("bytes")) continue;
@@ -115,7 +115,7 @@ TEST(Vectors, BytesOfAState) {
   EXPECT_EQ(count, 3);
 }
 
-TEST(Vectors, BytesThatAreNotAsManyAsSaid) {
+TEST(Vectors, bytes_that_are_not_as_many_as_said) {
   for (const auto& [bytes, values] : std::vector<std::pair<Json, std::size_t>>{
            {9u, 1}, {8u, 2}, {1u, 0}, {0u, 1}, {1ull << 62, 1}, {-1, 1}, {"8", 1}}) {
     State state;
@@ -129,7 +129,7 @@ TEST(Vectors, BytesThatAreNotAsManyAsSaid) {
                               {"expected an array of null bytes, found 0 values"});
 }
 
-TEST(Vectors, MalformedFramesAreRefused) {
+TEST(Vectors, malformed_frames_are_refused) {
   const Json vectors = read_vectors("refused.json");
   EXPECT_GT(vectors.size(), 40u);
   for (const Json& vector : vectors) {

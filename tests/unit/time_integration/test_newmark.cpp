@@ -38,7 +38,7 @@ double error_at_end(const NewmarkBossak& scheme, int steps) {
   return std::hypot(o.u - std::cos(end), o.v + std::sin(end));
 }
 
-TEST(NewmarkBossak, SecondOrder) {
+TEST(NewmarkBossak, second_order) {
   for (const double alpha : {0.0, -0.1, -0.3, -1.0 / 3}) {
     std::vector<double> sizes, errors;
     for (const int steps : {100, 200, 400, 800}) {
@@ -50,7 +50,7 @@ TEST(NewmarkBossak, SecondOrder) {
   }
 }
 
-TEST(NewmarkBossak, GeneralizedAlphaIsOfSecondOrder) {
+TEST(NewmarkBossak, generalized_alpha_is_of_second_order) {
   for (const double rho : {0.0, 0.3, 0.5, 0.8, 1.0}) {
     std::vector<double> sizes, errors;
     for (const int steps : {100, 200, 400, 800}) {
@@ -62,7 +62,7 @@ TEST(NewmarkBossak, GeneralizedAlphaIsOfSecondOrder) {
   }
 }
 
-TEST(NewmarkBossak, SchemesWithoutDampingKeepTheEnergy) {
+TEST(NewmarkBossak, schemes_without_damping_keep_the_energy) {
   for (const auto& scheme : {NewmarkBossak{}, NewmarkBossak::generalized_alpha(1)}) {
     for (const double dt : {0.01, 0.3, 20.0}) {
       Oscillator o;
@@ -85,7 +85,7 @@ double spectral_radius(const NewmarkBossak& scheme, double omega) {
   return amplification.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-TEST(NewmarkBossak, SpectralRadiusOfGeneralizedAlpha) {
+TEST(NewmarkBossak, spectral_radius_of_generalized_alpha) {
   for (const double rho : {0.0, 0.3, 0.5, 0.8, 0.95, 1.0}) {
     const auto scheme = NewmarkBossak::generalized_alpha(rho);
     // Three equal eigenvalues: a change of 1e-10 of the matrix moves them by its third root.
@@ -97,7 +97,7 @@ TEST(NewmarkBossak, SpectralRadiusOfGeneralizedAlpha) {
 }
 
 /// With rho_inf = 0.5 the low frequencies lose less than with the Bossak scheme of equal rho_inf.
-TEST(NewmarkBossak, GeneralizedAlphaSparesLowFrequencies) {
+TEST(NewmarkBossak, generalized_alpha_spares_low_frequencies) {
   const auto bossak = NewmarkBossak::bossak(-1.0 / 3);  // rho_inf = 1/2
   const auto scheme = NewmarkBossak::generalized_alpha(0.5);
   EXPECT_NEAR(spectral_radius(bossak, 1e5), 0.5, 2e-3);
@@ -106,14 +106,14 @@ TEST(NewmarkBossak, GeneralizedAlphaSparesLowFrequencies) {
   }
 }
 
-TEST(NewmarkBossak, ZeroAlphaIsTheTrapezoid) {
+TEST(NewmarkBossak, zero_alpha_is_the_trapezoid) {
   const auto scheme = NewmarkBossak::bossak(0);
   EXPECT_EQ(scheme.beta, 0.25);
   EXPECT_EQ(scheme.gamma, 0.5);
 }
 
 // Amplitude per step for omega dt -> infinity.
-TEST(NewmarkBossak, SpectralRadiusAtInfinity) {
+TEST(NewmarkBossak, spectral_radius_at_infinity) {
   for (const double alpha : {-0.05, -0.1, -0.2, -0.3}) {
     Oscillator o{.omega = 1e6, .u = 1e-6, .v = 0.3, .a = 0.7};
     const auto scheme = NewmarkBossak::bossak(alpha);
@@ -127,7 +127,7 @@ TEST(NewmarkBossak, SpectralRadiusAtInfinity) {
   }
 }
 
-TEST(NewmarkBossak, AccelerationAndVelocityAreExactForConstantAcceleration) {
+TEST(NewmarkBossak, acceleration_and_velocity_are_exact_for_constant_acceleration) {
   const double v = 0.7, a = -1.3, dt = 0.2;
   for (const auto& scheme :
        {NewmarkBossak{}, NewmarkBossak::bossak(-0.2), NewmarkBossak::generalized_alpha(0.6)}) {
@@ -146,7 +146,7 @@ TEST(NewmarkBossak, AccelerationAndVelocityAreExactForConstantAcceleration) {
   }
 }
 
-TEST(NewmarkBossak, Config) {
+TEST(NewmarkBossak, config) {
   const auto read = [](const Json& json) {
     return read_newmark_bossak(ConfigReader(json, "f.json", newmark_keys("newmark")));
   };
@@ -167,7 +167,7 @@ TEST(NewmarkBossak, Config) {
   refuses({{"scheme", "generalized_alpha"}, {"alpha", -0.1}}, {"/alpha", "unknown"});
 }
 
-TEST(NewmarkBossak, ParametersOutOfRangeAreRefused) {
+TEST(NewmarkBossak, parameters_out_of_range_are_refused) {
   using test::expect_error;
   expect_error<ConfigError>([] { NewmarkBossak::generalized_alpha(-0.1); },
                             {"rho_inf: found -0.1", "0 to 1"});

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double lambda = 1.7, mu = 0.9, cohesion = 0.02;
 
-TEST(TrescaReturn, EqualsTheOnlyAdmissibleCandidate) {
+TEST(TrescaReturn, equals_the_only_admissible_candidate) {
   const auto law = principal_law(Tresca<3>({lambda, mu, cohesion}));
   const auto planes = shear_planes(law);
   std::array<int, 3> count = {0, 0, 0};
@@ -53,14 +53,14 @@ void expect_isochoric_return() {
   EXPECT_GT(plastic, 500);
 }
 
-TEST(Tresca, TensorReturnKeepsThePressureAndIsIdempotent) {
+TEST(Tresca, tensor_return_keeps_the_pressure_and_is_idempotent) {
   expect_isochoric_return<2>();
   expect_isochoric_return<3>();
 }
 
 /// Undrained shear carries the cohesion whatever the pressure; the remainder is of the order of the
 /// elastic strain squared, from the turning of the axes.
-TEST(Tresca, SimpleShearCarriesTheCohesion) {
+TEST(Tresca, simple_shear_carries_the_cohesion) {
   const double small_cohesion = 1e-4 * mu;
   for (const double pressure : {0.0, 1e-3}) {
     const Tresca<2> law({lambda, mu, small_cohesion});
@@ -75,7 +75,7 @@ TEST(Tresca, SimpleShearCarriesTheCohesion) {
   }
 }
 
-TEST(Tresca, RegionsHaveNames) {
+TEST(Tresca, regions_have_names) {
   const Tresca<2> law({lambda, mu, cohesion});
   Matrix<2> H = Matrix<2>::Zero();
   EXPECT_EQ(region_name(stress<2>(law, H, {}).region), "elastic");

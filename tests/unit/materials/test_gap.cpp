@@ -48,7 +48,7 @@ void expect_volume_balance(const auto& law) {
   EXPECT_GT(closed, 300);
 }
 
-TEST(Gap, AndElasticVolumeAddUpToTheVolume) {
+TEST(Gap, and_elastic_volume_add_up_to_the_volume) {
   for (const double cohesion : {0.0, 2e4}) {
     expect_volume_balance<2>(MohrCoulomb<2>(mohr(0, cohesion, ApexVolume::gap)));
     expect_volume_balance<3>(MohrCoulomb<3>(mohr(0, cohesion, ApexVolume::gap)));
@@ -88,7 +88,7 @@ void expect_no_growth(const auto& keeps, const auto& forgets) {
   EXPECT_NEAR(mean_stress_after_splashes<dim>(forgets, 1), -bulk * std::log(1.2), 1e-9 * bulk);
 }
 
-TEST(Gap, NetVolumeWithoutStressDoesNotGrowInSplashes) {
+TEST(Gap, net_volume_without_stress_does_not_grow_in_splashes) {
   EXPECT_EQ(MohrCoulombParameters{}.apex_volume, ApexVolume::gap);
   EXPECT_EQ(DruckerPragerParameters{}.apex_volume, ApexVolume::gap);
   const auto gap = ApexVolume::gap, forget = ApexVolume::forget;
@@ -104,7 +104,7 @@ TEST(Gap, NetVolumeWithoutStressDoesNotGrowInSplashes) {
 
 /// One step that closes the gap half-way builds the stress of the rest of its volume change; an
 /// open gap stays as it is when nothing moves.
-TEST(Gap, ClosesBeforePressureBuilds) {
+TEST(Gap, closes_before_pressure_builds) {
   const MohrCoulomb<3> law(mohr(0, 0, ApexVolume::gap));
   const Matrix<3> one = Matrix<3>::Identity();
   const auto opened = stress<3>(law, (std::exp(0.01) - 1) * one, {});
@@ -128,7 +128,7 @@ TEST(Gap, ClosesBeforePressureBuilds) {
 }
 
 /// Cohesive soil keeps the tension of its apex while the gap is open.
-TEST(Gap, OfCohesiveSoilOpensAtTheApexStress) {
+TEST(Gap, of_cohesive_soil_opens_at_the_apex_stress) {
   const double c = 2e4, apex = c / std::tan(30 * degree);
   const MohrCoulomb<2> law(mohr(0, c, ApexVolume::gap));
   const auto opened = stress<2>(law, 0.05 * Matrix<2>::Identity(), {});

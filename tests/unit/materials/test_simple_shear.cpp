@@ -32,7 +32,7 @@ double strength_in_simple_shear(const auto& law, double sigma_n) {
 }
 
 /// sin phi cos psi / (1 - sin phi sin psi), Davis (1968): below tan phi when psi < phi.
-TEST(SimpleShear, StrengthIsTheDavisRatio) {
+TEST(SimpleShear, strength_is_the_davis_ratio) {
   struct Row {
     double phi, psi, ratio;
   };
@@ -81,7 +81,7 @@ double strength_in_biaxial_compression(const auto& law, double sigma_3) {
 /// s1 / s3 = Kp = (1 + sin phi) / (1 - sin phi) for Mohr-Coulomb and, whatever psi, for the cone
 /// that is matched to it in plane strain. Any cone has the Kp of the friction angle sin phi = eta w
 /// / (1 - eta eta_bar / 3), w^2 = 1 - eta_bar^2 / 3, at which it flows.
-TEST(Biaxial, StrengthIsKp) {
+TEST(Biaxial, strength_is_kp) {
   struct Row {
     double phi, psi;
   };

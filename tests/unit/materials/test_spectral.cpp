@@ -19,7 +19,7 @@ void expect_exact_eigenpairs(const Symmetric<dim>& s) {
   EXPECT_LE((compose<dim>(pairs.value, pairs.n) - s).norm(), 5e-15 * scale);
 }
 
-TEST(Spectral, EigenpairsReconstructNearlyEqualAndTinyValues) {
+TEST(Spectral, eigenpairs_reconstruct_nearly_equal_and_tiny_values) {
   Random random(53);
   for (const double size : {1.0, 1e-9, 1e-100}) {
     for (const double gap : {0.0, 1e-15, 1e-12, 1e-8, 1e-4, 1.0}) {
@@ -36,7 +36,7 @@ TEST(Spectral, EigenpairsReconstructNearlyEqualAndTinyValues) {
   expect_exact_eigenpairs<2>({-2, 1, 3, -1e-20});
 }
 
-TEST(Spectral, HenckyStrainIsExactForEverySize) {
+TEST(Spectral, hencky_strain_is_exact_for_every_size) {
   for (double e : {1e-300, 1e-17, 1e-9, 1e-4, 0.01, 0.1, 0.124, 0.1335, 0.3, 2.0, 1e6}) {
     for (const double x : {e, -e}) {
       if (x <= -1) continue;
@@ -51,7 +51,7 @@ TEST(Spectral, HenckyStrainIsExactForEverySize) {
     EXPECT_NEAR(strain_from_hencky(eps), std::expm1(2 * eps), 4e-16 * std::abs(2 * eps)) << eps;
 }
 
-TEST(Spectral, HenckySlopeIsSmoothThroughEqualValues) {
+TEST(Spectral, hencky_slope_is_smooth_through_equal_values) {
   for (const double b : {0.2, 1.0, 3.0}) {
     EXPECT_DOUBLE_EQ(hencky_slope(b, b), 0.5 / b);
     for (const double ratio : {1.01, 1.13, 1.14, 1.5, 2.9, 3.1, 10.0}) {
@@ -63,7 +63,7 @@ TEST(Spectral, HenckySlopeIsSmoothThroughEqualValues) {
   }
 }
 
-TEST(Spectral, DeterminantMinusOneKeepsTinyVolumeChange) {
+TEST(Spectral, determinant_minus_one_keeps_tiny_volume_change) {
   Matrix<3> H = 1e-12 * Matrix<3>::Identity();
   EXPECT_NEAR(determinant_minus_one<3>(H), 3e-12, 1e-23);
   Random random(59);

@@ -64,13 +64,13 @@ void expect_elastic_law() {
   expect_tangent_at_tiny_strain<3>(Law<3>{lambda, mu});
 }
 
-TEST(Tangent, LinearElasticMatchesDifferences) {
+TEST(Tangent, linear_elastic_matches_differences) {
   expect_elastic_law<LinearElastic>();
 }
-TEST(Tangent, NeoHookeanMatchesDifferences) {
+TEST(Tangent, neo_hookean_matches_differences) {
   expect_elastic_law<NeoHookean>();
 }
-TEST(Tangent, HenckyElasticMatchesDifferences) {
+TEST(Tangent, hencky_elastic_matches_differences) {
   expect_elastic_law<HenckyElastic>();
 }
 
@@ -98,31 +98,31 @@ class MohrCoulombTangent : public ::testing::TestWithParam<Angles> {
   }
 };
 
-TEST_P(MohrCoulombTangent, MatchesDifferences2d) {
+TEST_P(MohrCoulombTangent, matches_differences_2d) {
   for (const double size : {0.15, 0.01})
     expect_all_faces(compare<2>(law<2>(0.1 * size * M), size, 2000));
   expect_all_faces(compare<2>(law<2>(0), 0.05, 2000));
 }
 
-TEST_P(MohrCoulombTangent, MatchesDifferences3d) {
+TEST_P(MohrCoulombTangent, matches_differences_3d) {
   expect_all_faces(compare<3>(law<3>(0.1 * 0.15 * M), 0.15, 3000));
   expect_all_faces(compare<3>(law<3>(0), 0.05, 3000));
 }
 
-TEST_P(MohrCoulombTangent, MatchesDifferencesWithAGap) {
+TEST_P(MohrCoulombTangent, matches_differences_with_a_gap) {
   for (const double cohesion : {0.0, 0.01 * M}) {
     expect_all_faces(compare<2>(law<2>(cohesion), 0.1, 3000, 0.1));
     expect_all_faces(compare<3>(law<3>(cohesion), 0.1, 3000, 0.1));
   }
 }
 
-TEST_P(MohrCoulombTangent, MatchesDifferencesAtTinyStrain) {
+TEST_P(MohrCoulombTangent, matches_differences_at_tiny_strain) {
   compare<2>(law<2>(0), 1e-9, 500);
   compare<3>(law<3>(0), 1e-9, 200);
 }
 
 /// Axisymmetric trial states: the equal pair must land on an edge with zero shear factor.
-TEST_P(MohrCoulombTangent, MatchesDifferencesAtEqualTrialValues) {
+TEST_P(MohrCoulombTangent, matches_differences_at_equal_trial_values) {
   Random random(3);
   for (const double side : {-1.0, 1.0}) {
     const double pair = side > 0 ? -0.05 : 0.02, odd = side > 0 ? 0.05 : -0.1;
@@ -153,7 +153,7 @@ void expect_tresca_faces(std::map<int, int> count) {
   EXPECT_EQ(count[static_cast<int>(YieldFace::apex)], 0);
 }
 
-TEST(TrescaTangent, MatchesDifferencesAndIsSymmetric) {
+TEST(TrescaTangent, matches_differences_and_is_symmetric) {
   for (const double size : {0.15, 1e-3}) {
     const TrescaParameters clay{lambda, mu, 0.1 * size * M};
     expect_tresca_faces(compare<2>(Tresca<2>(clay), size, 2000));
@@ -181,7 +181,7 @@ class DruckerPragerTangent : public ::testing::TestWithParam<Angles> {
   }
 };
 
-TEST_P(DruckerPragerTangent, MatchesDifferences) {
+TEST_P(DruckerPragerTangent, matches_differences) {
   for (const ConeMatch match :
        {ConeMatch::plane_strain, ConeMatch::compression, ConeMatch::extension}) {
     for (const double cohesion : {0.0, 0.01 * M}) {
@@ -197,7 +197,7 @@ TEST_P(DruckerPragerTangent, MatchesDifferences) {
 }
 
 /// Two or three equal trial values on the cone, where the shear factors are limits.
-TEST_P(DruckerPragerTangent, MatchesDifferencesAtEqualTrialValues) {
+TEST_P(DruckerPragerTangent, matches_differences_at_equal_trial_values) {
   const DruckerPrager<3> solid(parameters(0, ConeMatch::plane_strain));
   const DruckerPrager<2> plane(parameters(0, ConeMatch::plane_strain));
   Random random(3);

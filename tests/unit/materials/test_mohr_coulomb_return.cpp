@@ -38,7 +38,7 @@ class MohrCoulombReturn : public ::testing::TestWithParam<Case> {
   }
 };
 
-TEST_P(MohrCoulombReturn, EqualsTheOnlyAdmissibleCandidate) {
+TEST_P(MohrCoulombReturn, equals_the_only_admissible_candidate) {
   const auto constants = law();
   const Eigen::Vector3d apex = Eigen::Vector3d::Constant(constants.strength / (constants.k - 1));
   int apex_count = 0;
@@ -60,7 +60,7 @@ TEST_P(MohrCoulombReturn, EqualsTheOnlyAdmissibleCandidate) {
   EXPECT_GT(apex_count, 500);
 }
 
-TEST_P(MohrCoulombReturn, ReachesTheApexOnlyWhenBothEdgeParametersAreBeyondIt) {
+TEST_P(MohrCoulombReturn, reaches_the_apex_only_when_both_edge_parameters_are_beyond_it) {
   const auto constants = law();
   for (const auto& [eps, trial] : trials(8000)) {
     bool both = true;
@@ -77,7 +77,7 @@ TEST_P(MohrCoulombReturn, ReachesTheApexOnlyWhenBothEdgeParametersAreBeyondIt) {
 
 class AssociatedReturn : public MohrCoulombReturn {};
 
-TEST_P(AssociatedReturn, IsTheClosestPoint) {
+TEST_P(AssociatedReturn, is_the_closest_point) {
   const auto constants = law();
   const double p_apex = constants.strength / (constants.k - 1);
   Random random(23);
@@ -140,7 +140,7 @@ void expect_tensor_update(const MohrCoulomb<dim>& law) {
   }
 }
 
-TEST_P(MohrCoulombReturn, TensorUpdateAgreesAndIsIdempotent) {
+TEST_P(MohrCoulombReturn, tensor_update_agrees_and_is_idempotent) {
   const Case& c = GetParam();
   expect_tensor_update<2>({lambda, mu, c.phi * degree, c.psi * degree, c.cohesion});
   expect_tensor_update<3>({lambda, mu, c.phi * degree, c.psi * degree, c.cohesion});
@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, MohrCoulombReturn,
 INSTANTIATE_TEST_SUITE_P(Cases, AssociatedReturn,
                          ::testing::Values(Case{35, 35, 0}, Case{35, 35, 0.02}));
 
-TEST(MohrCoulomb, CohesionlessTensionForgetsTheElasticStrain) {
+TEST(MohrCoulomb, cohesionless_tension_forgets_the_elastic_strain) {
   MohrCoulombParameters sand{.lambda = lambda, .mu = mu, .friction_angle = 30 * degree};
   sand.apex_volume = ApexVolume::forget;
   MaterialState<2> state_n;

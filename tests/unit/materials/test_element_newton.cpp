@@ -71,7 +71,7 @@ void expect_quadratic_elements(const auto& parameters) {
   expect_quadratic_element<3>(Law<3>(parameters));
 }
 
-TEST(ElementNewton, ConvergesQuadraticallyOnPlasticElements) {
+TEST(ElementNewton, converges_quadratically_on_plastic_elements) {
   for (const double psi : {0., 10., 30.})
     expect_quadratic_elements<MohrCoulomb>(MohrCoulombParameters{.lambda = lambda,
                                                                  .mu = mu,

@@ -82,7 +82,7 @@ void expect_every_face(std::map<int, int> count, int least, bool elastic) {
   }
 }
 
-TEST_P(TensionCutoff, ReturnEqualsTheOnlyAdmissibleCandidate) {
+TEST_P(TensionCutoff, return_equals_the_only_admissible_candidate) {
   const double T = GetParam().cutoff;
   expect_every_face(
       is_tresca()
@@ -105,7 +105,7 @@ void expect_exact_tangents(const auto& law) {
   compare<dim>(law, 0.1, 1000);
 }
 
-TEST_P(TensionCutoff, TangentMatchesDifferences2d) {
+TEST_P(TensionCutoff, tangent_matches_differences_2d) {
   if (is_tresca()) {
     expect_exact_tangents<2>(Tresca<2>(clay()));
   } else {
@@ -113,7 +113,7 @@ TEST_P(TensionCutoff, TangentMatchesDifferences2d) {
   }
 }
 
-TEST_P(TensionCutoff, TangentMatchesDifferences3d) {
+TEST_P(TensionCutoff, tangent_matches_differences_3d) {
   if (is_tresca()) {
     expect_exact_tangents<3>(Tresca<3>(clay()));
   } else {
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, TensionCutoff,
                                            Case{0, 0, 0}, Case{0, 0, 0.03}));
 
 /// Equal trial stresses that the cut-off does not touch keep their elastic shear factor.
-TEST(TensionCutoffTangent, MatchesDifferencesAtAnEqualPair) {
+TEST(TensionCutoffTangent, matches_differences_at_an_equal_pair) {
   const MohrCoulomb<3> law({.lambda = lambda,
                             .mu = mu,
                             .friction_angle = 30 * degree,
@@ -141,7 +141,7 @@ TEST(TensionCutoffTangent, MatchesDifferencesAtAnEqualPair) {
 }
 
 /// A bar pulled apart with free sides carries the cut-off.
-TEST(TensionCutoffPath, ABarCarriesTheCutOff) {
+TEST(TensionCutoffPath, a_bar_carries_the_cut_off) {
   const double T = 0.02;
   const Tresca<2> law({.lambda = lambda, .mu = mu, .cohesion = cohesion, .tension_cutoff = T});
   MaterialState<2> state;

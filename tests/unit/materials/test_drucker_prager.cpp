@@ -35,7 +35,7 @@ class DruckerPragerReturn : public ::testing::TestWithParam<Case> {
 
 /// On the cone the plastic strain is a positive multiple of the flow direction there; at the apex
 /// no multiplier brings the trial state to the cone.
-TEST_P(DruckerPragerReturn, SatisfiesTheKuhnTuckerConditions) {
+TEST_P(DruckerPragerReturn, satisfies_the_kuhn_tucker_conditions) {
   const auto cone = cone_constants(parameters());
   const double p_apex = cone.strength / cone.eta;
   std::array<int, 2> count = {0, 0};
@@ -74,7 +74,7 @@ double energy_distance(const Eigen::Vector3d& d) {
 
 class AssociatedCone : public DruckerPragerReturn {};
 
-TEST_P(AssociatedCone, ReturnsToTheClosestPoint) {
+TEST_P(AssociatedCone, returns_to_the_closest_point) {
   const auto cone = cone_constants(parameters());
   const double p_apex = cone.strength / cone.eta;
   Random random(23);
@@ -119,7 +119,7 @@ void expect_tensor_update(const DruckerPrager<dim>& law) {
   }
 }
 
-TEST_P(DruckerPragerReturn, TensorUpdateAgreesAndIsIdempotent) {
+TEST_P(DruckerPragerReturn, tensor_update_agrees_and_is_idempotent) {
   expect_tensor_update<2>(DruckerPrager<2>(parameters()));
   expect_tensor_update<3>(DruckerPrager<3>(parameters()));
 }
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, AssociatedCone,
                                            Case{35, 35, 0.02, ConeMatch::compression}));
 
 /// The outer and inner cones touch the edges of the Mohr-Coulomb pyramid.
-TEST(DruckerPrager, TriaxialConesMeetTheEdgesOfMohrCoulomb) {
+TEST(DruckerPrager, triaxial_cones_meet_the_edges_of_mohr_coulomb) {
   const double phi = 30 * degree, c = 0.02, k = 3;
   for (const double lateral : {-0.1, -1.0}) {
     const double axial_compression = k * lateral - 2 * c * std::sqrt(k);
@@ -156,7 +156,7 @@ TEST(DruckerPrager, TriaxialConesMeetTheEdgesOfMohrCoulomb) {
 }
 
 /// For psi = phi the plane strain match is 3 tan phi / sqrt(9 + 12 tan^2 phi) (Drucker and Prager).
-TEST(DruckerPrager, AssociatedPlaneStrainMatchIsTheClassicalOne) {
+TEST(DruckerPrager, associated_plane_strain_match_is_the_classical_one) {
   const double phi = 30 * degree, tan_phi = std::tan(phi), c = 0.02;
   const auto cone = cone_constants(
       {.lambda = lambda, .mu = mu, .friction_angle = phi, .dilation_angle = phi, .cohesion = c});

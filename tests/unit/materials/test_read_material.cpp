@@ -25,7 +25,7 @@ void expect_refused_with(const std::string& key, const Json& value,
   expect_refused(material, parts);
 }
 
-TEST(ReadMaterial, MohrCoulomb) {
+TEST(ReadMaterial, mohr_coulomb) {
   const auto material =
       read_material<2>(ConfigReader(soil(), "mpm.json", material_keys(material_laws)));
   EXPECT_EQ(material.law_name, "mohr_coulomb");
@@ -48,7 +48,7 @@ Json clay() {
           {"cohesion", 2e4}};
 }
 
-TEST(ReadMaterial, Tresca) {
+TEST(ReadMaterial, tresca) {
   const auto material =
       read_material<3>(ConfigReader(clay(), "mpm.json", material_keys(material_laws)));
   const auto& law = std::get<Tresca<3>>(material.law);
@@ -68,7 +68,7 @@ TEST(ReadMaterial, Tresca) {
   expect_refused(bad, {"/friction_angle", "unknown"});
 }
 
-TEST(ReadMaterial, DruckerPrager) {
+TEST(ReadMaterial, drucker_prager) {
   Json json = soil();
   json["law"] = "drucker_prager";
   const auto plain = std::get<DruckerPrager<2>>(
@@ -90,7 +90,7 @@ TEST(ReadMaterial, DruckerPrager) {
   expect_refused(json, {"/friction_angle", "tresca"});
 }
 
-TEST(ReadMaterial, ApexVolume) {
+TEST(ReadMaterial, apex_volume) {
   for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
     Json json = soil();
     json["law"] = law;
@@ -104,7 +104,7 @@ TEST(ReadMaterial, ApexVolume) {
   EXPECT_EQ(std::get<MohrCoulomb<2>>(material.law).parameters().apex_volume, ApexVolume::forget);
 }
 
-TEST(ReadMaterial, TensionCutoff) {
+TEST(ReadMaterial, tension_cutoff) {
   Json json = soil();  // apex at 10 / tan 19.8 = 27.78
   json["tension_cutoff"] = 5;
   const auto sand = read_material<2>(ConfigReader(json, "mpm.json", material_keys(material_laws)));
@@ -143,7 +143,7 @@ void expect_elastic(const std::string& name) {
   expect_refused(with_friction, {"/friction_angle", "unknown"});
 }
 
-TEST(ReadMaterial, ElasticLaws) {
+TEST(ReadMaterial, elastic_laws) {
   expect_elastic<LinearElastic<3>>("linear_elastic");
   expect_elastic<NeoHookean<3>>("neo_hookean");
   expect_elastic<HenckyElastic<3>>("hencky_elastic");
@@ -160,13 +160,13 @@ struct WithModuli : WithoutModuli {
   double shear_modulus() const;
 };
 
-TEST(ConstitutiveLaw, IsWhatTheSolversAskFor) {
+TEST(ConstitutiveLaw, is_what_the_solvers_ask_for) {
   EXPECT_TRUE((ConstitutiveLaw<WithModuli, 2>));
   EXPECT_FALSE((ConstitutiveLaw<WithoutModuli, 2>));
   EXPECT_FALSE((ConstitutiveLaw<WithModuli, 3>));  // its update is that of the plane
 }
 
-TEST(ReadMaterial, TheVariantUpdatesLikeItsLaw) {
+TEST(ReadMaterial, the_variant_updates_like_its_law) {
   const auto material =
       read_material<2>(ConfigReader(soil(), "mpm.json", material_keys(material_laws)));
   const Matrix<2> H = -0.01 * Matrix<2>::Identity();
@@ -175,7 +175,7 @@ TEST(ReadMaterial, TheVariantUpdatesLikeItsLaw) {
   EXPECT_EQ(out.P, stress<2>(std::get<MohrCoulomb<2>>(material.law), H, {}).P);
 }
 
-TEST(ReadMaterial, ErrorsSayWhereWhatAndWhatIsAllowed) {
+TEST(ReadMaterial, errors_say_where_what_and_what_is_allowed) {
   expect_refused_with("density", -1, {"mpm.json", "/density", "-1", "> 0"});
   expect_refused_with("law", "mohr_columb",
                       {"/law", "mohr_columb", "mohr_coulomb", "hencky_elastic"});

@@ -30,10 +30,10 @@ void expect_conjugate_energies() {
   expect_conjugate_energy<dim>(MohrCoulomb<dim>{lambda, mu, 0.5, 0.1, 1e9});  // stays elastic
 }
 
-TEST(MaterialResponse, EnergyIsWorkConjugate2d) {
+TEST(MaterialResponse, energy_is_work_conjugate_2d) {
   expect_conjugate_energies<2>();
 }
-TEST(MaterialResponse, EnergyIsWorkConjugate3d) {
+TEST(MaterialResponse, energy_is_work_conjugate_3d) {
   expect_conjugate_energies<3>();
 }
 
@@ -72,7 +72,7 @@ void expect_no_drift(double size) {
   EXPECT_LT(drift_of_a_full_turn<dim>(sand, yielded.state), 1e-10);
 }
 
-TEST(MaterialResponse, RigidRotationLeavesTheStress) {
+TEST(MaterialResponse, rigid_rotation_leaves_the_stress) {
   for (const double size : {0.1, 1e-4, 1e-6}) {
     expect_no_drift<2>(size);
     expect_no_drift<3>(size);
@@ -114,14 +114,14 @@ void expect_closed_form_shear() {
   }
 }
 
-TEST(MaterialResponse, LargeSimpleShear2d) {
+TEST(MaterialResponse, large_simple_shear_2d) {
   expect_closed_form_shear<2>();
 }
-TEST(MaterialResponse, LargeSimpleShear3d) {
+TEST(MaterialResponse, large_simple_shear_3d) {
   expect_closed_form_shear<3>();
 }
 
-TEST(MaterialResponse, UniaxialStretchHasTheConfinedModulus) {
+TEST(MaterialResponse, uniaxial_stretch_has_the_confined_modulus) {
   const double stretch = 1.3;
   Matrix<2> H = Matrix<2>::Zero();
   H(0, 0) = stretch - 1;
@@ -165,7 +165,7 @@ void expect_refusal_of_inversion() {
   }
 }
 
-TEST(MaterialResponse, InvertedOrUndefinedStepsAreRefused) {
+TEST(MaterialResponse, inverted_or_undefined_steps_are_refused) {
   expect_refusal_of_inversion<2>();
   expect_refusal_of_inversion<3>();
 }
@@ -191,7 +191,7 @@ double expect_plane_strain_equals_3d(const auto& plane, const auto& solid) {
   return state2.plastic_strain;
 }
 
-TEST(MaterialResponse, PlaneStrainEqualsThreeDimensions) {
+TEST(MaterialResponse, plane_strain_equals_three_dimensions) {
   EXPECT_GT(expect_plane_strain_equals_3d(MohrCoulomb<2>(sand), MohrCoulomb<3>(sand)), 0.02);
   EXPECT_GT(expect_plane_strain_equals_3d(DruckerPrager<2>(gravel), DruckerPrager<3>(gravel)),
             0.02);
@@ -216,7 +216,7 @@ void expect_isotropy(const auto& law) {
   }
 }
 
-TEST(MaterialResponse, PlasticLawsAreIsotropic) {
+TEST(MaterialResponse, plastic_laws_are_isotropic) {
   expect_isotropy<2>(MohrCoulomb<2>(sand));
   expect_isotropy<3>(MohrCoulomb<3>(sand));
   expect_isotropy<2>(DruckerPrager<2>(gravel));

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/program/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <gabion_version.hpp>
+
+namespace gabion {
+
+namespace {
+
+void add_common_options(CLI::App& app, ProgramOptions& options, bool is_coupler) {
+  app.add_option("scene", options.scene, "Scene folder")->type_name("SCENE");
+  app.add_option("--output", options.output, "Folder of results (default: results/<scene>)")
+      ->type_name("DIR");
+  app.add_option("--restart", options.restart,
+                 "Go on from the last checkpoint of the run with these results")
+      ->type_name("DIR");
+  app.add_option("--set", options.overrides, "Replace one value of the scene; may be repeated")
+      ->type_name("FILE:/json/pointer=VALUE")
+      ->expected(1)
+      ->take_all();
+  app.add_flag(
+      "--check", options.check,
+      "Check the scene, write nothing; in a launch as that of a run: up to the first step");
+  app.add_flag("--describe-keys{markdown}", options.describe_keys,
+               "Print all keys of its settings file as Markdown, or with =schema as a JSON Schema, "
+               "then end");
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
+      ->capture_default_str();
+  app.add_option("--coupler", options.coupler,
+                 is_coupler ? "Endpoint to bind, such as tcp://127.0.0.1:5555"
+                            : "Endpoint of a coupler outside this launch")
+      ->type_name("ENDPOINT");
+  app.add_option("--name", options.name, "Name of this participant")
+      ->type_name("PARTICIPANT")
+      ->capture_default_str();
+}
+
+void add_coupler_options(CLI::App& app, ProgramOptions& options) {
+  app.add_flag("--list-participants", options.list_participants,
+               "Print the endpoint, then name, program of this project that plays it (or nothing), "
+               "number of words and words of each participant's command, then end; each item "
+               "ends with a NUL");
+  app.add_option("--check-participant", options.check_participant,
+                 "Drive this participant alone through repeated, rejected and cut steps, then end")
+      ->type_name("PARTICIPANT");
+  app.add_option("--amplitude", options.amplitude,
+                 "Random values of that check [N or m] (default: 1e-3 N, 1e-6 m)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--make-keys", options.make_keys,
+                 "Write a new secret key to FILE and its public key to FILE.pub, then end")
+      ->type_name("FILE");
+}
+
+void add_solver_options(CLI::App& app, ProgramOptions& options) {
+  app.add_option("--key-file", options.key_file, "Own secret key (or GABION_KEY_FILE)")
+      ->type_name("FILE");
+  app.add_option("--coupler-key-file", options.coupler_key_file,
+                 "The coupler's public key (or GABION_COUPLER_KEY_FILE)")
+      ->type_name("FILE");
+  app.add_option("--connect-deadline", options.connect_deadline,
+                 "Wait so long [s] for the coupler's answer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+}  // namespace
+
+std::optional<int> read_command_line(int argc, char** argv, const ProgramEntry& program,
+                                     ProgramOptions& options) {
+  CLI::App app(program.about, program.name);
+  const bool is_coupler = program.name == coupler_program().name;
+  add_common_options(app, options, is_coupler);
+  if (is_coupler) {
+    add_coupler_options(app, options);
+  } else {
+    add_solver_options(app, options);
+  }
+  app.set_version_flag("--version", std::string("gabion ") + version);
+  try {
+    app.parse(argc, argv);
+    const bool needs_scene = options.make_keys.empty() && options.describe_keys.empty();
+    if (needs_scene && options.scene.empty()) throw CLI::RequiredError("scene");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gabion
