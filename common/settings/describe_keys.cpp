@@ -56,7 +56,7 @@ std::string range_text(const Range& range) {
 }
 
 std::string words_text(const std::vector<std::string>& words) {
-  return "`" + fmt::format("{}", fmt::join(words, "`, `")) + "`";
+  return fmt::format("`{}`", fmt::join(words, "`, `"));
 }
 
 std::string range_text(const Key& key) {
@@ -93,7 +93,7 @@ std::string default_text(const Key& key) {
     case Absence::fallback:
       break;
   }
-  if (key.fallback.is_string()) return "`" + key.fallback.get<std::string>() + "`";
+  if (key.fallback.is_string()) return fmt::format("`{}`", key.fallback.get<std::string>());
   return key.fallback.is_number() ? number_text(key.fallback.get<double>()) : key.fallback.dump();
 }
 
