@@ -33,7 +33,7 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
 template <int dim>
 struct BodyAtRest {
   const Body<dim>& body;
-  std::int32_t number = 0;  ///< of the body
+  std::int32_t number = 0;                    ///< of the body
   Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
 };
 
