@@ -34,7 +34,7 @@ KeyTable initial_stress_keys();
 template <int dim>
 struct BodyAtRest {
   const Body<dim>& body;
-  std::int32_t number = 0;  ///< of the body
+  std::int32_t number = 0;                    ///< of the body
   Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
 };
 
