@@ -6,7 +6,7 @@ namespace gabion::fem {
 
 namespace {
 
-const std::vector<std::string> components = {component_names, component_names + 3};
+const std::vector<std::string> all_components = {component_names, component_names + 3};
 constexpr const char* factor_sentence =
     "Rows [t, factor], linear between rows and held before and after; none: factor 1.";
 
@@ -19,7 +19,7 @@ KeyTable support_keys() {
           "Nodes that do not move. A component of a group is fixed once.",
           {group_key("Facet group whose nodes are held."),
            key::texts("components", "Components of the displacement that are zero.")
-               .among(components)
+               .among(all_components)
                .not_empty()
                .or_computed("all"),
            key::boolean("report_reaction", "Adds the columns reaction_GROUP_x, ... to the probes.")
@@ -30,7 +30,7 @@ KeyTable prescribed_keys() {
   return {"prescribed",
           "One component of the displacement of a group as a function of time.",
           {group_key("Facet group whose nodes are moved."),
-           key::choice("component", components, "Component of the displacement."),
+           key::choice("component", all_components, "Component of the displacement."),
            key::number("rate", "m/s", "The displacement is this times t.").or_none(),
            time_table_key(
                "m", "Rows [t, displacement], linear between rows and held before and after.")},
