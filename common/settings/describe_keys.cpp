@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 #include "common/base/require.hpp"
 
@@ -130,20 +131,40 @@ std::string one_of_text(const KeyTable& table) {
   return fmt::format(" Exactly one of {}.", words_text(table.one_of));
 }
 
+/// Prose in lines of at most 118 characters.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 118;
+  std::string result, word;
+  std::size_t column = 0;
+  std::istringstream words(text);
+  while (words >> word) {
+    if (column > 0) {
+      const bool fits = column + 1 + word.size() <= width;
+      result += fits ? ' ' : '\n';
+      column = fits ? column + 1 : 0;
+    }
+    result += word;
+    column += word.size();
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string keys_as_markdown(const KeyTable& root, const std::string& file) {
   std::vector<Section> sections;
   collect(root, "", sections);
   std::string result = fmt::format(
-      "# {}\n\n{} A name has 1 to 64 letters, digits, `_` and `-`; `#` is the number of an entry "
-      "of a list. Made by\n`--describe-keys`; `scripts/describe_keys` writes it anew.\n",
-      file, root.sentence);
+      "# {}\n\n{}\n", file,
+      wrapped(
+          root.sentence +
+          " A name has 1 to 64 letters, digits, `_` and `-`; `#` is the number of an entry of a "
+          "list. Made by `--describe-keys`; `scripts/describe_keys` writes it anew."));
   for (const Section& section : sections) {
     const KeyTable& table = *section.table;
     if (&table != &root) {
-      result += fmt::format("\n## {}\n\n{}{}\n", words_text(section.places), table.sentence,
-                            one_of_text(table));
+      result += fmt::format("\n## {}\n\n{}\n", words_text(section.places),
+                            wrapped(table.sentence + one_of_text(table)));
     }
     result += "\n| key | value | unit | range | default | meaning |\n";
     result += "| --- | --- | --- | --- | --- | --- |\n";
