@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/ledger.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -192,7 +194,7 @@ std::vector<std::string> Ledger<dim>::names() {
   std::vector<std::string> names = {"plastic_dissipation", "time_damping",  "transfer_loss",
                                     "wall_loss",           "gravity_work",  "boundary_work",
                                     "energy_balance",      "created_energy"};
-  for (int d = 0; d < dim; ++d) names.push_back(std::string("momentum_error_") + "xyz"[d]);
+  for (int d = 0; d < dim; ++d) names.push_back(fmt::format("momentum_error_{}", "xyz"[d]));
   return names;
 }
 
