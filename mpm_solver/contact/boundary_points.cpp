@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/mechanics/flat.hpp"
+#include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/mpm_output.hpp"
 
-#include "common/mechanics/flat.hpp"
 #include "common/mechanics/ranks/gather.hpp"
+#include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
 

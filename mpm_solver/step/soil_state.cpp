@@ -10,9 +10,9 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/flat.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
 
