@@ -39,7 +39,7 @@ void check_box(CellType type, bool alternate, int cells_per_brick) {
   const Mesh<dim> mesh =
       box_mesh<dim>(Vector<dim>::Zero(), Vector<dim>::LinSpaced(1, 1.3),
                     Eigen::Matrix<int, dim, 1>::LinSpaced(3, 2 + dim), type, alternate);
-  const CellLocator<dim> locator(mesh);
+  const mpm::CellLocator<dim> locator(mesh);
   const auto patches = mpm::join_cells(mesh, locator);
   for (const std::size_t nodes : patch_sizes(mesh, patches)) EXPECT_EQ(nodes, 1u << dim);
   ASSERT_EQ(patches.size() * cells_per_brick, mesh.num_cells()) << name(type);
@@ -73,7 +73,7 @@ Mesh<dim> disordered(CellType type, int cells) {
 template <int dim>
 void check_disordered(CellType type, double most_per_node) {
   const Mesh<dim> mesh = disordered<dim>(type, dim == 2 ? 12 : 5);
-  const CellLocator<dim> locator(mesh);
+  const mpm::CellLocator<dim> locator(mesh);
   const auto patches = mpm::join_cells(mesh, locator);
   for (const std::size_t nodes : patch_sizes(mesh, patches)) {
     EXPECT_GE(nodes, 1u << dim) << name(type);

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "coupler/coupling_loop.hpp"
+#include "fem_solver/fem_config.hpp"
 #include "fem_solver/run_fem.hpp"
 #include "tests/support/mpi_main.hpp"
 #include "tests/support/temporary_scene.hpp"
