@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "common/settings/config_reader.hpp"
+
 namespace gabion {
 
 std::vector<Key> deadline_keys() {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/settings/config_reader.hpp"
+#include <string>
+#include <vector>
 
 namespace gabion {
+
+class ConfigReader;
+struct Key;
 
 /// How long each wait lasts at most [s]. The coupler's values hold for all; a participant has its
 /// own `connect` and gets the others in the welcome.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/settings/config_reader.hpp"
+#include "common/base/json.hpp"
 
 namespace gabion {
 

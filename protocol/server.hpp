@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/run/solver.hpp"
+#include "common/settings/config_reader.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/remote_solver.hpp"

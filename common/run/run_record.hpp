@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json.hpp"
 #include "common/run/csv_writer.hpp"
 #include "common/run/state.hpp"
-#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/json.hpp"
 #include "common/run/state.hpp"
-#include "common/settings/config_reader.hpp"
 
 namespace gabion {
 

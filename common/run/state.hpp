@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/settings/config_reader.hpp"
+#include "common/base/json.hpp"
 
 namespace gabion {
 

@@ -3,13 +3,12 @@
 
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-namespace gabion {
+#include "common/base/json.hpp"
 
-using Json = nlohmann::json;
+namespace gabion {
 
 /// Numbers that are allowed: an interval, with the words that an error message uses for it.
 struct Range {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/settings/config_reader.hpp"
 #include "mpm_solver/points/material_points.hpp"
 
 namespace gabion::mpm {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/settings/config_reader.hpp"
 #include "fem_solver/fem_solver.hpp"
 #include "tests/support/mpi_main.hpp"
 #include "tests/support/temporary_scene.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/unit/materials/plastic_return.hpp"
 
 namespace gabion::testing {
@@ -115,7 +117,9 @@ void expect_tensor_update(const DruckerPrager<dim>& law) {
     ASSERT_LT((trial * tau - tau * trial).norm(), 1e-14);
     const auto again = stress<dim>(law, Matrix<dim>::Zero(), out.state);
     ASSERT_LT((again.state.e - out.state.e).norm(), 1e-15);
-    ASSERT_LT((again.tau - out.tau).norm(), 2e-15);
+    // Round-off of an eigenvalue problem and back, a few units of the last place of each entry.
+    ASSERT_LT((again.tau - out.tau).norm(),
+              16 * std::numeric_limits<double>::epsilon() * out.tau.norm());
   }
 }
 

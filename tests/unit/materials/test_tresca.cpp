@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/unit/materials/plastic_return.hpp"
 
 namespace gabion::testing {
@@ -48,7 +50,9 @@ void expect_isochoric_return() {
     ASSERT_NEAR(tau[0] - tau[2], 2 * cohesion, 1e-14);
     const auto again = stress<dim>(law, Matrix<dim>::Zero(), out.state);
     ASSERT_FALSE(again.plastic());
-    ASSERT_LT((again.tau - out.tau).norm(), 2e-15);
+    // Round-off of an eigenvalue problem and back, a few units of the last place of each entry.
+    ASSERT_LT((again.tau - out.tau).norm(),
+              16 * std::numeric_limits<double>::epsilon() * out.tau.norm());
   }
   EXPECT_GT(plastic, 500);
 }

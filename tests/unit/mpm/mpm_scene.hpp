@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/settings/config_reader.hpp"
 #include "mpm_solver/mpm_solver.hpp"
 #include "mpm_solver/run_mpm.hpp"
 #include "tests/support/mpi_main.hpp"

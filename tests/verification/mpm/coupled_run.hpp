@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "common/settings/config_reader.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/run_fem.hpp"
