@@ -30,7 +30,7 @@ PROGRAMS = ("coupler", "mpm_solver", "fem_solver")
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMP_THREAD_LIMIT": "1",
               "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
 MARK = "GABION_TEST_LAUNCH"  # environment variable by which processes of a launch are found
-TIMEOUT = 60  # [s] no launch of these tests may take longer, however loaded the machine is
+TIMEOUT = 300  # [s] ends a launch that hangs; no test is judged by its time
 
 binaries = Path()  # set by main()
 

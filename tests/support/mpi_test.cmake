@@ -1,4 +1,4 @@
-# gabion_mpi_test(name NUM_RANKS 1 2 3 LIBS lib... SOURCES file... [LABEL unit] [TIMEOUT 60]):
+# gabion_mpi_test(name NUM_RANKS 1 2 3 LIBS lib... SOURCES file... [LABEL unit] [TIMEOUT 900]):
 # one test program with MPI and PETSc, run once with each number of ranks (tests name.1, name.2, ...).
 include_guard(GLOBAL)
 
@@ -8,7 +8,7 @@ function(gabion_mpi_test name)
     set(arg_LABEL unit)
   endif()
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 60)
+    set(arg_TIMEOUT 900)
   endif()
   if(NOT arg_NUM_RANKS)
     message(FATAL_ERROR "gabion_mpi_test(${name}): NUM_RANKS is missing")

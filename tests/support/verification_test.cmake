@@ -1,4 +1,4 @@
-# gabion_verification(name LIBS lib... SOURCES file... [LONG] [TIMEOUT 120]): a program of verification
+# gabion_verification(name LIBS lib... SOURCES file... [LONG] [TIMEOUT 900]): a program of verification
 # problems. scripts/verify runs all of them; CTest runs those that are not LONG.
 include_guard(GLOBAL)
 include(${CMAKE_SOURCE_DIR}/tests/support/mpi_test.cmake)
@@ -6,7 +6,7 @@ include(${CMAKE_SOURCE_DIR}/tests/support/mpi_test.cmake)
 function(gabion_verification name)
   cmake_parse_arguments(arg "LONG" "TIMEOUT" "LIBS;SOURCES" ${ARGN})
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 120)
+    set(arg_TIMEOUT 900)
   endif()
   if(arg_LONG)
     add_executable(${name} ${arg_SOURCES})
