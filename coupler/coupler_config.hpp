@@ -8,8 +8,8 @@
 #include "common/run/time_steps.hpp"
 #include "common/settings/scene.hpp"
 #include "coupler/acceleration/acceleration.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "coupler/mapping/interface_map.hpp"
-#include "coupler/step/convergence.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion {

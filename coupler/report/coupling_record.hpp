@@ -7,8 +7,8 @@
 #include "common/run/run_record.hpp"
 #include "common/run/solver.hpp"
 #include "coupler/acceleration/acceleration.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "coupler/mapping/interface_map.hpp"
-#include "coupler/step/convergence.hpp"
 
 namespace gabion {
 

@@ -6,12 +6,12 @@
 
 #include "common/base/timer.hpp"
 #include "coupler/acceleration/acceleration.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "coupler/coupler_config.hpp"
 #include "coupler/report/coupling_counts.hpp"
 #include "coupler/report/coupling_record.hpp"
 #include "coupler/step/attempt.hpp"
 #include "coupler/step/contact_watch.hpp"
-#include "coupler/step/convergence.hpp"
 #include "coupler/step/coupling_scheme.hpp"
 #include "coupler/step/predictor.hpp"
 #include "coupler/step/sides.hpp"

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "coupler/convergence/convergence.hpp"
 #include "coupler/coupler_config.hpp"
 #include "coupler/step/attempt.hpp"
-#include "coupler/step/convergence.hpp"
 #include "coupler/step/sides.hpp"
 
 namespace gabion {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/basis.hpp"
-#include "mpm_solver/step/phases.hpp"
+#include "mpm_solver/phases/phases.hpp"
 
 namespace gabion::mpm {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mpm_solver/contact/surfaces.hpp"
-#include "mpm_solver/report/ledger.hpp"
+#include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
 #include "mpm_solver/step/step_control.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "common/base/log.hpp"
-#include "mpm_solver/step/phases.hpp"
+#include "mpm_solver/phases/phases.hpp"
 
 namespace gabion::mpm {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "common/base/log.hpp"
-#include "coupler/step/convergence.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "tests/benchmarks/trivial_participants.hpp"
 #include "tests/support/tube_run.hpp"
 #include "tests/unit/coupler/affine_map.hpp"

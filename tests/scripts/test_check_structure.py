@@ -45,6 +45,34 @@ class CheckStructure(ScriptCase):
     def test_coupler_must_not_know_mechanics(self) -> None:
         self.expect_breach("coupler/a.cpp", SPDX + '#include "common/mechanics/mesh.hpp"\n', "coupler")
 
+    def test_rooms_of_a_program_include_one_way(self) -> None:
+        self.write("mpm_solver/grid/basis.hpp", HEADER + '#include "mpm_solver/mpm_config.hpp"\n')
+        self.write("mpm_solver/step/step.cpp", SPDX + '#include "mpm_solver/grid/basis.hpp"\n')
+        self.write("mpm_solver/mpm_solver.cpp", SPDX + '#include "mpm_solver/grid/basis.hpp"\n')
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("mpm_solver/grid/a.cpp", SPDX + '#include "mpm_solver/step/step.hpp"\n', "step.cpp")
+
+    def test_functions(self) -> None:
+        self.expect_breach("coupler/a.cpp", SPDX + "void f() {\n" + "  g();\n" * 59 + "}\n", "61 lines")
+        self.expect_breach("coupler/a.cpp", SPDX + "template <class A, class B>\nint A<B>::f(int a, B<int, int> b, "
+                           "int c,\n  int d, int e, int f) const {\n  return [](int x) { return x; }(a);\n}\n",
+                           "6 parameters")
+        self.write("coupler/a.cpp", SPDX + "A::A(int a, int b) : a_{a}, b_(b) {}\nvoid f();\nint x = f(1, 2, 3, 4, 5, 6);\n")
+        self.assertEqual(self.breaches(), [])
+
+    def test_one_name_one_type(self) -> None:
+        self.write("coupler/a.hpp", HEADER + "class Settings {\n};\n")
+        self.write("mpm_solver/b.hpp", HEADER + "struct Balance {\n};\n")
+        self.write("fem_solver/b.hpp", HEADER + "struct Balance {\n};\n")
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("mpm_solver/a.hpp", HEADER + "struct Settings {\n};\n", "Settings", "coupler/a.hpp")
+
+    def test_one_style_of_tests(self) -> None:
+        self.expect_breach("tests/unit/a_test.cpp", SPDX + "TEST(A, works) {}\n", "test_")
+        (self.folder / "tests/unit/a_test.cpp").unlink()
+        self.expect_breach("tests/unit/test_a.cpp", SPDX + "TEST(A, WorksWell) {}\n", "snake_case")
+        self.expect_breach("tests/unit/test_a.cpp", SPDX + "TEST(A, works) { EXPECT_THROW(f(), Error); }\n", "any text")
+
     def test_relative_include_is_refused(self) -> None:
         self.expect_breach("coupler/a.cpp", SPDX + '#include "a.hpp"\n', "a.hpp")
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "coupler/acceleration/quasi_newton.hpp"
-#include "coupler/step/convergence.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/coupler/affine_map.hpp"
 #include "tests/unit/coupler/sequence.hpp"

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "coupler/step/convergence.hpp"
+#include "coupler/convergence/convergence.hpp"
 #include "coupler/step/predictor.hpp"
 
 namespace gabion {

@@ -7,7 +7,7 @@
 
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
-#include "mpm_solver/step/load_ramp.hpp"
+#include "mpm_solver/phases/load_ramp.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
 namespace gabion::mpm {

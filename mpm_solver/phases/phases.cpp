@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/step/phases.hpp"
+#include "mpm_solver/phases/phases.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/grid/grid_exits.hpp"
+#include "mpm_solver/step/grid_exits.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "coupler/step/convergence.hpp"
+#include "coupler/convergence/convergence.hpp"
 
 #include <algorithm>
 #include <cmath>

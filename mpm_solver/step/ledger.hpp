@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/transfer.hpp"
-#include "mpm_solver/report/mpm_output.hpp"
+#include "mpm_solver/points/point_totals.hpp"
 #include "mpm_solver/step/equilibrium.hpp"
 
 namespace gabion::mpm {

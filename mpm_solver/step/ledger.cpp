@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/report/ledger.hpp"
+#include "mpm_solver/step/ledger.hpp"
 
 #include <fmt/format.h>
 
