@@ -77,6 +77,9 @@ class Connection final : public RequestSource {
 
   /// Tell the coupler that this participant cannot go on. Does nothing after another failure.
   void abort(const std::string& reason);
+  /// Do something of which the coupler has to know when it fails: abort() and throw on.
+  template <class Action>
+  void guarded(Action action);
 
  private:
   using Frames = std::vector<std::string>;
@@ -108,5 +111,18 @@ class Connection final : public RequestSource {
   std::optional<Stopwatch> since_signal_;        // while the coupler may still ask for the state
   int exceptions_ = std::uncaught_exceptions();  // under way when it was made
 };
+
+template <class Action>
+void Connection::guarded(Action action) {
+  try {
+    action();
+  } catch (const std::exception& problem) {
+    abort(problem.what());
+    throw;
+  } catch (...) {
+    abort("an exception of unknown type");
+    throw;
+  }
+}
 
 }  // namespace gabion

@@ -89,7 +89,8 @@ void Participant::initialize() {
   connection_ = std::make_unique<Connection>(settings_);
   machine_ = std::make_unique<StateMachine>(static_cast<RequestHandler&>(*this),
                                             settings_.receives.name, meshes_, "this participant");
-  guarded([&] { connection_->handshake(meshes_, probe_names_, probes_, keeps_state); });
+  connection_->guarded(
+      [&] { connection_->handshake(meshes_, probe_names_, probes_, keeps_state); });
   must_write_ = true;
   settle();
 }
@@ -101,7 +102,7 @@ const Json& Participant::run_settings() const {
 
 bool Participant::is_coupling_ongoing() {
   settle();
-  return !finished_;
+  return !machine_->is_finished();
 }
 
 bool Participant::is_time_window_complete() const {
@@ -120,7 +121,7 @@ double Participant::get_time() {
 
 bool Participant::requires_writing_checkpoint() {
   settle();
-  return std::exchange(must_write_, false) && !finished_;
+  return std::exchange(must_write_, false) && !machine_->is_finished();
 }
 
 bool Participant::requires_reading_checkpoint() {
@@ -165,7 +166,7 @@ void Participant::advance(double dt, const StepReport& report) {
   const StepRequest solved = request;  // answer_step() closes the open one
   answer_step(std::move(answer));
   machine_->solved(solved);
-  guarded([this] { await_verdict(); });
+  connection_->guarded([this] { await_verdict(); });
 }
 
 void Participant::fail_step(const std::string& reason) {
@@ -174,23 +175,25 @@ void Participant::fail_step(const std::string& reason) {
   Message answer = new_message("failed");
   answer.fields["reason"] = reason;
   answer_step(std::move(answer));
-  guarded([this] { await_verdict(); });
+  connection_->guarded([this] { await_verdict(); });
 }
 
 void Participant::finalize() {
   if (!connection_) return;
-  if (!finished_) connection_->abort("the participant ended before the run was finished");
+  if (!machine_->is_finished()) {
+    connection_->abort("the participant ended before the run was finished");
+  }
   connection_->close();
 }
 
 /// Let a step be open, or the run finished.
 void Participant::settle() {
   after_initialize();
-  if (request_ || finished_) return;
+  if (request_ || machine_->is_finished()) return;
   require<UsageError>(
       !must_read_,
       "the last step was not accepted: ask requires_reading_checkpoint() and go back first");
-  guarded([this] { await_step(); });
+  connection_->guarded([this] { await_step(); });
 }
 
 void Participant::await_step() {
@@ -198,21 +201,19 @@ void Participant::await_step() {
     reply(std::move(*pending_));
     pending_.reset();
   }
-  while (!request_ && !finished_) do_next_request();
+  while (!request_ && !machine_->is_finished()) do_next_request();
 }
 
 /// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
 void Participant::await_verdict() {
-  while (awaits_verdict_ && !finished_) do_next_request();
+  while (awaits_verdict_ && !machine_->is_finished()) do_next_request();
 }
 
 void Participant::do_next_request() {
   Message request = connection_->next_request();
   busy_ = Stopwatch();
   if (auto answer = machine_->handle(std::move(request))) reply(std::move(*answer));
-  if (!machine_->is_finished()) return;
-  finished_ = true;
-  connection_->close();
+  if (machine_->is_finished()) connection_->close();
 }
 
 Participant::Answer Participant::solve_step(const StepRequest& step, InterfaceValues received) {
@@ -268,24 +269,10 @@ void Participant::reply(Message message) {
 }
 
 void Participant::answer_step(Message message) {
-  guarded([&] { reply(std::move(message)); });
+  connection_->guarded([&] { reply(std::move(message)); });
   request_.reset();
   remaining_ = 0;
   awaits_verdict_ = true;
-}
-
-/// Whatever fails is told to the coupler.
-template <class Action>
-void Participant::guarded(Action action) {
-  try {
-    action();
-  } catch (const std::exception& problem) {
-    connection_->abort(problem.what());
-    throw;
-  } catch (...) {
-    connection_->abort("an exception of unknown type");
-    throw;
-  }
 }
 
 void Participant::before_initialize(const char* call) const {

@@ -134,8 +134,6 @@ class Participant : private RequestHandler {
   void do_next_request();
   void reply(Message message);
   void answer_step(Message message);
-  template <class Action>
-  void guarded(Action action);
 
   void before_initialize(const char* call) const;
   void after_initialize() const;
@@ -164,7 +162,6 @@ class Participant : private RequestHandler {
   Stopwatch busy_;                               // since the request under way came
   bool must_write_ = false, must_read_ = false;  // checkpoints that were not asked for yet
   bool window_complete_ = false;
-  bool finished_ = false;
 };
 
 }  // namespace gabion

@@ -61,20 +61,6 @@ class DrivenSolver final : public RequestHandler {
   std::vector<InterfaceMesh> interfaces_;
 };
 
-/// Whatever fails is told to the coupler.
-template <class Action>
-void guarded(Connection& connection, Action action) {
-  try {
-    action();
-  } catch (const std::exception& problem) {
-    connection.abort(problem.what());
-    throw;
-  } catch (...) {
-    connection.abort("an exception of unknown type");
-    throw;
-  }
-}
-
 }  // namespace
 
 void answer_requests(Solver& solver, const Quantity& receives, const Quantity& sends,
@@ -92,7 +78,7 @@ void answer_requests(Solver& solver, const Quantity& receives, const Quantity& s
 }
 
 void serve(Solver& solver, Connection& connection, const std::function<void()>& welcomed) {
-  guarded(connection, [&] {
+  connection.guarded([&] {
     if (!connection.welcomed()) connection.handshake(solver);
     if (welcomed) welcomed();
   });
@@ -100,7 +86,7 @@ void serve(Solver& solver, Connection& connection, const std::function<void()>& 
 }
 
 void serve(Solver& solver, Connection& connection, RequestSource& requests) {
-  guarded(connection, [&] {
+  connection.guarded([&] {
     const ParticipantSettings& settings = connection.settings();
     answer_requests(solver, settings.receives, settings.sends, requests);
     connection.close();
