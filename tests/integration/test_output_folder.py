@@ -58,8 +58,8 @@ class NoSpace(IntegrationCase):
         words = ("error: ", f"{self.out}/iterations.csv: row could not be written (disk full?)")
         self.assert_says(ended.text, "[cpl]", *words)
         self.assert_says((self.out / "coupler.log").read_text(), *words)
-        for prefix in ("mpm", "fem"):
-            self.assert_says(ended.text, f"[{prefix}] error: the coupler ended the run:", "iterations.csv")
+        # Both are told; mpirun, which the coupler's exit wakes, may end one of them before it has said so.
+        self.assert_says(ended.text, "] error: the coupler ended the run:", "iterations.csv")
         self.assertIn('"completed": false', (self.out / "summary.json").read_text())
 
     def check_frame(self, program: str, participant: str, prefix: str, name: str) -> None:
