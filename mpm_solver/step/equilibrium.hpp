@@ -79,11 +79,16 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_velocity() const { return v_; }
   const std::vector<double>& start_acceleration() const { return a_; }
 
-  /// Force of the soil on each wall in the state of the last evaluation [N].
-  std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
+  /// Force of the soil on each wall in the state of the last evaluation [N]. @note Collective.
+  std::vector<Vector<dim>> wall_forces() const;
+  /// F - F_o of the step forces of all contacts, see NewmarkBossak::step_force_weight: num_nodes x
+  /// dim [N]. @note Collective.
+  std::vector<double> step_force_change() const;
 
  private:
   void remember_start_forces();
+  std::uint64_t add_contact_forces(std::span<const double> du, std::span<double> r,
+                                   BlockMatrix<dim>* K) const;
   std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;
