@@ -77,8 +77,6 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   }
   const double margin = watched_ + std::pow(widest, 1.0 / dim);
   add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
-  if (!fitted_) fit_radii();
-  fitted_ = true;
 }
 
 template <int dim>
@@ -93,12 +91,10 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       c.id = soil.points.id[p];
       c.x = soil.points.x[p];
       c.volume = soil.points.V0[p] * soil.points.J[p];
-      c.shape = 0.5 * std::pow(c.volume, 1.0 / dim) * Matrix<dim>::Identity();
-      if (soil.elastic[group.body] != 0) {
-        c.shape = soil.points.half_length[p].asDiagonal() * soil.points.F[p].transpose();
-      }
-      const auto share = radius_share_.find(c.id);
-      if (share != radius_share_.end()) c.shape *= share->second;
+      c.shape = soil.points.depth[p] *
+                (soil.elastic[group.body] != 0
+                     ? Matrix<dim>(soil.points.F[p].transpose())
+                     : std::pow(soil.points.J[p], 1.0 / dim) * Matrix<dim>::Identity());
       if (memory != memory_.end()) c.memory = &memory->second;
       add_values(soil, group, e);
       list_facing(c, near);
@@ -146,19 +142,6 @@ void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> 
     c.nearest.normal = (c.x - place.x) / distance;
   }
   c.num_facing = static_cast<std::int32_t>(facing_.size()) - c.first_facing;
-}
-
-// Soil that was laid against the surface begins without penetration.
-template <int dim>
-void FacetContact<dim>::fit_radii() {
-  for (Candidate& c : candidates_) {
-    find_features<dim>(surface_of(c, start_), c.x, c.x, c.shape.norm(), features_);
-    double share = 1;
-    for (const auto& f : features_) share = std::min(share, f.distance / radius(c, f.normal));
-    if (share == 1) continue;
-    radius_share_[c.id] = share;
-    c.shape *= share;
-  }
 }
 
 template <int dim>
@@ -432,18 +415,7 @@ template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
   visitor.real(prefix + "last_motion", last_motion_);
-  visitor.flag(prefix + "fitted", fitted_);
   visit_memory(visitor, prefix);
-  std::vector<std::int64_t> ids;
-  std::vector<double> shares;
-  for (const auto& [id, share] : radius_share_) {
-    ids.push_back(id);
-    shares.push_back(share);
-  }
-  visitor.list(prefix + "fitted_ids", ids);
-  visitor.list(prefix + "fitted_shares", shares);
-  radius_share_.clear();
-  for (std::size_t k = 0; k < ids.size(); ++k) radius_share_[ids[k]] = shares[k];
   const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
                                                       {"friction", &energy_.friction},
                                                       {"loss", &energy_.loss},

@@ -91,7 +91,6 @@ class FacetContact final : public Contact<dim> {
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
   void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
-  void fit_radii();
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
@@ -114,9 +113,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
-  std::map<std::int64_t, double> radius_share_;         // of points that began nearer than R
-  bool fitted_ = false;
-  double last_motion_ = 0;  // surface_motion_ of the accepted step
+  double last_motion_ = 0;                              // surface_motion_ of the accepted step
 
   // the step under way
   std::vector<Candidate> candidates_;
