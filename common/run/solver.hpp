@@ -78,7 +78,8 @@ class Solver {
   /// Whether this solver has set_force_kinds(). One that has not takes all forces that it receives
   /// as those of the end of the step.
   virtual bool takes_force_kinds() const { return false; }
-  /// Say which forces it will receive: before the first step, and before load_state().
+  /// Say which forces it will receive. Between two steps, before the first one of a run; no part of
+  /// the state.
   /// @throws Error  an interface that it does not have
   virtual void set_force_kinds(const ForceKinds&) {
     throw Error("this solver takes forces as those of the end of the step");

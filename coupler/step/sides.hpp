@@ -33,8 +33,8 @@ class Sides {
   Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
         PhaseTimes& phases);
 
-  /// Tell each structure which forces it will receive. Before the first step, and before a state is
-  /// loaded. Warns of structures that take mean forces as those of the end of the step.
+  /// Tell each structure which forces it will receive, before the first step. Warns of structures
+  /// that take mean forces as those of the end of the step.
   void tell_force_kinds();
   /// Weights of the forces at the start of a step in its work, see InterfaceWork; of the soils'
   /// values, and of the structures' as they take them.
