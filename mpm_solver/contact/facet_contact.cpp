@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "mpm_solver/points/flat.hpp"
 
@@ -16,12 +15,6 @@ namespace {
 // Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
 // step has to look again.
 constexpr double watched_share = 0.5;
-
-// A point counts fully where it touches, not at all where it is so many radii away.
-constexpr double band_in_radii = 2;
-
-// Points that the free flight does not bring near enough and that touch all the same count fully.
-constexpr double least_share = 0.25;
 
 // A touch goes on in the next step where its normal turned by less than 60 degrees.
 constexpr double same_normal = 0.5;
@@ -44,12 +37,6 @@ Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
   return v - n.dot(v) * n;
 }
 
-double share_at(double gap, double band) {
-  if (gap <= 0) return 1;
-  const double x = std::max(0.0, 1 - gap / band);
-  return x * x;
-}
-
 template <int dim>
 double largest_norm(const std::vector<Vector<dim>>& values) {
   double largest = 0;
@@ -65,8 +52,7 @@ FacetContact<dim>::FacetContact(const ContactSurface<dim>& surface, const Contac
       surface_(surface),
       simplices_(simplices(surface)),
       start_(surface.vertices),
-      end_(surface.vertices),
-      pressure_(law.penalty) {}
+      end_(surface.vertices) {}
 
 template <int dim>
 double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
@@ -84,13 +70,13 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   nodes_.clear();
   facing_.clear();
   touches_.clear();
-  may_touch_ = weighed_ = false;
-  pressure_.clear();
+  may_touch_ = false;
   double widest = 0;
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
   }
-  const double margin = watched_ + (1 + band_in_radii) * std::pow(widest, 1.0 / dim);
+  const double margin = watched_ + std::pow(widest, 1.0 / dim);
+  all_deform_ = std::all_of(soil.elastic.begin(), soil.elastic.end(), [](char e) { return e != 0; });
   add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
 }
 
@@ -105,17 +91,16 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       Candidate& c = candidates_.emplace_back();
       c.id = soil.points.id[p];
       c.x = soil.points.x[p];
-      c.volume = soil.points.V0[p] * soil.points.J[p];
-      c.shape = soil.points.depth[p] *
-                (soil.elastic[group.body] != 0
-                     ? Matrix<dim>(soil.points.F[p].transpose())
-                     : std::pow(soil.points.J[p], 1.0 / dim) * Matrix<dim>::Identity());
-      c.flight = soil.dt * soil.points.v[p];
+      c.deforms = soil.elastic[group.body] != 0;
+      c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
+      c.shape = soil.points.depth[p] * (c.deforms ? Matrix<dim>(soil.points.F[p].transpose())
+                                                  : Matrix<dim>::Identity());
       if (memory != memory_.end()) c.memory = &memory->second;
       add_values(soil, group, e);
       list_facing(c, near);
-      may_touch_ |= c.memory || c.distance < c.shape.norm() + 2 * c.flight.norm() +
-                                                 0.05 * soil.cell_size + 2 * last_motion_;
+      const double speed = soil.points.v[p].norm() * soil.dt;
+      may_touch_ |= c.memory || c.distance < c.shape.norm() + 2 * speed + 0.05 * soil.cell_size +
+                                                 2 * last_motion_;
     }
   }
 }
@@ -175,37 +160,6 @@ void FacetContact<dim>::set_displacement(std::span<const double> displacement) {
     end_[v] = surface_.vertices[v] + Eigen::Map<const Vector<dim>>(displacement.data() + v * dim);
     surface_motion_ = std::max(surface_motion_, (end_[v] - start_[v]).norm());
   }
-  weighed_ = false;
-}
-
-// By the nearer one of the start of the step and the end of a free flight.
-template <int dim>
-void FacetContact<dim>::weigh_candidates() {
-  weighed_ = true;
-  for (Candidate& c : candidates_) {
-    c.share = 0;
-    if (c.num_facing == 0) continue;
-    double gap = c.distance - radius(c, c.nearest.normal);
-    const double reach = (1 + band_in_radii) * c.shape.norm();
-    if (gap - c.flight.norm() - surface_motion_ > reach) continue;
-    find_features<dim>(surface_of(c, end_), c.x, c.x + c.flight, reach, features_);
-    for (const auto& f : features_) gap = std::min(gap, f.distance - radius(c, f.normal));
-    c.share = share_at(gap, band_in_radii * radius(c, c.nearest.normal));
-  }
-}
-
-template <int dim>
-void FacetContact<dim>::append_cells(std::vector<std::int32_t>& offsets,
-                                     std::vector<std::int32_t>& nodes) const {
-  std::map<std::int32_t, std::set<std::int32_t>> around;  // nodes of all points at a node
-  for (const Candidate& c : candidates_) {
-    const std::span own = std::span(nodes_).subspan(c.first_value, c.num_values);
-    for (const std::int32_t node : own) around[node].insert(own.begin(), own.end());
-  }
-  for (const auto& [node, neighbours] : around) {
-    nodes.insert(nodes.end(), neighbours.begin(), neighbours.end());
-    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
-  }
 }
 
 template <int dim>
@@ -235,7 +189,7 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
   touch.radius = radius(c, n);
   touch.area = c.volume / (2 * touch.radius);
   const Vector<dim> stretch = -touch.radius * (H * n);
-  touch.gap = feature.distance + n.dot(stretch) - touch.radius;
+  touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(stretch) : 0);
   touch.motion = du + stretch;
   touch.relative = touch.motion - surface_motion(feature);
   touch.slip = remembered_slip(c, n) + tangential<dim>(touch.relative, n);
@@ -254,30 +208,22 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     H += du_k * grad_N_[k].transpose();
   }
   c.motion = motion;
-  const double reach = (1 + band_in_radii) * c.shape.norm() * (1 + H.norm());
+  const double reach = c.shape.norm() * (1 + H.norm());
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
   for (const auto& feature : features_) {
     Touch touch = touch_at(c, feature, motion, H);
-    if (touch.gap < 0 && c.share < least_share) c.share = 1;
-    if (c.share == 0 || touch.gap >= band_in_radii * touch.radius) continue;
-    touch.area *= c.share;
+    if (touch.gap >= 0) continue;
     touch.candidate = candidate;
-    for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
-      touch.w.push_back(weight(k, -touch.radius * feature.normal));
-    }
     touches_.push_back(touch);
   }
 }
 
 template <int dim>
-typename NodalPressure<dim>::Place FacetContact<dim>::place_of(const Touch& touch) const {
-  const Candidate& c = candidates_[touch.candidate];
-  return {.nodes = std::span(nodes_).subspan(c.first_value, c.num_values),
-          .N = std::span(N_).subspan(c.first_value, c.num_values),
-          .normal = touch.feature.normal,
-          .area = touch.area,
-          .gap = touch.gap};
+Vector<dim> FacetContact<dim>::gap_vector(const Touch& touch) {
+  Vector<dim> gap = touch.frame.transpose() * touch.slip;
+  gap[0] = touch.gap;
+  return gap;
 }
 
 template <int dim>
@@ -288,57 +234,39 @@ void FacetContact<dim>::scatter(const Candidate& c, const Vector<dim>& d, const 
   }
 }
 
-// Stiffness of the tangential springs.
 template <int dim>
 void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slope,
                                       BlockMatrix<dim>& K) const {
   const Candidate& c = candidates_[touch.candidate];
-  Matrix<dim> tangential_slope = slope;
-  tangential_slope.col(0).setZero();
-  const Matrix<dim> stiffness =
-      force_weight_ * touch.area * (touch.frame * tangential_slope * touch.frame.transpose());
-  for (int i = 0; i < c.num_values; ++i) {
-    for (int j = 0; j < c.num_values; ++j) {
-      K.add_block(nodes_[c.first_value + i], nodes_[c.first_value + j],
-                  touch.w[i] * touch.w[j] * stiffness);
+  const Vector<dim>& n = touch.feature.normal;
+  const Vector<dim> d = -touch.radius * n;
+  const Matrix<dim> by_motion =
+      force_weight_ * touch.area * (touch.frame * slope * touch.frame.transpose());
+  const Matrix<dim> by_gap = by_motion * n * n.transpose();
+  for (std::int32_t i = c.first_value; i < c.first_value + c.num_values; ++i) {
+    for (std::int32_t j = c.first_value; j < c.first_value + c.num_values; ++j) {
+      Matrix<dim> block = weight(j, d) * by_motion;
+      if (!c.deforms) block += (N_[j] - weight(j, d)) * by_gap;
+      K.add_block(nodes_[i], nodes_[j], weight(i, d) * block);
     }
   }
-}
-
-// The law with the pressure in place of the penetration that gives it.
-template <int dim>
-void FacetContact<dim>::evaluate(Touch& touch, double pressure, Matrix<dim>* slope) const {
-  Vector<dim> gap = touch.frame.transpose() * touch.slip;
-  gap[0] = -pressure / law_.penalty;
-  touch.traction = law_.traction<dim>(gap, slope);
-  touch.force = touch.area * (touch.frame * touch.traction.t);
-  touch.by_pressure.setZero();
-  if (slope) touch.by_pressure = touch.frame * slope->col(0) / law_.penalty;
 }
 
 template <int dim>
 void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K) {
-  if (!weighed_) weigh_candidates();
   touches_.clear();
-  pressure_.clear();
+  Matrix<dim> slope;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     find_touches(static_cast<std::int32_t>(k), du);
   }
-  for (const Touch& touch : touches_) pressure_.add(place_of(touch));
-  pressure_.balance();
-  Matrix<dim> slope;
-  std::vector<typename NodalPressure<dim>::Slope> slopes;
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
-    Touch& touch = touches_[k];
-    evaluate(touch, pressure_.pressure(static_cast<int>(k)), K ? &slope : nullptr);
-    scatter(candidates_[touch.candidate], -touch.radius * touch.feature.normal,
-            force_weight_ * touch.force, r);
-    if (!K) continue;
-    if (touch.traction.closed) add_stiffness(touch, slope, *K);
-    slopes.push_back({.w = touch.w, .by_pressure = touch.by_pressure});
+  for (Touch& touch : touches_) {
+    const Candidate& c = candidates_[touch.candidate];
+    touch.traction = law_.traction<dim>(gap_vector(touch), K ? &slope : nullptr);
+    touch.force = touch.area * (touch.frame * touch.traction.t);
+    scatter(c, -touch.radius * touch.feature.normal, force_weight_ * touch.force, r);
+    if (K) add_stiffness(touch, slope, *K);
   }
-  if (K) pressure_.add_stiffness(force_weight_, slopes, *K);
   if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
 }
 
@@ -399,10 +327,10 @@ template <int dim>
 ContactCounts FacetContact<dim>::counts() const {
   ContactCounts result;
   for (const Touch& touch : touches_) {
-    result.closed += touch.traction.closed;
+    ++result.closed;
     result.sliding += touch.traction.sliding;
+    result.penetration = std::max(result.penetration, -touch.gap);
   }
-  result.penetration = pressure_.penetration();
   return result;
 }
 
@@ -430,11 +358,20 @@ double FacetContact<dim>::approach_step(double dt, double margin) const {
 }
 
 template <int dim>
+std::uint64_t FacetContact<dim>::active_set() const {
+  std::uint64_t name = 0;
+  for (const Touch& touch : touches_) {
+    const auto id = static_cast<std::uint64_t>(candidates_[touch.candidate].id) + 1;
+    name += (id ^ (id >> 7)) * std::uint64_t{0x9E3779B97F4A7C15};
+  }
+  return name;
+}
+
+template <int dim>
 void FacetContact<dim>::accept() {
-  double work = 0, stored = pressure_.stored_energy(), slid = 0;
+  double work = 0, stored = 0, slid = 0;
   memory_.clear();
   for (const Touch& touch : touches_) {
-    if (!touch.traction.closed) continue;
     const Vector<dim>& n = touch.feature.normal;
     const Vector<dim> pull = tangential<dim>(touch.force, n);
     Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
@@ -443,6 +380,7 @@ void FacetContact<dim>::accept() {
       slid -= pull.dot(touch.slip - memory.slip);
       stored += 0.5 * touch.area * law_.tangential_penalty() * memory.slip.squaredNorm();
     }
+    stored += 0.5 * touch.area * law_.penalty * touch.gap * touch.gap;
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }

@@ -5,7 +5,6 @@
 
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
-#include "mpm_solver/contact/nodal_pressure.hpp"
 
 namespace gabion::mpm {
 
@@ -31,9 +30,9 @@ class FacetContact final : public Contact<dim> {
 
   void begin_step(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return may_touch_; }
-  bool symmetric() const override { return !law_.has_friction(); }
-  void append_cells(std::vector<std::int32_t>& offsets,
-                    std::vector<std::int32_t>& nodes) const override;
+  bool symmetric() const override { return all_deform_ && !law_.has_friction(); }
+  /// A point's nodes are those of its group already.
+  void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
 
   void set_displacement(std::span<const double> displacement) override;
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
@@ -45,7 +44,7 @@ class FacetContact final : public Contact<dim> {
   double work_on_soil(std::span<const double> du) const override;
   ContactCounts counts() const override;
   double approach_step(double dt, double margin) const override;
-  std::uint64_t active_set() const override { return pressure_.active_set(); }
+  std::uint64_t active_set() const override;
   bool may_have_missed(double largest) const override {
     return largest + surface_motion_ > watched_;
   }
@@ -67,9 +66,8 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> x = Vector<dim>::Zero();
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
     double volume = 0;
+    bool deforms = false;  // the ball follows F; else it is rigid
     double distance = 0;  // to the nearest facet at the start
-    double share = 0;     // of its area that counts, smoothly less with its distance
-    Vector<dim> flight = Vector<dim>::Zero();  // its way in the step if nothing acts on it
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
     SurfaceFeature<dim> nearest{};             // at the start
@@ -85,9 +83,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> motion = Vector<dim>::Zero();    // of the soil in the step
     Vector<dim> slip = Vector<dim>::Zero();      // elastic, before the friction limit
     Vector<dim> relative = Vector<dim>::Zero();  // motion of the soil against the surface
-    std::vector<double> w{};                     // of the candidate's nodes
-    Vector<dim> by_pressure = Vector<dim>::Zero();
-    ContactTraction<dim> traction{};  // in the frame
+    ContactTraction<dim> traction{};             // in the frame
     Matrix<dim> frame = Matrix<dim>::Identity();
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
@@ -99,16 +95,14 @@ class FacetContact final : public Contact<dim> {
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
+  static Vector<dim> gap_vector(const Touch& touch);
   void add_old_forces(double share, std::span<double> field) const;
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature, const Vector<dim>& du,
                  const Matrix<dim>& H) const;
   Vector<dim> remembered_slip(const Candidate& c, const Vector<dim>& n) const;
-  void weigh_candidates();
-  void evaluate(Touch& touch, double pressure, Matrix<dim>* slope) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
-  typename NodalPressure<dim>::Place place_of(const Touch& touch) const;
   double weight(std::int32_t value, const Vector<dim>& d) const {
     return N_[value] + grad_N_[value].dot(d);
   }
@@ -134,8 +128,7 @@ class FacetContact final : public Contact<dim> {
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
   bool may_touch_ = false;
-  bool weighed_ = false;  // the candidates have their shares
-  NodalPressure<dim> pressure_;
+  bool all_deform_ = false;
   ContactEnergy energy_;  // accepted
 };
 
