@@ -99,6 +99,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
     result.reason = first_text(parts_.comm, own);
     return result;
   }
+  if (K && brace_ > 0) internal_.add_brace(brace_, *K);
   const bool root = rank_of(parts_.comm) == 0;
   f_sum_ = internal_.forces();
   sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
@@ -121,6 +122,12 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
+}
+
+template <int dim>
+bool Equilibrium<dim>::brace(double share) {
+  brace_ = share;
+  return max_over_ranks(parts_.comm, internal_.yielded() ? 1 : 0) > 0;
 }
 
 template <int dim>
