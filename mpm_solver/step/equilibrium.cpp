@@ -119,6 +119,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
     result.reason = first_text(parts_.comm, own);
     return result;
   }
+  if (K && brace_ > 0) internal_.add_brace(brace_, *K);
   const bool root = rank_of(parts_.comm) == 0;
   f_sum_ = internal_.forces();
   sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
@@ -154,6 +155,12 @@ std::uint64_t Equilibrium<dim>::add_contact_forces(std::span<const double> du, s
   auto name = static_cast<std::int32_t>(own >> 44);  // leaves room for the sum
   sum_over_ranks(parts_.comm, std::span<std::int32_t>(&name, 1));
   return static_cast<std::uint64_t>(name);
+}
+
+template <int dim>
+bool Equilibrium<dim>::brace(double share) {
+  brace_ = share;
+  return max_over_ranks(parts_.comm, internal_.yielded() ? 1 : 0) > 0;
 }
 
 template <int dim>

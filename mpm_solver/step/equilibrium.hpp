@@ -59,6 +59,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
   /// @param wall_step  w, zero but for the held directions of wall nodes
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
+  /// The stiffness of points that yielded since the solution began (YieldingPoints).
+  bool brace(double share) override;
   double increment_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
   /// Number, body, position, strain increment, volume ratio and yield region of the material point
@@ -96,6 +98,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Parts parts_;
   InternalForces<dim> internal_;
+  double brace_ = 0;                   // share of the stiffness that K holds besides the tangent
   std::vector<double> v_, a_;          // walls applied
   std::vector<double> m_;              // nodal mass; with inertia not below the floor
   std::span<const double> wall_step_;  // see linearise(); empty otherwise
