@@ -218,8 +218,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const auto& phases = model_.settings.phases;
   sizes_.accept(measure(), largest_step(phases[phase_at(phases, time)], time));
   const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
-  StepBalance<dim> balance =
-      step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
@@ -231,8 +230,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    balance.sharing_loss =
-        share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
+    balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
   }
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
