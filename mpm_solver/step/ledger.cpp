@@ -186,8 +186,8 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
   plastic_ += dissipated;
   time_damping_ += step.time_damping;
   wall_loss_ += step.wall_loss;
-  transfer_loss_ +=
-      (before.kinetic_energy - step.kinetic_before) - (totals_.kinetic_energy - step.kinetic_after);
+  transfer_loss_ += (before.kinetic_energy - step.kinetic_before) -
+                    (totals_.kinetic_energy - step.kinetic_after) + step.sharing_loss;
   body_work_ += step.body_work;
   boundary_work_ += step.boundary_work;
   walls_.inertia += step.wall_hold;

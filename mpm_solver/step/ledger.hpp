@@ -22,6 +22,7 @@ struct StepBalance {
   double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
   double time_damping = 0;    ///< docs/theory/soil.md, (S26) [J]
   double body_work = 0;       ///< of gravity and other body forces [J]
+  double sharing_loss = 0;    ///< elastic energy that share_volumes took [J]
   double boundary_work = 0;   ///< of contacts and of moving walls [J]
   Vector<dim> body_force = Vector<dim>::Zero();      ///< [N]
   Vector<dim> boundary_force = Vector<dim>::Zero();  ///< [N]

@@ -15,6 +15,7 @@
 #include "mpm_solver/step/end_of_step.hpp"
 #include "mpm_solver/step/first_guess.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
+#include "mpm_solver/stress/shared_volumes.hpp"
 
 namespace gabion::mpm {
 
@@ -227,8 +228,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const auto& phases = model_.settings.phases;
   sizes_.accept(measure(), largest_step(phases[phase_at(phases, time)], time));
   const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
-  const StepBalance<dim> balance =
-      step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
@@ -237,11 +237,14 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
   }
   const double dissipated = accept_stresses(soil_.weights(), trial_, points);
+  const std::vector<std::int32_t> cell_n = points.cell;
+  const auto outside = find_cells(model_.grid, points);
+  if (model_.settings.locking.average_volumes) {
+    balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
+  }
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
-  const std::vector<std::int32_t> cell_n = points.cell;
-  const auto outside = find_cells(model_.grid, points);
   dt_ = 0;
   AcceptReport report;
   report.details = details(cell_n);
