@@ -171,23 +171,6 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   return given ? LockingCure{fbar, "as mpm.json says"} : cure;
 }
 
-// An elastic body meets facets with the shape of its points, which follows from F.
-template <int dim>
-void give_domains(MpmSettings<dim>& settings) {
-  const auto by_facets = [](const ContactSettings<dim>& contact) {
-    return std::holds_alternative<FacetSettings>(contact.method);
-  };
-  const bool any_facets =
-      std::any_of(settings.interfaces.begin(), settings.interfaces.end(), by_facets) ||
-      std::any_of(settings.rigid_walls.begin(), settings.rigid_walls.end(),
-                  [&](const auto& wall) { return by_facets(wall.boundary); });
-  const bool any_elastic =
-      std::any_of(settings.bodies.begin(), settings.bodies.end(),
-                  [](const auto& body) { return is_elastic<dim>(body.material.law); });
-  if (!any_facets || !any_elastic) return;
-  for (auto& layout : settings.layouts) layout.with_domains = true;
-}
-
 // Refuse phases whose ends no step of the raster reaches.
 void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
                        const TimeSettings& time) {
@@ -229,7 +212,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   const double penalty_unit = modulus / mean_cell_size(settings.grid);
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
-  give_domains(settings);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);

@@ -26,7 +26,7 @@ struct SoilSurface {
   double cell_size = 0;                      ///< mean [m]
   double dt = 0;                             ///< of the step [s]
   double step_force_weight = 1;              ///< of NewmarkBossak; quasi-static: 1
-  std::span<const char> elastic{};           ///< of each body: its shape follows from F
+  std::span<const char> elastic{};           ///< 1 for bodies that never yield
   bool first_rank = true;
 };
 

@@ -71,12 +71,12 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   facing_.clear();
   touches_.clear();
   may_touch_ = false;
+  all_deform_ = std::find(soil.elastic.begin(), soil.elastic.end(), 0) == soil.elastic.end();
   double widest = 0;
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
   }
   const double margin = watched_ + std::pow(widest, 1.0 / dim);
-  all_deform_ = std::all_of(soil.elastic.begin(), soil.elastic.end(), [](char e) { return e != 0; });
   add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
 }
 
@@ -93,8 +93,9 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       c.x = soil.points.x[p];
       c.deforms = soil.elastic[group.body] != 0;
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
-      c.shape = soil.points.depth[p] * (c.deforms ? Matrix<dim>(soil.points.F[p].transpose())
-                                                  : Matrix<dim>::Identity());
+      const auto shape = shape_.find(c.id);
+      c.shape = shape != shape_.end() ? shape->second
+                                      : Matrix<dim>(soil.points.depth[p] * Matrix<dim>::Identity());
       if (memory != memory_.end()) c.memory = &memory->second;
       add_values(soil, group, e);
       list_facing(c, near);
@@ -208,6 +209,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     H += du_k * grad_N_[k].transpose();
   }
   c.motion = motion;
+  c.H = H;
   const double reach = c.shape.norm() * (1 + H.norm());
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
@@ -385,6 +387,10 @@ void FacetContact<dim>::accept() {
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
   energy_.add_step(work, stored, slid);
+  shape_.clear();
+  for (const Candidate& c : candidates_) {
+    if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
+  }
   start_ = end_;
   last_motion_ = surface_motion_;
   candidates_.clear();  // they refer to the memory before
@@ -416,10 +422,27 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
 }
 
 template <int dim>
+void FacetContact<dim>::visit_shapes(StateVisitor& visitor, const std::string& prefix) {
+  std::vector<std::int64_t> ids;
+  std::vector<double> values;
+  for (const auto& [id, shape] : shape_) {
+    ids.push_back(id);
+    values.insert(values.end(), shape.data(), shape.data() + shape.size());
+  }
+  visitor.list(prefix + "shape_ids", ids);
+  visitor.list(prefix + "shapes", values);
+  shape_.clear();
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    shape_[ids[k]] = Eigen::Map<const Matrix<dim>>(values.data() + k * dim * dim);
+  }
+}
+
+template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
   visitor.real(prefix + "last_motion", last_motion_);
   visit_memory(visitor, prefix);
+  visit_shapes(visitor, prefix);
   const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
                                                       {"friction", &energy_.friction},
                                                       {"loss", &energy_.loss},

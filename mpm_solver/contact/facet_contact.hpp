@@ -66,12 +66,13 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> x = Vector<dim>::Zero();
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
     double volume = 0;
-    bool deforms = false;  // the ball follows F; else it is rigid
-    double distance = 0;  // to the nearest facet at the start
+    bool deforms = false;  // the ball is strained like the soil; else it is rigid
+    double distance = 0;   // to the nearest facet at the start
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
     SurfaceFeature<dim> nearest{};             // at the start
     Vector<dim> motion = Vector<dim>::Zero();  // in the step
+    Matrix<dim> H = Matrix<dim>::Zero();       // its gradient
     const std::vector<Memory>* memory = nullptr;
   };
   /// A place where a point touches.
@@ -97,6 +98,7 @@ class FacetContact final : public Contact<dim> {
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
   static Vector<dim> gap_vector(const Touch& touch);
   void add_old_forces(double share, std::span<double> field) const;
+  void visit_shapes(StateVisitor& visitor, const std::string& prefix);
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature, const Vector<dim>& du,
@@ -114,6 +116,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
+  std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   double last_motion_ = 0;                              // surface_motion_ of the accepted step
 
   // the step under way
