@@ -45,14 +45,21 @@ bool shares_place(const Simplex<dim>& a, const ClosestPlace<dim>& place, const S
   return true;
 }
 
-// Where the way of a point, relative to the simplex, goes through it: heights fall from h0 to h1.
+/// A point that goes from x to y, and its heights above the plane of a simplex there.
+template <int dim>
+struct Way {
+  Vector<dim> x, y;
+  double start_height = 0, end_height = 0;
+};
+
+// Whether the way of a point, relative to the simplex, goes through it.
 template <int dim>
 bool way_crosses(const std::array<Vector<dim>, dim>& start, const std::array<Vector<dim>, dim>& end,
-                 const Vector<dim>& x, const Vector<dim>& y, double h0, double h1) {
-  const double t = h0 / (h0 - h1);
+                 const Way<dim>& way) {
+  const double t = way.start_height / (way.start_height - way.end_height);
   std::array<Vector<dim>, dim> corners;
   for (int k = 0; k < dim; ++k) corners[k] = (1 - t) * start[k] + t * end[k];
-  const Vector<dim> at = (1 - t) * x + t * y;
+  const Vector<dim> at = (1 - t) * way.x + t * way.y;
   double size = 0;
   for (int k = 1; k < dim; ++k) size = std::max(size, (corners[k] - corners[0]).norm());
   return (closest_place<dim>(corners, at).x - at).norm() <= 1e-6 * size;
@@ -70,8 +77,8 @@ Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& faci
   sight.height = (y - corners[0]).dot(sight.normal);
   sight.distance = (y - sight.place.x).norm();
   if (sight.height <= 0) {
-    sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, x, y,
-                                     facing.height, sight.height);
+    const Way<dim> way{.x = x, .y = y, .start_height = facing.height, .end_height = sight.height};
+    sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, way);
   }
   return sight;
 }
