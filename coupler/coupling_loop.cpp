@@ -22,7 +22,9 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
       checkpoints_(
           keeper, steps_, [this](StateVisitor& visitor) { visit_state(visitor); }, phases_),
       clock_(settings.output_interval),
-      progress_(settings.time.end, files.writes()) {}
+      progress_(settings.time.end, files.writes()),
+      soil_work_(sides_.soil_start_weights()),
+      structure_work_(sides_.structure_start_weights()) {}
 
 void CouplingLoop::run() {
   try {
@@ -43,6 +45,7 @@ void CouplingLoop::run() {
 }
 
 void CouplingLoop::run_steps() {
+  sides_.tell_force_kinds();
   std::vector<std::string> probe_names;
   std::vector<double> probes;
   for (const Side* side : sides_.all()) {

@@ -46,6 +46,7 @@ template <int dim>
 AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   if (solved) {
     require(trial_.has_value(), "step {}: accepted without a solution", request.step);
+    step_.complete(state_, request.dt, *trial_);
     state_ = std::move(*trial_);
   }
   state_.time = request.time + request.dt;

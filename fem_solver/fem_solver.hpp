@@ -28,6 +28,8 @@ class FemSolver final : public Solver {
 
   std::vector<InterfaceMesh> interfaces() const override { return wet_surfaces_.meshes(); }
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
+  bool takes_force_kinds() const override { return true; }
+  void set_force_kinds(const ForceKinds& kinds) override { wet_surfaces_.set_force_kinds(kinds); }
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

@@ -43,7 +43,8 @@ KeyTable transfer_keys() {
 KeyTable locking_keys() {
   return {"locking",
           "What is done against volumetric locking.",
-          {key::choice("method", {"fbar", "none"}, "`fbar` averages volumes over patches of cells.")
+          {key::choice("method", {"fbar", "none"},
+                       "`fbar`: points of a cell (tri3, tet4: of a patch) share their volume.")
                .or_computed(fmt::format(
                    "`fbar` when a body has a law that yields at constant volume (tresca; "
                    "mohr_coulomb, drucker_prager with `dilation_angle` 0) or `poisson_ratio` > {}, "

@@ -69,9 +69,7 @@ void Connection::fail(const std::string& reason) {
   throw ProtocolError(reason);
 }
 
-Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceMesh>& interfaces,
-               const std::vector<std::string>& probe_names, const std::vector<double>& probes,
-               bool keeps_state) {
+Hello hello_of(const ParticipantSettings& settings, const Introduction& introduction) {
   Hello hello;
   hello.participant = settings.name;
   hello.program = settings.program;
@@ -80,22 +78,25 @@ Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceM
   hello.dimension = settings.dimension;
   hello.receives = settings.receives;
   hello.sends = settings.sends;
-  hello.interfaces = interfaces;
-  hello.probe_names = probe_names;
-  hello.probes = probes;
-  hello.keeps_state = keeps_state;
+  hello.interfaces = introduction.interfaces;
+  hello.probe_names = introduction.probe_names;
+  hello.probes = introduction.probes;
+  hello.keeps_state = introduction.keeps_state;
+  hello.takes_force_kinds = introduction.takes_force_kinds;
   return hello;
 }
 
 void Connection::handshake(const Solver& solver) {
-  handshake(solver.interfaces(), solver.probe_names(), solver.probes(), solver.keeps_state());
+  handshake({.interfaces = solver.interfaces(),
+             .probe_names = solver.probe_names(),
+             .probes = solver.probes(),
+             .keeps_state = solver.keeps_state(),
+             .takes_force_kinds = solver.takes_force_kinds()});
 }
 
-void Connection::handshake(const std::vector<InterfaceMesh>& interfaces,
-                           const std::vector<std::string>& probe_names,
-                           const std::vector<double>& probes, bool keeps_state) {
+void Connection::handshake(const Introduction& introduction) {
   require<ProtocolError>(!welcomed(), "the handshake is done already");
-  Hello hello = hello_of(settings_, interfaces, probe_names, probes, keeps_state);
+  Hello hello = hello_of(settings_, introduction);
   hello.session = session_;
   hello.process = this_process();
   // One that cannot be sent met a coupler that has closed the connection: the wait for an answer

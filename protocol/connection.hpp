@@ -35,10 +35,17 @@ struct ParticipantSettings {
   bool exit_when_coupler_is_lost = true;
 };
 
+/// What a solver says of itself in the handshake.
+struct Introduction {
+  std::vector<InterfaceMesh> interfaces;
+  std::vector<std::string> probe_names;
+  std::vector<double> probes;      ///< in the initial state, as many as names
+  bool keeps_state = false;        ///< requests "save" and "load" will be answered
+  bool takes_force_kinds = false;  ///< request "set_force_kinds" will be answered
+};
+
 /// What a participant says of itself; the connection adds its session and process.
-Hello hello_of(const ParticipantSettings& settings, const std::vector<InterfaceMesh>& interfaces,
-               const std::vector<std::string>& probe_names, const std::vector<double>& probes,
-               bool keeps_state);
+Hello hello_of(const ParticipantSettings& settings, const Introduction& introduction);
 
 /// The participant's end of the wire: one coupler, one thread that talks, one that beats.
 /// Any failure is final. Destroyed before the run is finished, it tells the coupler.
@@ -55,11 +62,7 @@ class Connection final : public RequestSource {
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
   /// The same of what a solver would say.
-  /// @param probes       in the initial state, as many as names
-  /// @param keeps_state  requests "save" and "load" will be answered
-  void handshake(const std::vector<InterfaceMesh>& interfaces,
-                 const std::vector<std::string>& probe_names, const std::vector<double>& probes,
-                 bool keeps_state = false);
+  void handshake(const Introduction& introduction);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.
   const Json& run_settings() const { return run_; }

@@ -157,6 +157,31 @@ gabion_status gabion_set_interface(gabion_participant* p, const char* name, size
   });
 }
 
+gabion_status gabion_set_force_kind(gabion_participant* p, const char* interface_name,
+                                    gabion_force_kind kind) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(interface_name, "interface name");
+    gabion::require<gabion::UsageError>(
+        kind == GABION_END_OF_STEP || kind == GABION_STEP_MEAN,
+        fmt::format("force kind: found {}, allowed: GABION_END_OF_STEP, GABION_STEP_MEAN",
+                    static_cast<int>(kind)));
+    participant.set_force_kind(interface_name, kind == GABION_STEP_MEAN
+                                                   ? gabion::ForceKind::step_mean
+                                                   : gabion::ForceKind::end_of_step);
+  });
+}
+
+gabion_status gabion_get_force_kind(gabion_participant* p, const char* interface_name,
+                                    gabion_force_kind* kind) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(interface_name, "interface name");
+    require_given(kind, "kind");
+    *kind = participant.force_kind(interface_name) == gabion::ForceKind::step_mean
+                ? GABION_STEP_MEAN
+                : GABION_END_OF_STEP;
+  });
+}
+
 gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,
                                 const double* values) {
   return call(p, [&](gabion::Participant& participant) {

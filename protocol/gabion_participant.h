@@ -38,6 +38,10 @@ typedef enum gabion_status {
   GABION_ERROR_PROTOCOL = 4 /* refused, coupler lost, run ended by the coupler: final */
 } gabion_status;
 
+/* What interface forces say of a step: the force at its end, or the mean force, which is to act as
+ * a constant load over the step. */
+typedef enum gabion_force_kind { GABION_END_OF_STEP = 0, GABION_STEP_MEAN = 1 } gabion_force_kind;
+
 typedef struct gabion_participant gabion_participant;
 
 /* A participant that is not connected yet; NULL on failure.
@@ -65,6 +69,11 @@ gabion_status gabion_set_keys(gabion_participant* p, const char* key_file,
 gabion_status gabion_set_interface(gabion_participant* p, const char* name, size_t num_vertices,
                                    const double* coordinates, int vertices_per_facet,
                                    size_t num_facets, const int64_t* facets);
+
+/* Of a soil: which force it sends on this interface; GABION_END_OF_STEP where nothing is said.
+ * After gabion_set_interface, before gabion_initialize. */
+gabion_status gabion_set_force_kind(gabion_participant* p, const char* interface_name,
+                                    gabion_force_kind kind);
 
 /* Numbers that the run shall record: names, and values in the initial state; later values at the
  * end of a step. */
@@ -98,6 +107,10 @@ gabion_status gabion_get_max_time_step_size(gabion_participant* p, double* secon
 gabion_status gabion_get_time(gabion_participant* p, double* seconds);
 gabion_status gabion_requires_writing_checkpoint(gabion_participant* p, int* answer);
 gabion_status gabion_requires_reading_checkpoint(gabion_participant* p, int* answer);
+
+/* Which force gabion_read_data gives on this interface, the same in all steps. */
+gabion_status gabion_get_force_kind(gabion_participant* p, const char* interface_name,
+                                    gabion_force_kind* kind);
 
 /* count must be num_vertices x dimension. */
 gabion_status gabion_read_data(gabion_participant* p, const char* interface_name, double* values,

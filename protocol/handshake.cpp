@@ -11,6 +11,7 @@
 #include "common/base/names.hpp"
 #include "common/base/require.hpp"
 #include "protocol/codec.hpp"
+#include "protocol/force_kinds.hpp"
 
 namespace gabion {
 namespace {
@@ -79,6 +80,10 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
                          "interface \"{}\": expected 0, 2, 3 or 4 vertices_per_facet, found {}",
                          mesh.name, width);
   mesh.vertices_per_facet = static_cast<int>(width);
+  if (description.fields.contains("force_kind")) {
+    mesh.force_kind =
+        force_kind_of(description.text("force_kind"), fmt::format("interface \"{}\"", mesh.name));
+  }
   mesh.coordinates = hello.reals("coordinates:" + mesh.name, {-1, dim});
   require_finite(mesh.coordinates, static_cast<std::size_t>(dim), "coordinates:" + mesh.name);
   if (width == 0) return mesh;
@@ -113,17 +118,19 @@ bool is_participant_name(const std::string& text) {
 
 Message to_message(const Hello& hello) {
   Message out = new_message("hello");
-  out.fields = {{"protocol", hello.protocol},         {"participant", hello.participant},
-                {"program", hello.program},           {"program_version", hello.program_version},
-                {"session", hello.session},           {"scene_hash", hello.scene_hash},
-                {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
-                {"sends", to_json(hello.sends)},      {"convention", hello.convention},
-                {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
-                {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)},
-                {"keeps_state", hello.keeps_state}};
+  out.fields = {
+      {"protocol", hello.protocol},         {"participant", hello.participant},
+      {"program", hello.program},           {"program_version", hello.program_version},
+      {"session", hello.session},           {"scene_hash", hello.scene_hash},
+      {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
+      {"sends", to_json(hello.sends)},      {"convention", hello.convention},
+      {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
+      {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)},
+      {"keeps_state", hello.keeps_state},   {"takes_force_kinds", hello.takes_force_kinds}};
   for (const InterfaceMesh& mesh : hello.interfaces) {
-    out.fields["interfaces"].push_back(
-        {{"name", mesh.name}, {"vertices_per_facet", mesh.vertices_per_facet}});
+    out.fields["interfaces"].push_back({{"name", mesh.name},
+                                        {"vertices_per_facet", mesh.vertices_per_facet},
+                                        {"force_kind", name(mesh.force_kind)}});
     out.add("coordinates:" + mesh.name, {mesh.num_vertices(), mesh.dim}, mesh.coordinates);
     if (mesh.vertices_per_facet == 0) continue;
     out.add("facets:" + mesh.name,
@@ -184,6 +191,9 @@ Hello read_hello(const Message& message) {
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
   if (message.fields.contains("keeps_state")) hello.keeps_state = message.boolean("keeps_state");
+  if (message.fields.contains("takes_force_kinds")) {
+    hello.takes_force_kinds = message.boolean("takes_force_kinds");
+  }
   const std::vector<Message> descriptions = nested_list(message, "interfaces");
   std::vector<std::string> names;
   for (const Message& description : descriptions) names.push_back(description.text("name"));

@@ -12,7 +12,7 @@
 namespace gabion {
 
 /// Version of the wire contract, "major.minor". Majors must agree.
-inline constexpr const char* protocol_version = "1.1";
+inline constexpr const char* protocol_version = "1.2";
 
 /// The sign convention of all values on the wire; both sides must name the same one.
 inline constexpr const char* sign_convention =
@@ -48,9 +48,10 @@ struct Hello {
   std::string convention = sign_convention;
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
-  std::vector<double> probes;   ///< values in the initial state
-  bool keeps_state = false;     ///< answers to "save" and "load"
-  bool sends_heartbeat = true;  ///< false: judged by its process and the answer deadline alone
+  std::vector<double> probes;      ///< values in the initial state
+  bool keeps_state = false;        ///< answers to "save" and "load"
+  bool takes_force_kinds = false;  ///< answers to "set_force_kinds"
+  bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;
 };
 

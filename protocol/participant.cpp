@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
 
@@ -53,6 +54,16 @@ void Participant::set_interface(const std::string& name, std::span<const double>
                      {facets.begin(), facets.end()}});
 }
 
+void Participant::set_force_kind(const std::string& interface, ForceKind kind) {
+  before_initialize("set_force_kind");
+  require<UsageError>(settings_.sends == force(),
+                      "set_force_kind: found a participant that sends {}, allowed: one that sends "
+                      "force",
+                      settings_.sends.name);
+  const InterfaceMesh& surface = mesh(interface);
+  meshes_[static_cast<std::size_t>(&surface - meshes_.data())].force_kind = kind;
+}
+
 void Participant::set_probes(std::vector<std::string> names, std::span<const double> values) {
   before_initialize("set_probes");
   probe_names_ = std::move(names);
@@ -80,17 +91,20 @@ void Participant::initialize() {
   require<UsageError>(!meshes_.empty(), "interfaces: found none, allowed: one or more");
   // Read back by the rules of the coupler: what it would refuse is found here.
   accepted_probes_ = probes_;
-  const bool keeps_state = save_ != nullptr;
+  const Introduction introduction{.interfaces = meshes_,
+                                  .probe_names = probe_names_,
+                                  .probes = probes_,
+                                  .keeps_state = save_ != nullptr,
+                                  .takes_force_kinds = settings_.receives == force()};
   try {
-    read_hello(to_message(hello_of(settings_, meshes_, probe_names_, probes_, keeps_state)));
+    read_hello(to_message(hello_of(settings_, introduction)));
   } catch (const ProtocolError& problem) {
     throw UsageError(problem.what());
   }
   connection_ = std::make_unique<Connection>(settings_);
   machine_ = std::make_unique<StateMachine>(static_cast<RequestHandler&>(*this),
                                             settings_.receives.name, meshes_, "this participant");
-  connection_->guarded(
-      [&] { connection_->handshake(meshes_, probe_names_, probes_, keeps_state); });
+  connection_->guarded([&] { connection_->handshake(introduction); });
   must_write_ = true;
   settle();
 }
@@ -129,6 +143,25 @@ bool Participant::requires_reading_checkpoint() {
   return std::exchange(must_read_, false);
 }
 
+ForceKind Participant::force_kind(const std::string& interface) {
+  settle();
+  asked_force_kind_ = true;
+  const auto found = force_kinds_.find(mesh(interface).name);
+  return found == force_kinds_.end() ? ForceKind::end_of_step : found->second;
+}
+
+/// Once, to a code that never asked what its forces are.
+void Participant::warn_of_step_means() {
+  for (const auto& [name, kind] : force_kinds_) {
+    if (asked_force_kind_ || kind == ForceKind::end_of_step) continue;
+    log::warn(
+        "interface \"{}\": its forces are means over the step; this code does not ask "
+        "force_kind(), so it may take them as those of its end",
+        name);
+    asked_force_kind_ = true;
+  }
+}
+
 std::vector<double> Participant::read_data(const std::string& interface) {
   open_step("read_data");
   const InterfaceMesh& surface = mesh(interface);
@@ -150,6 +183,7 @@ void Participant::write_data(const std::string& interface, std::span<const doubl
 
 void Participant::advance(double dt, const StepReport& report) {
   const StepRequest& request = checked_step("advance");
+  warn_of_step_means();
   const double tolerance = same_time * request.dt;
   require<UsageError>(dt > 0 && dt <= remaining_ + tolerance,
                       "advance: found dt {} s, allowed: > 0 and at most {} s", dt, remaining_);
@@ -214,6 +248,11 @@ void Participant::do_next_request() {
   busy_ = Stopwatch();
   if (auto answer = machine_->handle(std::move(request))) reply(std::move(*answer));
   if (machine_->is_finished()) connection_->close();
+}
+
+Participant::Answer Participant::set_force_kinds(const ForceKinds& kinds) {
+  force_kinds_ = kinds;
+  return new_message("force_kinds_set");
 }
 
 Participant::Answer Participant::solve_step(const StepRequest& step, InterfaceValues received) {

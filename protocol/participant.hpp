@@ -57,6 +57,9 @@ class Participant : private RequestHandler {
   ///                            of the structure: in 2D to the right of the way along the segment
   void set_interface(const std::string& name, std::span<const double> coordinates,
                      int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
+  /// Of a soil: which force it sends on this interface; the one at the end of the step where
+  /// nothing is said. Before initialize(), after set_interface().
+  void set_force_kind(const std::string& interface, ForceKind kind);
   /// Numbers that the run shall record. Before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
@@ -97,6 +100,9 @@ class Participant : private RequestHandler {
   /// Whether to go back to the state that was saved. To ask is the promise to do so.
   bool requires_reading_checkpoint();
 
+  /// Which force read_data() gives on this interface: that at the end of the step, or the mean
+  /// force, which is to act as a constant load over the step. The same in all steps.
+  ForceKind force_kind(const std::string& interface);
   /// Received values at the end of the step, num_vertices x dim: force [N] or displacement [m].
   std::vector<double> read_data(const std::string& interface);
   /// Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N].
@@ -118,6 +124,7 @@ class Participant : private RequestHandler {
  private:
   // What the coupler asks. An answer that waits for the code, which has to go back first, say, is
   // pending.
+  Answer set_force_kinds(const ForceKinds& kinds) override;
   Answer solve_step(const StepRequest& step, InterfaceValues received) override;
   Answer accept_step(const StepRequest& step, bool solved,
                      std::optional<double> output_time) override;
@@ -140,6 +147,7 @@ class Participant : private RequestHandler {
   const StepRequest& open_step(const char* call);
   const StepRequest& checked_step(const char* call);
   const InterfaceMesh& mesh(const std::string& name) const;
+  void warn_of_step_means();
 
   ParticipantSettings settings_;
   std::vector<InterfaceMesh> meshes_;
@@ -156,6 +164,8 @@ class Participant : private RequestHandler {
   std::optional<StepRequest> request_;     // the open solve_step
   bool awaits_verdict_ = false;            // it was answered, neither accepted nor rejected
   std::optional<Message> pending_;         // answer that waits until the code has done its part
+  ForceKinds force_kinds_;                 // of the received forces
+  bool asked_force_kind_ = false;
   InterfaceValues received_;
   InterfaceValues written_;
   double remaining_ = 0;                         // [s] of the open step

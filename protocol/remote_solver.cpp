@@ -8,11 +8,16 @@
 
 #include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
+#include "protocol/force_kinds.hpp"
 
 namespace gabion {
 
 RemoteSolver::RemoteSolver(Switchboard& switchboard, Hello hello)
     : switchboard_(switchboard), hello_(std::move(hello)), probes_(hello_.probes) {}
+
+void RemoteSolver::set_force_kinds(const ForceKinds& kinds) {
+  call(to_message(kinds), "force_kinds_set");
+}
 
 StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {

@@ -36,6 +36,8 @@ class RemoteSolver : public AsynchronousSolver {
   std::vector<InterfaceMesh> interfaces() const override { return hello_.interfaces; }
   std::vector<std::string> probe_names() const override { return hello_.probe_names; }
 
+  bool takes_force_kinds() const override { return hello_.takes_force_kinds; }
+  void set_force_kinds(const ForceKinds& kinds) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

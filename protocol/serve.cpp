@@ -14,6 +14,11 @@ class DrivenSolver final : public RequestHandler {
   DrivenSolver(Solver& solver, const Quantity& sends)
       : solver_(solver), sends_(sends), interfaces_(solver.interfaces()) {}
 
+  Answer set_force_kinds(const ForceKinds& kinds) override {
+    solver_.set_force_kinds(kinds);
+    return new_message("force_kinds_set");
+  }
+
   Answer solve_step(const StepRequest& step, InterfaceValues received) override {
     InterfaceValues sent;
     try {

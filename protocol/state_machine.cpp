@@ -7,15 +7,21 @@
 
 #include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
+#include "protocol/force_kinds.hpp"
 
 namespace gabion {
 
 const std::vector<StateMachine::Rule>& StateMachine::rules() {
   static const std::vector<Rule> all = {
-      {"solve_step", true, &StateMachine::solve},    {"accept_step", true, &StateMachine::accept},
-      {"reject_step", true, &StateMachine::reject},  {"write_output", true, &StateMachine::write},
-      {"summarize", true, &StateMachine::summarize}, {"save", false, &StateMachine::save},
-      {"load", false, &StateMachine::load},          {"finish", true, &StateMachine::finish},
+      {"solve_step", true, &StateMachine::solve},
+      {"accept_step", true, &StateMachine::accept},
+      {"reject_step", true, &StateMachine::reject},
+      {"write_output", true, &StateMachine::write},
+      {"summarize", true, &StateMachine::summarize},
+      {"save", false, &StateMachine::save},
+      {"load", false, &StateMachine::load},
+      {"finish", true, &StateMachine::finish},
+      {"set_force_kinds", false, &StateMachine::set_force_kinds},
   };
   return all;
 }
@@ -40,6 +46,10 @@ std::optional<Message> StateMachine::handle(Message request) {
   require<ProtocolError>(rule->inside_step || !inside,
                          "the coupler asked for \"{}\" in the middle of a step", request.type);
   return (this->*rule->handle)(std::move(request));
+}
+
+StateMachine::Answer StateMachine::set_force_kinds(Message request) {
+  return handler_.set_force_kinds(read_force_kinds(request, interfaces_));
 }
 
 /// From the accepted state, whatever was solved before.

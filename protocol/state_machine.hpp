@@ -17,6 +17,7 @@ class RequestHandler {
   using Answer = std::optional<Message>;
   virtual ~RequestHandler() = default;
 
+  virtual Answer set_force_kinds(const ForceKinds& kinds) = 0;
   virtual Answer solve_step(const StepRequest& step, InterfaceValues received) = 0;
   /// @param output_time  [s] of the state that is accepted, when it shall be written
   virtual Answer accept_step(const StepRequest& step, bool solved,
@@ -61,6 +62,7 @@ class StateMachine {
   };
   static const std::vector<Rule>& rules();
 
+  Answer set_force_kinds(Message request);
   Answer solve(Message request);
   Answer accept(Message request);
   Answer reject(Message request);

@@ -57,6 +57,10 @@ void RankedSolver::together(const std::function<void()>& work) const {
   throw_failure(worst, first_text(comm_, failure == worst ? text : ""));
 }
 
+void RankedSolver::set_force_kinds(const ForceKinds& kinds) {
+  together([&] { inner_.set_force_kinds(kinds); });
+}
+
 StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
   StepReport report;

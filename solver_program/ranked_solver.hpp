@@ -22,6 +22,8 @@ class RankedSolver final : public Solver {
 
   std::vector<InterfaceMesh> interfaces() const override { return inner_.interfaces(); }
   std::vector<std::string> probe_names() const override { return inner_.probe_names(); }
+  bool takes_force_kinds() const override { return inner_.takes_force_kinds(); }
+  void set_force_kinds(const ForceKinds& kinds) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

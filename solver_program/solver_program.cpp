@@ -91,7 +91,11 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
   std::optional<Connection> connection;
   try {
     connection.emplace(settings);
-    connection->handshake(solver.interfaces(), solver.probe_names(), probes, solver.keeps_state());
+    connection->handshake({.interfaces = solver.interfaces(),
+                           .probe_names = solver.probe_names(),
+                           .probes = probes,
+                           .keeps_state = solver.keeps_state(),
+                           .takes_force_kinds = solver.takes_force_kinds()});
     welcomed(*connection);
   } catch (const std::exception& problem) {
     end_followers(comm, problem.what());

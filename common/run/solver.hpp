@@ -13,6 +13,14 @@
 
 namespace gabion {
 
+/// What the interface forces that a solver sends say of the step.
+enum class ForceKind {
+  end_of_step,  ///< the forces at its end
+  step_mean     ///< the mean force, constant over the step: its work is F . du, its impulse dt F
+};
+/// Interface name -> kind of the forces that act there; those not named are `end_of_step`.
+using ForceKinds = std::map<std::string, ForceKind>;
+
 /// The surface of a solver through which it is coupled, in its reference configuration.
 struct InterfaceMesh {
   std::string name;                 ///< of the interface, such as "wall"; equal on both sides
@@ -21,6 +29,7 @@ struct InterfaceMesh {
   int vertices_per_facet = 0;       ///< 2 (segments), 3 or 4; 0 for bare points
   std::vector<std::int64_t>
       facets;  ///< num_facets x vertices_per_facet; normals point out of the structure
+  ForceKind force_kind = ForceKind::end_of_step;  ///< of the forces that the solver sends, if any
   std::int64_t num_vertices() const { return static_cast<std::int64_t>(coordinates.size()) / dim; }
 };
 
@@ -65,6 +74,16 @@ class Solver {
 
   virtual std::vector<InterfaceMesh> interfaces() const = 0;
   virtual std::vector<std::string> probe_names() const = 0;
+
+  /// Whether this solver has set_force_kinds(). One that has not takes all forces that it receives
+  /// as those of the end of the step.
+  virtual bool takes_force_kinds() const { return false; }
+  /// Say which forces it will receive. Between two steps, before the first one of a run; no part of
+  /// the state.
+  /// @throws Error  an interface that it does not have
+  virtual void set_force_kinds(const ForceKinds&) {
+    throw Error("this solver takes forces as those of the end of the step");
+  }
 
   /// Solve from the accepted state. `received` holds the values given to this solver at the end of
   /// the step; `sent` is filled with what it answers. An empty `received` means free interfaces.

@@ -28,6 +28,12 @@ void InterfaceLayout::put(const InterfaceValues& sent, Eigen::VectorXd& all) con
   }
 }
 
+void InterfaceLayout::fill(const std::string& interface, double value, Eigen::VectorXd& all) const {
+  for (const InterfacePlace& place : places_) {
+    if (place.name == interface) all.segment(place.begin, place.size).setConstant(value);
+  }
+}
+
 bool InterfaceLayout::is_zero_in(const Eigen::VectorXd& all) const {
   return std::all_of(places_.begin(), places_.end(), [&](const InterfacePlace& place) {
     return all.segment(place.begin, place.size).isZero(0);

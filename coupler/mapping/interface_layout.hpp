@@ -29,6 +29,8 @@ class InterfaceLayout {
   /// Put what this participant sent in its place; the rest of the vector stays.
   /// @throws Error  an interface is missing or has another number of values
   void put(const InterfaceValues& sent, Eigen::VectorXd& all) const;
+  /// Set all entries of one interface of this participant.
+  void fill(const std::string& interface, double value, Eigen::VectorXd& all) const;
   /// Whether all values of this participant are zero.
   bool is_zero_in(const Eigen::VectorXd& all) const;
 

@@ -8,19 +8,25 @@
 
 namespace gabion {
 
-/// Work of the nodal forces f on one side of the interfaces, step by step, by the trapezoidal rule
+/// Work of the nodal forces f on one side of the interfaces, step by step,
 ///
-///     W = 1/2 (f_n + f_n+1) . (u_n+1 - u_n)
+///     W = 1/2 (f_n + f_n+1) . (u_n+1 - u_n)    forces at the end of the step: trapezoidal rule
+///     W = f_n+1 . (u_n+1 - u_n)                mean forces of the step
 ///
 /// Newmark's rule with beta = 1/4 turns exactly this into the energy of a linear side; the sum over
 /// both sides vanishes when their displacements agree and the forces are mapped conservatively.
 /// Before the first step u = 0, f = 0.
 class InterfaceWork {
  public:
+  /// @param start_weight  of each f_n: 1/2, or 0 of a mean force
+  explicit InterfaceWork(Eigen::VectorXd start_weight) : start_weight_(std::move(start_weight)) {}
+
   /// @param u, f  [m], [N] at the end of an accepted step, of equal and constant size
   /// @returns     W of this step [J] (2D: per metre of thickness)
   double accept(const Eigen::VectorXd& u, const Eigen::VectorXd& f) {
-    const double work = u_.size() == 0 ? 0.5 * f.dot(u) : 0.5 * (f_ + f).dot(u - u_);
+    if (u_.size() == 0) u_ = f_ = Eigen::VectorXd::Zero(u.size());
+    const auto& w = start_weight_.array();
+    const double work = (w * f_.array() + (1 - w) * f.array()).matrix().dot(u - u_);
     u_ = u;
     f_ = f;
     return work;
@@ -33,6 +39,7 @@ class InterfaceWork {
   }
 
  private:
+  Eigen::VectorXd start_weight_;
   Eigen::VectorXd u_;  // empty before the first step
   Eigen::VectorXd f_;
 };

@@ -19,6 +19,7 @@ class Side {
  public:
   Side(InterfaceLayout layout, Solver& solver) : layout_(std::move(layout)), solver_(solver) {}
 
+  const InterfaceLayout& layout() const { return layout_; }
   const std::string& name() const { return layout_.participant(); }
   Solver& solver() const { return solver_; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/settings/scene.hpp"
 #include "coupler/state_vectors.hpp"
@@ -25,6 +26,30 @@ std::string bytes_of(const std::vector<Value>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
 }
 
+/// Participant -> kinds of the forces on its interfaces, where any is a mean force.
+std::map<std::string, ForceKinds> kinds_of_forces(
+    const std::vector<InterfaceSettings>& interfaces,
+    const std::map<std::string, std::vector<InterfaceMesh>>& meshes) {
+  std::map<std::string, ForceKinds> kinds;
+  for (const InterfaceSettings& interface : interfaces) {
+    for (const InterfaceMesh& mesh : meshes.at(interface.soil)) {
+      if (mesh.name != interface.name || mesh.force_kind == ForceKind::end_of_step) continue;
+      kinds[interface.soil][mesh.name] = mesh.force_kind;
+      kinds[interface.structure][mesh.name] = mesh.force_kind;
+    }
+  }
+  return kinds;
+}
+
+void set_start_weights(const Side& side, const std::map<std::string, ForceKinds>& all,
+                       Eigen::VectorXd& weights) {
+  const auto kinds = all.find(side.name());
+  if (kinds == all.end()) return;
+  for (const auto& [interface, kind] : kinds->second) {
+    side.layout().fill(interface, kind == ForceKind::step_mean ? 0 : 0.5, weights);
+  }
+}
+
 }  // namespace
 
 Sides::Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
@@ -39,11 +64,43 @@ Sides::Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& pa
     }
   }
   map_ = std::make_unique<InterfaceMap>(settings.interfaces, meshes, settings.coupling.mapping);
+  force_kinds_ = kinds_of_forces(settings.interfaces, meshes);
   for (const ParticipantRole& role : settings.participants) {
     (role.sends_force ? soils_ : structures_)
         .emplace_back(map_->layout(role.name), find_solver(participants, role.name));
   }
   accepted_x_ = Eigen::VectorXd::Zero(map_->size());
+}
+
+void Sides::tell_force_kinds() {
+  for (const Side& structure : structures_) {
+    const auto kinds = force_kinds_.find(structure.name());
+    if (kinds == force_kinds_.end()) continue;
+    if (structure.solver().takes_force_kinds()) {
+      structure.solver().set_force_kinds(kinds->second);
+      continue;
+    }
+    log::warn(
+        "participant \"{}\" takes the soil's mean forces of a step as those of its end: half a "
+        "step "
+        "late, and energy is made where contact opens (protocol/README.md, section 3)",
+        structure.name());
+  }
+}
+
+Eigen::VectorXd Sides::soil_start_weights() const {
+  Eigen::VectorXd weights = Eigen::VectorXd::Constant(map_->soil_size(), 0.5);
+  for (const Side& soil : soils_) set_start_weights(soil, force_kinds_, weights);
+  return weights;
+}
+
+Eigen::VectorXd Sides::structure_start_weights() const {
+  Eigen::VectorXd weights = Eigen::VectorXd::Constant(map_->size(), 0.5);
+  for (const Side& structure : structures_) {
+    if (!structure.solver().takes_force_kinds()) continue;
+    set_start_weights(structure, force_kinds_, weights);
+  }
+  return weights;
 }
 
 std::vector<Side*> Sides::all() {

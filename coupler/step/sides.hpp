@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,14 @@ class Sides {
   /// @throws ConfigError  participants or interfaces do not fit the settings
   Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& participants,
         PhaseTimes& phases);
+
+  /// Tell each structure which forces it will receive, before the first step. Warns of structures
+  /// that take mean forces as those of the end of the step.
+  void tell_force_kinds();
+  /// Weights of the forces at the start of a step in its work, see InterfaceWork; of the soils'
+  /// values, and of the structures' as they take them.
+  Eigen::VectorXd soil_start_weights() const;
+  Eigen::VectorXd structure_start_weights() const;
 
   std::vector<Side*> all();  ///< soils first
   const InterfaceMap& map() const { return *map_; }
@@ -68,7 +77,8 @@ class Sides {
   std::vector<Side> soils_;
   std::vector<Side> structures_;
   std::unique_ptr<InterfaceMap> map_;
-  Json surfaces_ = Json::object();  // participant -> interface -> hash of its mesh
+  std::map<std::string, ForceKinds> force_kinds_;  // of what each participant sends or receives
+  Json surfaces_ = Json::object();                 // participant -> interface -> hash of its mesh
   Eigen::VectorXd accepted_x_;
   PhaseTimes& phases_;
 };

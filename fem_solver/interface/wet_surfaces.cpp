@@ -45,15 +45,30 @@ WetSurfaces<dim>::WetSurfaces(const FemSettings<dim>& settings)
     }
     meshes_.push_back(std::move(mesh));
     nodes_.push_back(std::move(nodes));
+    kinds_.push_back(ForceKind::end_of_step);
   }
 }
 
 template <int dim>
-std::vector<double> WetSurfaces<dim>::nodal_forces(const InterfaceValues& received) const {
+void WetSurfaces<dim>::set_force_kinds(const ForceKinds& kinds) {
+  kinds_.assign(meshes_.size(), ForceKind::end_of_step);
+  for (const auto& [name, kind] : kinds) {
+    const auto found = std::find_if(meshes_.begin(), meshes_.end(),
+                                    [&](const InterfaceMesh& mesh) { return mesh.name == name; });
+    require(found != meshes_.end(), "kinds of forces: found interface \"{}\", which is none here",
+            name);
+    kinds_[static_cast<std::size_t>(found - meshes_.begin())] = kind;
+  }
+}
+
+template <int dim>
+ExternalForces WetSurfaces<dim>::nodal_forces(const InterfaceValues& received) const {
   if (received.empty()) return {};
   require(received.size() == meshes_.size(), "received forces of {} interfaces, expected {}",
           received.size(), meshes_.size());
-  std::vector<double> f(num_dofs_, 0.0);
+  ExternalForces forces;
+  forces.end.assign(num_dofs_, 0.0);
+  forces.step.assign(num_dofs_, 0.0);
   for (std::size_t s = 0; s < meshes_.size(); ++s) {
     const auto found = received.find(meshes_[s].name);
     require(found != received.end(), "received no forces of interface \"{}\"", meshes_[s].name);
@@ -61,13 +76,14 @@ std::vector<double> WetSurfaces<dim>::nodal_forces(const InterfaceValues& receiv
     require(values.size() == nodes_[s].size() * dim,
             "interface \"{}\": received {} force values, expected {} vertices x {}",
             meshes_[s].name, values.size(), nodes_[s].size(), dim);
+    auto& f = kinds_[s] == ForceKind::step_mean ? forces.step : forces.end;
     for (std::size_t k = 0; k < nodes_[s].size(); ++k) {
       for (int c = 0; c < dim; ++c) {
         f[static_cast<std::size_t>(nodes_[s][k]) * dim + c] += values[k * dim + c];
       }
     }
   }
-  return f;
+  return forces;
 }
 
 template <int dim>

@@ -7,6 +7,7 @@
 
 #include "common/run/solver.hpp"
 #include "fem_solver/fem_config.hpp"
+#include "fem_solver/step/structure_state.hpp"
 
 namespace gabion::fem {
 
@@ -21,10 +22,14 @@ class WetSurfaces {
   /// Vertices in the order of their node numbers; facets with outward normals.
   const std::vector<InterfaceMesh>& meshes() const { return meshes_; }
 
+  /// Which forces will be received; end of the step where nothing is said.
+  /// @throws Error  unknown interface
+  void set_force_kinds(const ForceKinds& kinds);
+
   /// Nodal forces of all interfaces; a node on two of them receives both.
-  /// @returns num_nodes x dim [N]; empty when nothing was received
+  /// @returns empty when nothing was received
   /// @throws Error  unknown or missing interface, wrong number of values
-  std::vector<double> nodal_forces(const InterfaceValues& received) const;
+  ExternalForces nodal_forces(const InterfaceValues& received) const;
 
   /// Total displacements of the vertices. @param u  num_nodes x dim [m]
   InterfaceValues displacements(std::span<const double> u) const;
@@ -33,6 +38,7 @@ class WetSurfaces {
   std::size_t num_dofs_;
   std::vector<InterfaceMesh> meshes_;
   std::vector<std::vector<std::int32_t>> nodes_;  // node of each vertex of each interface
+  std::vector<ForceKind> kinds_;                  // of the forces received on each interface
 };
 
 }  // namespace gabion::fem

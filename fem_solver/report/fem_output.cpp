@@ -45,13 +45,14 @@ void FemOutput<dim>::write(double time, const StructureState& state,
 
   std::vector<double> x(state.motion.u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh_.nodes[i / dim][i % dim];
-  series_->write(
-      {.time = time,
-       .dim = dim,
-       .coordinates = x,
-       .cell_type = mesh_.cell_type,
-       .connectivity = mesh_.cells,
-       .fields = frame_fields<dim>(state.motion.u, state.motion.v, state.f_ext, stress)});
+  std::vector<double> forces(state.f_ext);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += state.f_step[i];
+  series_->write({.time = time,
+                  .dim = dim,
+                  .coordinates = x,
+                  .cell_type = mesh_.cell_type,
+                  .connectivity = mesh_.cells,
+                  .fields = frame_fields<dim>(state.motion.u, state.motion.v, forces, stress)});
 }
 
 template class FemOutput<2>;

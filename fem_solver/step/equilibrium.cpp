@@ -173,7 +173,29 @@ std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const doubl
     r[i] = constrained_[i] ? 0.0 : f_ext[i] - r[i];
     balanced = balanced && r[i] == 0;
   }
-  if (balanced) return a;
+  if (!balanced) factor_mass()->solve(r, a);
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    if (constrained_[i]) a[i] = 0;
+  }
+  return a;
+}
+
+template <int dim>
+std::vector<double> Equilibrium<dim>::acceleration_of(std::span<const double> f) {
+  std::vector<double> r(f.begin(), f.end()), a(num_dofs_, 0.0);
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    if (constrained_[i]) r[i] = 0;
+  }
+  if (!mass_) mass_ = factor_mass();
+  mass_->solve(r, a);
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    if (constrained_[i]) a[i] = 0;
+  }
+  return a;
+}
+
+template <int dim>
+std::unique_ptr<LinearSolver<dim>> Equilibrium<dim>::factor_mass() const {
   BlockMatrix<dim> M;
   cells_.set_pattern(M);
   M.set_zero();
@@ -181,14 +203,10 @@ std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const doubl
   M.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
   LinearSolverSettings settings;
   settings.method = "lu";
-  LinearSolver<dim> solver(comm_, dim, settings);
-  solver.set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
-  solver.set_matrix(M);
-  solver.solve(r, a);
-  for (std::size_t i = 0; i < num_dofs_; ++i) {
-    if (constrained_[i]) a[i] = 0;
-  }
-  return a;
+  auto solver = std::make_unique<LinearSolver<dim>>(comm_, dim, settings);
+  solver->set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
+  solver->set_matrix(M);
+  return solver;
 }
 
 template class Equilibrium<2>;

@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> initial_acceleration(std::span<const double> u,
                                            std::span<const double> f_ext);
 
+  /// M^-1 f, constrained components zero. The factor of M is kept. [unit of f / kg]
+  std::vector<double> acceleration_of(std::span<const double> f);
+
   /// M y, all ranks' cells. [kg x unit of y]
   std::vector<double> mass_times(std::span<const double> y) const;
 
@@ -77,6 +81,7 @@ class Equilibrium final : public NewtonProblem<dim> {
  private:
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
+  std::unique_ptr<LinearSolver<dim>> factor_mass() const;
 
   /// What the cells of all ranks give for a trial state.
   struct CellSums {
@@ -104,6 +109,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   NodalForces forces_;
   std::vector<double> u_trial_, a_mean_, buffer_;
   TangentPoint last_tangent_;
+  std::unique_ptr<LinearSolver<dim>> mass_;  // after the first acceleration_of()
 };
 
 }  // namespace gabion::fem

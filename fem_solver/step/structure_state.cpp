@@ -19,6 +19,7 @@ void StructureState::visit_state(StateVisitor& visitor) {
   visitor.reals("v", motion.v);
   visitor.reals("a", motion.a);
   visitor.reals("f_ext", f_ext);
+  visitor.reals("f_step", f_step);
   visitor.reals("f_int", f_int);
   visitor.reals("reactions", reactions);
   visitor.flag("balanced", balanced);

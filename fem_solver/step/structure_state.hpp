@@ -17,6 +17,13 @@ struct StructureMotion {
   bool is_still() const;  ///< v and a are zero in every bit
 };
 
+/// Forces on the nodes that do not follow from their motion, num_nodes x dim each; empty: none.
+struct ExternalForces {
+  std::vector<double> end;   ///< of loads and interfaces at the end of the step [N]
+  std::vector<double> step;  ///< of interfaces that give the mean force of the step [N]
+  bool operator==(const ExternalForces&) const = default;
+};
+
 /// Where a tangent matrix was assembled.
 struct TangentPoint {
   std::vector<double> u;      ///< displacement [m]
@@ -29,12 +36,13 @@ struct TangentPoint {
 struct StructureState {
   double time = 0;  ///< [s]
   StructureMotion motion;
-  std::vector<double> f_ext;  ///< loads and interface forces, num_nodes x dim [N]
-  std::vector<double> f_int;  ///< internal forces, num_nodes x dim [N]
+  std::vector<double> f_ext;   ///< loads and interface forces, num_nodes x dim [N]
+  std::vector<double> f_step;  ///< mean interface forces of the last step, num_nodes x dim [N]
+  std::vector<double> f_int;   ///< internal forces, num_nodes x dim [N]
   /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
   /// [N].
   std::vector<double> reactions;
-  bool balanced = false;      ///< the motion solves the equations under f_ext
+  bool balanced = false;      ///< the motion solves the equations under f_ext and f_step
   double elastic_energy = 0;  ///< [J]
   double external_work = 0;   ///< of loads, interface forces and reactions since time 0 [J]
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton

@@ -55,19 +55,33 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
 }
 
 template <int dim>
-std::vector<double> StructureStep<dim>::external_forces(double time,
-                                                        std::span<const double> f_interface) const {
-  std::vector<double> f = weight_;
-  conditions_.add_loads(time, f);
-  assert(f_interface.empty() || f_interface.size() == f.size());
-  for (std::size_t i = 0; i < f_interface.size(); ++i) f[i] += f_interface[i];
+ExternalForces StructureStep<dim>::external_forces(double time,
+                                                   const ExternalForces& f_interface) const {
+  ExternalForces f{.end = weight_, .step = f_interface.step};
+  f.step.resize(f.end.size(), 0.0);
+  conditions_.add_loads(time, f.end);
+  assert(f_interface.end.empty() || f_interface.end.size() == f.end.size());
+  for (std::size_t i = 0; i < f_interface.end.size(); ++i) f.end[i] += f_interface.end[i];
   return f;
+}
+
+/// Loads of the balance at the end of the step, the mean forces with the weights of NewmarkBossak.
+template <int dim>
+std::vector<double> StructureStep<dim>::balanced_forces(const StructureState& state_n,
+                                                        const ExternalForces& f) const {
+  const double c = dynamic_ ? equilibrium_.scheme().step_force_weight() : 1;
+  std::vector<double> sum = f.end;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    sum[i] += c * f.step[i] - (c - 1) * state_n.f_step[i];
+  }
+  return sum;
 }
 
 template <int dim>
 StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<double> v) {
   StructureState state;
-  state.f_ext = external_forces(0, {});
+  state.f_ext = external_forces(0, {}).end;
+  state.f_step.assign(equilibrium_.num_dofs(), 0.0);
   const auto constrained_u = conditions_.displacements(0);
   const auto dofs = conditions_.constrained_dofs();
   for (std::size_t k = 0; k < dofs.size(); ++k) {
@@ -108,17 +122,19 @@ StructureState StructureStep<dim>::initial_state() {
   StructureState reference;
   reference.motion = {.u = u, .v = u, .a = u};
   reference.f_int = u;
-  reference.f_ext = external_forces(0, {});
+  reference.f_step = u;
+  const ExternalForces f = external_forces(0, {});
+  reference.f_ext = f.end;
   reference.reactions.assign(u.size(), 0.0);
   StructureState state;
-  if (nothing_changes(reference, reference.f_ext, conditions_.displacements(0)) &&
+  if (nothing_changes(reference, f, conditions_.displacements(0)) &&
       std::all_of(reference.f_ext.begin(), reference.f_ext.end(),
                   [](double x) { return x == 0; })) {
     state = reference;
   } else {
     std::vector<double> du = first_guess(reference, 0);
     solve_balance(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
-    fill_trial(reference, reference.f_ext, 0, du, state);
+    fill_trial(reference, f, 0, du, state);
   }
   state.balanced = true;
   state.external_work = 0;
@@ -138,14 +154,13 @@ std::vector<double> StructureStep<dim>::start_forces(const StructureState& state
 }
 
 template <int dim>
-bool StructureStep<dim>::nothing_changes(const StructureState& state_n,
-                                         std::span<const double> f_ext,
+bool StructureStep<dim>::nothing_changes(const StructureState& state_n, const ExternalForces& f,
                                          std::span<const double> constrained_u) const {
   const auto dofs = conditions_.constrained_dofs();
   for (std::size_t k = 0; k < dofs.size(); ++k) {
     if (constrained_u[k] != state_n.motion.u[dofs[k]]) return false;
   }
-  return state_n.motion.is_still() && std::ranges::equal(f_ext, state_n.f_ext);
+  return state_n.motion.is_still() && f.end == state_n.f_ext && f.step == state_n.f_step;
 }
 
 /// Free components go on with their velocity, constrained ones reach their prescribed value.
@@ -213,8 +228,8 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
 }
 
 template <int dim>
-void StructureStep<dim>::fill_trial(const StructureState& state_n, std::vector<double> f_ext,
-                                    double dt, std::span<const double> du, StructureState& trial) {
+void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForces f, double dt,
+                                    std::span<const double> du, StructureState& trial) {
   // The line search may have looked at other states after this one.
   std::vector<double> r(equilibrium_.num_dofs());
   equilibrium_.evaluate(du, r, nullptr);
@@ -224,44 +239,66 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, std::vector<d
   trial.balanced = true;
   trial.elastic_energy = forces.elastic_energy;
   trial.f_int = forces.internal;
-  trial.reactions.assign(f_ext.size(), 0.0);
+  trial.reactions.assign(f.end.size(), 0.0);
   const bool with_inertia = dynamic_ && dt > 0;
   const std::vector<double> f_start = start_forces(state_n, with_inertia);
   const double memory = f_start.empty() ? 0 : equilibrium_.scheme().force_memory();
   for (const auto dof : conditions_.constrained_dofs()) {
-    const double missing = forces.internal[dof] + forces.inertia[dof] - f_ext[dof];
+    const double missing = forces.internal[dof] + forces.inertia[dof] - f.end[dof] - f.step[dof];
     trial.reactions[dof] =
         f_start.empty() ? missing : (missing - memory * f_start[dof]) / (1 + memory);
   }
-  trial.f_ext = std::move(f_ext);
+  trial.f_ext = std::move(f.end);
+  trial.f_step = std::move(f.step);
   trial.external_work = state_n.external_work + work(state_n, trial, du);
   trial.tangent = held_tangent_;
   trial.rescue = linear_.rescue();
 }
 
-/// Work of loads and reactions in a step by the trapezoidal rule. Reactions are known at the
-/// instants that the steps balance, alpha_f dt before their ends.
+/// Work of loads and reactions in a step by the trapezoidal rule, and of the mean forces. Reactions
+/// are known at the instants that the steps balance, alpha_f dt before their ends.
 template <int dim>
 double StructureStep<dim>::work(const StructureState& state_n, const StructureState& trial,
                                 std::span<const double> du) const {
   const double later = 0.5 + equilibrium_.scheme().alpha_f;
   double sum = 0;
   for (std::size_t i = 0; i < du.size(); ++i) {
-    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + (1 - later) * state_n.reactions[i] +
-                    later * trial.reactions[i]);
+    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + trial.f_step[i] +
+                    (1 - later) * state_n.reactions[i] + later * trial.reactions[i]);
   }
   return sum;
 }
 
 template <int dim>
+void StructureStep<dim>::complete(const StructureState& state_n, double dt, StructureState& trial) {
+  if (!dynamic_ || trial.f_step == state_n.f_step) return;
+  const ScopedTimer timer(times_, "step_forces");
+  const NewmarkBossak& scheme = equilibrium_.scheme();
+  std::vector<double> change = trial.f_step;
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= state_n.f_step[i];
+  const std::vector<double> a = equilibrium_.acceleration_of(change);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    trial.motion.v[i] += dt * scheme.step_force_velocity() * a[i];
+    trial.motion.a[i] -= scheme.step_force_acceleration() * a[i];
+  }
+  // The balance has c times the change of the mean forces, the supports bear it once.
+  const std::vector<double> inertia = equilibrium_.mass_times(a);
+  for (const auto dof : conditions_.constrained_dofs()) {
+    const double excess = (scheme.step_force_weight() - 1) * inertia[dof];
+    trial.reactions[dof] -= excess;
+    trial.external_work -= 0.5 * excess * (trial.motion.u[dof] - state_n.motion.u[dof]);
+  }
+}
+
+template <int dim>
 StepReport StructureStep<dim>::solve(const StructureState& state_n,
-                                     std::span<const double> f_interface, double dt,
+                                     const ExternalForces& f_interface, double dt,
                                      StructureState& trial) {
-  std::vector<double> f_ext = external_forces(state_n.time + dt, f_interface);
+  ExternalForces f = external_forces(state_n.time + dt, f_interface);
   StepReport report;
   report.details = {{"skipped", 0}, {"matrix_assemblies", 0}};
   if (state_n.balanced &&
-      nothing_changes(state_n, f_ext, conditions_.displacements(state_n.time + dt))) {
+      nothing_changes(state_n, f, conditions_.displacements(state_n.time + dt))) {
     trial = state_n;
     trial.time = state_n.time + dt;
     ++skipped_solves_;
@@ -269,14 +306,15 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
     return report;
   }
   if (last_ && last_->dt != dt) last_.reset();
-  if (last_ && last_->f_ext == f_ext) {
+  if (last_ && last_->f == f) {
     trial = last_->trial;
     ++repeated_solves_;
     return last_->report;
   }
   std::vector<double> du = last_ ? last_->du : first_guess(state_n, dt);
   try {
-    const NewtonReport newton = solve_balance(state_n, f_ext, dt, dynamic_, du);
+    const NewtonReport newton =
+        solve_balance(state_n, balanced_forces(state_n, f), dt, dynamic_, du);
     report.newton_iterations = newton.iterations;
     report.linear_iterations = newton.linear_iterations;
     report.details["matrix_assemblies"] = newton.matrices;
@@ -284,9 +322,9 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
     last_.reset();
     throw;
   }
-  fill_trial(state_n, f_ext, dt, du, trial);
-  last_ = Iterate{
-      .f_ext = std::move(f_ext), .dt = dt, .du = std::move(du), .trial = trial, .report = report};
+  fill_trial(state_n, f, dt, du, trial);
+  last_ =
+      Iterate{.f = std::move(f), .dt = dt, .du = std::move(du), .trial = trial, .report = report};
   ++solves_;
   return report;
 }

@@ -31,11 +31,17 @@ class StructureStep {
   ///
   /// The first call after `forget_iterates` starts from the state alone; the following ones start
   /// from the last solution. Repeating a call with the same arguments returns the same bits.
-  /// @param f_interface  nodal forces of the interfaces at the end of the step [N]
+  /// @param f_interface  nodal forces of the interfaces
+  /// @param trial        complete but for what complete() does
   /// @throws ConvergenceError
   /// @note Collective.
-  StepReport solve(const StructureState& state_n, std::span<const double> f_interface, double dt,
+  StepReport solve(const StructureState& state_n, const ExternalForces& f_interface, double dt,
                    StructureState& trial);
+
+  /// Before `trial` becomes the accepted state: velocity, acceleration and reactions where the mean
+  /// forces are others than in the step before (docs/theory/structure.md, (T9)).
+  /// @note Collective.
+  void complete(const StructureState& state_n, double dt, StructureState& trial);
 
   /// The accepted state changes, or the step begins anew.
   void forget_iterates();
@@ -50,23 +56,24 @@ class StructureStep {
 
  private:
   struct Iterate {
-    std::vector<double> f_ext;
+    ExternalForces f;
     double dt = 0;
     std::vector<double> du;
     StructureState trial;
     StepReport report;
   };
-  std::vector<double> external_forces(double time, std::span<const double> f_interface) const;
+  ExternalForces external_forces(double time, const ExternalForces& f_interface) const;
+  std::vector<double> balanced_forces(const StructureState& state_n, const ExternalForces& f) const;
   std::vector<double> start_forces(const StructureState& state_n, bool with_inertia) const;
   double work(const StructureState& state_n, const StructureState& trial,
               std::span<const double> du) const;
-  bool nothing_changes(const StructureState& state_n, std::span<const double> f_ext,
+  bool nothing_changes(const StructureState& state_n, const ExternalForces& f,
                        std::span<const double> constrained_u) const;
   std::vector<double> first_guess(const StructureState& state_n, double dt) const;
   bool prepare_matrix(const StructureState& state_n, double dt, bool with_inertia);
   NewtonReport solve_balance(const StructureState& state_n, std::span<const double> f_ext,
                              double dt, bool with_inertia, std::vector<double>& du);
-  void fill_trial(const StructureState& state_n, std::vector<double> f_ext, double dt,
+  void fill_trial(const StructureState& state_n, ExternalForces f, double dt,
                   std::span<const double> du, StructureState& trial);
 
   bool dynamic_;

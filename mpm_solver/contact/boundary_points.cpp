@@ -50,6 +50,7 @@ template <int dim>
 void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
   const Mesh<dim>& mesh = soil.grid.mesh;
   touching_.clear();
+  if (!soil.first_rank) return;
   nodes_per_cell_ = mesh.nodes_per_cell();
   ShapeValues<dim> shape;
   for (std::size_t k = 0; k < points_.size(); ++k) {

@@ -12,7 +12,8 @@ namespace gabion::mpm {
 ///     g = g_n + sum_i N_i du_i - du_surface ,  t = -penalty g ,  f_i = sum_b N_i t_b A_b
 ///
 /// The condition (closed, sliding) is decided inside the Newton loop. The opposite of t acts on the
-/// structure at the same point, so force and moment are equal on both sides.
+/// structure at the same point, so force and moment are equal on both sides. The first rank
+/// carries them all.
 template <int dim>
 class BoundaryPoints final : public Contact<dim> {
  public:
@@ -26,7 +27,7 @@ class BoundaryPoints final : public Contact<dim> {
   /// wall that recedes over a line of the grid does not lose its soil.
   void begin_step(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return !touching_.empty(); }
-  bool symmetric() const override { return !(can_touch() && law_.has_friction()); }
+  bool symmetric() const override { return !law_.has_friction(); }
   void append_cells(std::vector<std::int32_t>& offsets,
                     std::vector<std::int32_t>& nodes) const override;
 
@@ -69,7 +70,7 @@ class BoundaryPoints final : public Contact<dim> {
   ContactLaw law_;
   GapMemory memory_;
   std::vector<Point> points_;
-  std::vector<std::int32_t> touching_;  // points with soil
+  std::vector<std::int32_t> touching_;  // points with soil; none but on the first rank
   int nodes_per_cell_ = 0;
 };
 

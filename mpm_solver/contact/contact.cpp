@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact.hpp"
 
+#include <algorithm>
+
 #include "mpm_solver/contact/boundary_points.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
+
+void ContactEnergy::add_step(double work, double stored_now, double slid) {
+  const double lost = work - (stored_now - stored) - slid;
+  stored = stored_now;
+  friction += slid;
+  loss += lost;
+  created += std::max(0.0, -lost);
+}
 
 namespace {
 
@@ -14,6 +25,9 @@ struct ContactMaker {
 
   std::unique_ptr<Contact<dim>> operator()(const BoundaryPointSettings& method) const {
     return std::make_unique<BoundaryPoints<dim>>(settings.surface, settings.law, method);
+  }
+  std::unique_ptr<Contact<dim>> operator()(const FacetSettings&) const {
+    return std::make_unique<FacetContact<dim>>(settings.surface, settings.law);
   }
 };
 
@@ -29,6 +43,8 @@ InterfaceMesh interface_mesh(const ContactSettings<dim>& settings) {
   InterfaceMesh mesh;
   mesh.name = settings.name;
   mesh.dim = dim;
+  if (std::holds_alternative<FacetSettings>(settings.method))
+    mesh.force_kind = ForceKind::step_mean;
   mesh.vertices_per_facet = num_nodes(settings.surface.facet_type);
   for (const auto& x : settings.surface.vertices) {
     mesh.coordinates.insert(mesh.coordinates.end(), x.data(), x.data() + dim);

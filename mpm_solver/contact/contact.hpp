@@ -23,6 +23,11 @@ struct SoilSurface {
   const PointWeights<dim>& weights;          ///< of this rank's points
   std::span<const std::int32_t> occupied{};  ///< 1 for grid cells with a point of any rank
   double reach = 0;                          ///< how far soil extends beyond its points [m]
+  double cell_size = 0;                      ///< mean [m]
+  double dt = 0;                             ///< of the step [s]
+  double step_force_weight = 1;              ///< of NewmarkBossak; quasi-static: 1
+  std::span<const char> elastic{};           ///< 1 for bodies that never yield
+  bool first_rank = true;
 };
 
 /// How a contact stands after the last add_forces.
@@ -32,9 +37,22 @@ struct ContactCounts {
   double penetration = 0;  ///< largest [m]
 };
 
+/// Where the energy went that soil and surface put into their contact [J].
+struct ContactEnergy {
+  double stored = 0;    ///< in the penalty springs, can come back
+  double friction = 0;  ///< dissipated by sliding, since the start
+  double loss = 0;      ///< taken by impacts and the time law since the start, less what they gave
+  double created = 0;   ///< sum of the steps in which `loss` fell
+
+  /// @param work    of soil and surface on the contact in a step
+  /// @param stored_now, slid  energy at its end, friction in it
+  void add_step(double work, double stored_now, double slid);
+};
+
 /// A surface that touches the soil: between them act equal and opposite forces, by a method of its
 /// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
-/// or the next begin_step. add_forces is asked of the first rank alone: the others carry no force.
+/// or the next begin_step. Forces, counts and energies are those that this rank carries: their sums
+/// over the ranks are those of the contact.
 template <int dim>
 class Contact {
  public:
@@ -57,7 +75,8 @@ class Contact {
 
   /// Displacement of the surface at the end of the step, num_vertices x dim, from the reference.
   virtual void set_displacement(std::span<const double> displacement) = 0;
-  /// Add the contact force to r and its stiffness -df/du to K (may be null).
+  /// Add the contact force, as the balance at the end of the step sees it, to r and its stiffness
+  /// -df/du to K (may be null).
   virtual void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) = 0;
 
   // All of the following are those of the last add_forces.
@@ -75,6 +94,16 @@ class Contact {
   /// and the present ones [J].
   virtual double work_on_soil(std::span<const double> du) const = 0;
   virtual ContactCounts counts() const = 0;
+  /// Whether the force is constant in a step, see NewmarkBossak::step_force_weight. The resultant
+  /// is then that force, not what add_forces added.
+  virtual bool is_step_force() const { return false; }
+  /// A step force: add F - F_o, its change since the step before, to a nodal field [N].
+  virtual void add_step_force_change(std::span<double>) const {}
+  /// Names the set of places that are closed; equal sets, equal names.
+  virtual std::uint64_t active_set() const { return 0; }
+  /// Whether soil or surface moved farther than begin_step looked ahead.
+  /// @param largest  displacement of a material point of this rank in the step [m]
+  virtual bool may_have_missed(double) const { return false; }
   /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
   /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite
   /// when it comes no nearer.
@@ -82,6 +111,8 @@ class Contact {
 
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
+  /// Of the accepted state.
+  virtual ContactEnergy energy() const { return {}; }
   /// Save or load the accepted state. Names begin with `prefix`.
   virtual void visit_state(StateVisitor& visitor, const std::string& prefix) = 0;
 };

@@ -25,19 +25,22 @@ BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSurfac
 }
 
 // The keys that all methods have in common.
-ContactLaw read_contact_law(ConfigReader& in, double penalty_unit) {
+ContactLaw read_contact_law(ConfigReader& in, bool facets, double penalty_unit) {
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
   ContactLaw law;
   law.mode = modes.at(in.choice("mode"));
+  if (facets && law.mode == ContactMode::fixed) {
+    in.fail("mode", "found \"fixed\" with \"method\": \"facets\", allowed: contact, slip");
+  }
   if (in.has("penalty") && in.has("penalty_factor")) {
     in.fail("penalty_factor", "allowed: only one of \"penalty\" and \"penalty_factor\"");
   }
   if (in.has("penalty")) {
     law.penalty = in.number("penalty");
   } else {
-    law.penalty = penalty_unit * in.number("penalty_factor");
+    law.penalty = penalty_unit * in.number_or("penalty_factor", facets ? 20 : 0.5);
   }
   if (in.has("friction")) {
     if (law.mode != ContactMode::contact) {
@@ -45,7 +48,9 @@ ContactLaw read_contact_law(ConfigReader& in, double penalty_unit) {
     }
     law.friction = in.number("friction");
   }
-  law.tangential_share = in.number_or("tangential_share", law.friction < 0 ? 1 : 0.1);
+  law.tangential_share = in.number_or("tangential_share", facets             ? 0.5
+                                                          : law.friction < 0 ? 1
+                                                                             : 0.1);
   return law;
 }
 
@@ -55,14 +60,18 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
   ContactSettings<dim> boundary;
   boundary.name = in.name("name");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
-  boundary.law = read_contact_law(in, penalty_unit);
-  boundary.method = read_boundary_points<dim>(in, boundary.surface);
+  const bool facets = in.choice("method") == "facets";
+  boundary.law = read_contact_law(in, facets, penalty_unit);
+  if (facets) {
+    boundary.method = FacetSettings{};
+  } else {
+    boundary.method = read_boundary_points<dim>(in, boundary.surface);
+  }
   return boundary;
 }
 
 template <int dim>
 ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  in.choice("method");
   auto boundary = read_boundary<dim>(scene, in, penalty_unit);
   in.finish();
   return boundary;

@@ -17,15 +17,22 @@ std::vector<Key> boundary_keys() {
           "in normal direction only; `fixed`: holds in all directions, in tension too.")
           .or_else("contact"),
       key::choice(
+          "method", {"boundary_points", "facets"},
+          "`facets`: material points against the facets of the surface, by the distance between "
+          "them; `boundary_points`: points on the surface that hold the grid, from the moment soil "
+          "comes into their cell.")
+          .or_else("boundary_points"),
+      key::choice(
           "gap", {"accumulated", "step"},
           "What the penalty acts on: `accumulated`: the gap since soil came near; `step`: the "
           "displacement of this step only.")
-          .or_else("accumulated"),
+          .or_else("accumulated")
+          .when("method", {"boundary_points"}),
       key::number("penalty", "Pa/m", "Traction over penetration.").in(positive()).or_none(),
       key::number("penalty_factor", "",
                   "Penalty times the mean cell size over the largest P-wave modulus of the bodies.")
           .in(positive())
-          .or_else(0.5)
+          .or_computed("20; 0.5 with `boundary_points`")
           .without("penalty"),
       key::number("friction", "", "Coefficient of friction; none: it sticks.")
           .in(non_negative())
@@ -33,12 +40,13 @@ std::vector<Key> boundary_keys() {
           .when("mode", {"contact"}),
       key::number("tangential_share", "", "Tangential over normal penalty.")
           .in(between(1e-6, 1))
-          .or_computed("1; 0.1 with `friction`"),
+          .or_computed("0.5; with `boundary_points` 1, with `friction` 0.1"),
       key::integer("points_per_facet",
                    "Boundary points of a facet: any number of a segment; 1, 3, 4, 6, 12 or 16 of a "
                    "triangle; 1, 4, 9 or 16 of a quadrilateral; at most 1 000 000 in all.")
           .in(at_least(1))
-          .or_computed("number of its vertices")};
+          .or_computed("number of its vertices")
+          .when("method", {"boundary_points"})};
 }
 
 KeyTable with_boundary(KeyTable table) {
@@ -49,12 +57,9 @@ KeyTable with_boundary(KeyTable table) {
 }  // namespace
 
 KeyTable interface_keys() {
-  return with_boundary(
-      {"interface",
-       "A surface that the coupler moves and that gets the force of the soil.",
-       {key::plain_name("As in coupler.json."),
-        key::choice("method", {"boundary_points"}, "Boundary points with a penalty.")
-            .or_else("boundary_points")}});
+  return with_boundary({"interface",
+                        "A surface that the coupler moves and that gets the force of the soil.",
+                        {key::plain_name("As in coupler.json.")}});
 }
 
 KeyTable rigid_wall_keys() {

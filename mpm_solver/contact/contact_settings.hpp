@@ -33,13 +33,16 @@ struct BoundaryPointSettings {
   int points_per_facet = 2;
 };
 
+/// Of the method `facets`.
+struct FacetSettings {};
+
 /// What all methods of contact share, and one of them.
 template <int dim>
 struct ContactSettings {
   std::string name;  ///< of the interface or the wall
   ContactSurface<dim> surface;
   ContactLaw law;
-  std::variant<BoundaryPointSettings> method;
+  std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 
 /// A surface that moves as given, whatever the soil does.

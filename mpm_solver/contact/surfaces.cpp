@@ -6,16 +6,18 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/error.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
 
 template <int dim>
-Surfaces<dim>::Surfaces(const std::vector<ContactSettings<dim>>& interfaces,
+Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
                         const std::vector<RigidWallSettings<dim>>& walls)
-    : interfaces_(interfaces), walls_(walls) {
+    : comm_(comm), interfaces_(interfaces), walls_(walls) {
   for (const auto& settings : interfaces_) contacts_.push_back(make_contact(settings));
   for (const auto& wall : walls_) contacts_.push_back(make_contact(wall.boundary));
+  touching_.assign(contacts_.size(), 0);
 }
 
 template <int dim>
@@ -27,13 +29,17 @@ std::vector<InterfaceMesh> Surfaces<dim>::interface_meshes() const {
 
 template <int dim>
 void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
-  for (const auto& contact : contacts_) contact->begin_step(soil);
-}
-
-template <int dim>
-bool Surfaces<dim>::symmetric() const {
-  return std::all_of(contacts_.begin(), contacts_.end(),
-                     [](const auto& contact) { return contact->symmetric(); });
+  std::vector<std::int32_t> touching;
+  for (const auto& contact : contacts_) {
+    contact->begin_step(soil);
+    touching.push_back(contact->can_touch() ? 1 : 0);
+  }
+  sum_over_ranks(comm_, std::span<std::int32_t>(touching));
+  symmetric_ = true;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    touching_[k] = touching[k] > 0;
+    symmetric_ &= !touching_[k] || contacts_[k]->symmetric();
+  }
 }
 
 template <int dim>
@@ -59,12 +65,37 @@ void Surfaces<dim>::move_walls(double time) {
 }
 
 template <int dim>
+void Surfaces<dim>::refuse_misses(double largest) const {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (max_over_ranks(comm_, contacts_[k]->may_have_missed(largest) ? 1 : 0) == 0) continue;
+    const bool wall = k >= interfaces_.size();
+    throw ConvergenceError(
+        fmt::format("soil and \"{}\" move too far in one step to know where they touch",
+                    wall ? walls_[k - interfaces_.size()].name : interfaces_[k].name),
+        "contact");
+  }
+}
+
+template <int dim>
 InterfaceValues Surfaces<dim>::forces_on_structure() const {
   InterfaceValues forces;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    forces[interfaces_[k].name] = contacts_[k]->forces_on_structure();
+    auto values = contacts_[k]->forces_on_structure();
+    sum_over_ranks(comm_, std::span<double>(values));
+    forces[interfaces_[k].name] = std::move(values);
   }
   return forces;
+}
+
+template <int dim>
+ContactCounts Surfaces<dim>::counts(std::size_t contact) const {
+  ContactCounts counts = contacts_[contact]->counts();
+  std::int32_t sums[] = {counts.closed, counts.sliding};
+  sum_over_ranks(comm_, std::span<std::int32_t>(sums));
+  counts.closed = sums[0];
+  counts.sliding = sums[1];
+  counts.penetration = max_over_ranks(comm_, counts.penetration);
+  return counts;
 }
 
 template <int dim>
@@ -72,11 +103,11 @@ void Surfaces<dim>::report(StepReport& report) const {
   report.interface_active = false;
   ContactCounts all;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    report.interface_active |= contacts_[k]->can_touch();
-    const ContactCounts counts = contacts_[k]->counts();
-    all.closed += counts.closed;
-    all.sliding += counts.sliding;
-    all.penetration = std::max(all.penetration, counts.penetration);
+    const ContactCounts own = counts(k);
+    report.interface_active |= touching_[k] || own.closed > 0;
+    all.closed += own.closed;
+    all.sliding += own.sliding;
+    all.penetration = std::max(all.penetration, own.penetration);
   }
   const auto add = [&](const std::string& prefix, const ContactCounts& counts) {
     report.details[prefix + "closed_points"] = counts.closed;
@@ -85,29 +116,41 @@ void Surfaces<dim>::report(StepReport& report) const {
   };
   if (!interfaces_.empty()) add("", all);
   for (std::size_t k = 0; k < walls_.size(); ++k) {
-    add(walls_[k].name + ".", contacts_[interfaces_.size() + k]->counts());
+    add(walls_[k].name + ".", counts(interfaces_.size() + k));
   }
 }
 
 template <int dim>
-std::vector<double> Surfaces<dim>::forces_on_walls(MPI_Comm comm) const {
+std::vector<double> Surfaces<dim>::forces_on_walls() const {
   std::vector<double> values;
   for (std::size_t k = interfaces_.size(); k < contacts_.size(); ++k) {
     const auto [force, moment] = contacts_[k]->resultant();
     values.insert(values.end(), force.data(), force.data() + force.size());
     values.insert(values.end(), moment.data(), moment.data() + moment.size());
   }
-  sum_over_ranks(comm, std::span<double>(values));  // the first rank has the contact
+  sum_over_ranks(comm_, std::span<double>(values));
   return values;
 }
 
 template <int dim>
-double Surfaces<dim>::approach_step(MPI_Comm comm, double step, double margin) const {
+double Surfaces<dim>::approach_step(double step, double margin) const {
   double dt = std::numeric_limits<double>::infinity();
-  if (rank_of(comm) == 0) {  // the first rank has the contact
-    for (const auto& contact : contacts_) dt = std::min(dt, contact->approach_step(step, margin));
+  for (const auto& contact : contacts_) dt = std::min(dt, contact->approach_step(step, margin));
+  return -max_over_ranks(comm_, -dt);
+}
+
+template <int dim>
+ContactEnergy Surfaces<dim>::energy() const {
+  double sums[4] = {};
+  for (const auto& contact : contacts_) {
+    const ContactEnergy own = contact->energy();
+    sums[0] += own.stored;
+    sums[1] += own.friction;
+    sums[2] += own.loss;
+    sums[3] += own.created;
   }
-  return -max_over_ranks(comm, -dt);
+  sum_over_ranks(comm_, std::span<double>(sums));
+  return {.stored = sums[0], .friction = sums[1], .loss = sums[2], .created = sums[3]};
 }
 
 template <int dim>

@@ -12,35 +12,48 @@ namespace gabion::mpm {
 template <int dim>
 class Surfaces {
  public:
-  Surfaces(const std::vector<ContactSettings<dim>>& interfaces,
+  Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
            const std::vector<RigidWallSettings<dim>>& walls);
 
   const Contacts<dim>& contacts() const { return contacts_; }
   std::vector<InterfaceMesh> interface_meshes() const;
 
+  /// @note Collective.
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.
-  bool symmetric() const;
+  bool symmetric() const { return symmetric_; }
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
   /// Move the rigid walls to where they are at a time [s].
   void move_walls(double time);
 
+  // The following are collective.
+
+  /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
+  /// @param largest  displacement of a material point of this rank in the step [m]
+  void refuse_misses(double largest) const;
   InterfaceValues forces_on_structure() const;
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;
-  /// Force and moment of each rigid wall, see Contact::resultant. @note Collective.
-  std::vector<double> forces_on_walls(MPI_Comm comm) const;
-  /// The smallest Contact::approach_step of all. @note Collective.
-  double approach_step(MPI_Comm comm, double dt, double margin) const;
+  /// Force and moment of each rigid wall, see Contact::resultant.
+  std::vector<double> forces_on_walls() const;
+  /// The smallest Contact::approach_step of all.
+  double approach_step(double dt, double margin) const;
+  /// Sums over the contacts.
+  ContactEnergy energy() const;
 
   void accept();
   void visit_state(StateVisitor& visitor);
 
  private:
+  ContactCounts counts(std::size_t contact) const;
+
+  MPI_Comm comm_;
   const std::vector<ContactSettings<dim>>& interfaces_;
   const std::vector<RigidWallSettings<dim>>& walls_;
   Contacts<dim> contacts_;
+  std::vector<char> touching_;  // of each contact, in this step, on any rank
+  bool symmetric_ = true;
 };
 
 }  // namespace gabion::mpm

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/points/material_points.hpp"
 
+#include "common/mechanics/elements/cell_facets.hpp"
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gabion::mpm {
 
@@ -31,6 +35,23 @@ static_assert(bytes_of_history<2>() == sizeof(MaterialState<2>), "a field withou
 }  // namespace
 
 template <int dim>
+double depth_in_cell(CellType type, const Vector<dim>* corners, const Vector<dim>& x) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int f = 0; f < num_facets(type); ++f) {
+    const auto local = facet_nodes(type, f);
+    const Vector<dim> from = x - corners[local[0]];
+    const Vector<dim> edge = corners[local[1]] - corners[local[0]];
+    if constexpr (dim == 2) {
+      nearest = std::min(nearest, std::abs(edge[0] * from[1] - edge[1] * from[0]) / edge.norm());
+    } else {
+      const Vector<3> normal = edge.cross(corners[local[2]] - corners[local[0]]).normalized();
+      nearest = std::min(nearest, std::abs(normal.dot(from)));
+    }
+  }
+  return nearest;
+}
+
+template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
   const Vector<dim> reach = jacobian.cwiseAbs().rowwise().sum();
   return reach * (0.5 * std::pow(volume / reach.prod(), 1.0 / dim));
@@ -41,6 +62,7 @@ void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points) {
   points.id.push_back(point.id);
   points.m.push_back(point.m);
   points.V0.push_back(point.V0);
+  points.depth.push_back(point.depth);
   points.x.push_back(point.x);
   points.u.push_back(Vector<dim>::Zero());
   points.v.push_back(point.v);
@@ -85,7 +107,8 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
                         .x = x,
                         .v = layout.velocity,
                         .m = density * volume,
-                        .V0 = volume};
+                        .V0 = volume,
+                        .depth = depth_in_cell<dim>(mesh.cell_type, corners, x)};
     if (layout.with_domains) point.half_length = point_domain<dim>(jacobian, volume);
     add_point(point, points);
   }

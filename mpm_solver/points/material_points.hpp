@@ -33,6 +33,7 @@ struct MaterialPoints {
   std::vector<Matrix<dim>> grad_a;          ///< acceleration gradient [1/s^2]; empty unless TPIC
   std::vector<double> m;                    ///< mass [kg] (2D: per metre of thickness)
   std::vector<double> V0;                   ///< volume in the stress-free state [m^3]
+  std::vector<double> depth;                ///< below the nearest side of its body's cell [m]
   std::vector<double> J;                    ///< current volume / V0
   std::vector<double> energy;               ///< elastic energy / V0 [J/m^3]
   std::vector<Symmetric<dim>> tau;          ///< Kirchhoff stress [Pa]
@@ -63,6 +64,7 @@ constexpr void for_each_field(const Visit& visit) {
   visit("id", &Points::id, FieldKind::laid);
   visit("m", &Points::m, FieldKind::laid);
   visit("V0", &Points::V0, FieldKind::laid);
+  visit("depth", &Points::depth, FieldKind::laid);
   visit("half_length", &Points::half_length, FieldKind::laid);
   visit("x", &Points::x, FieldKind::moves);
   visit("u", &Points::u, FieldKind::moves);
@@ -111,12 +113,17 @@ struct NewPoint {
   Vector<dim> v = Vector<dim>::Zero();
   double m = 0;
   double V0 = 0;
+  double depth = 0;
   std::optional<Vector<dim>> half_length{};  ///< where the points have domains
 };
 
 /// Append a point; gradients are left to add_gradients, body_starts to the caller.
 template <int dim>
 void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points);
+
+/// Distance of x to the nearest side of a cell: where soil begins that is cut there [m].
+template <int dim>
+double depth_in_cell(CellType type, const Vector<dim>* corners, const Vector<dim>& x);
 
 /// Half lengths of the box that stands for a point: as long by wide as the cell of its body
 /// reaches along the axes, with the volume of the point. In a cell along the axes with `regular`

@@ -69,6 +69,28 @@ void Equilibrium<dim>::remember_start_forces() {
 }
 
 template <int dim>
+std::vector<double> Equilibrium<dim>::step_force_change() const {
+  std::vector<double> change(r_before_walls_.size(), 0.0);
+  const auto& contacts = parts_.contacts;
+  if (std::none_of(contacts.begin(), contacts.end(),
+                   [](const auto& contact) { return contact->is_step_force(); })) {
+    return change;
+  }
+  for (const auto& contact : contacts) contact->add_step_force_change(change);
+  sum_over_ranks(parts_.comm, std::span<double>(change));
+  return change;
+}
+
+template <int dim>
+std::vector<Vector<dim>> Equilibrium<dim>::wall_forces() const {
+  std::vector<double> r = r_before_walls_;
+  const std::vector<double> change = step_force_change();
+  const double extra = parts_.with_inertia ? parts_.scheme.step_force_weight() - 1 : 0;
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] -= extra * change[k];
+  return parts_.walls.forces(r);
+}
+
+template <int dim>
 void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
                                std::vector<std::int32_t>& cell_nodes) const {
   offsets.assign(1, 0);
@@ -79,9 +101,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
     }
     offsets.push_back(static_cast<std::int32_t>(cell_nodes.size()));
   }
-  if (rank_of(parts_.comm) == 0) {
-    for (const auto& contact : parts_.contacts) contact->append_cells(offsets, cell_nodes);
-  }
+  for (const auto& contact : parts_.contacts) contact->append_cells(offsets, cell_nodes);
   if (parts_.ghost != nullptr) parts_.ghost->append_cells(offsets, cell_nodes);
 }
 
@@ -99,13 +119,12 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
     result.reason = first_text(parts_.comm, own);
     return result;
   }
+  if (K && brace_ > 0) internal_.add_brace(brace_, *K);
   const bool root = rank_of(parts_.comm) == 0;
   f_sum_ = internal_.forces();
   sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
   std::fill(r.begin(), r.end(), 0.0);
-  if (root) {
-    for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
-  }
+  result.active_set = add_contact_forces(du, r, K);
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
   if (!parts_.contacts.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
@@ -121,6 +140,27 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
+}
+
+// @returns the name of the active set, of all ranks
+template <int dim>
+std::uint64_t Equilibrium<dim>::add_contact_forces(std::span<const double> du, std::span<double> r,
+                                                   BlockMatrix<dim>* K) const {
+  if (parts_.contacts.empty()) return 0;
+  std::uint64_t own = 0;
+  for (const auto& contact : parts_.contacts) {
+    contact->add_forces(du, r, K);
+    own += contact->active_set();
+  }
+  auto name = static_cast<std::int32_t>(own >> 44);  // leaves room for the sum
+  sum_over_ranks(parts_.comm, std::span<std::int32_t>(&name, 1));
+  return static_cast<std::uint64_t>(name);
+}
+
+template <int dim>
+bool Equilibrium<dim>::brace(double share) {
+  brace_ = share;
+  return max_over_ranks(parts_.comm, internal_.yielded() ? 1 : 0) > 0;
 }
 
 template <int dim>

@@ -59,6 +59,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// instead of leaving it to the cells beside them: r(0) - K(0) w, projected, and K(0).
   /// @param wall_step  w, zero but for the held directions of wall nodes
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
+  /// The stiffness of points that yielded since the solution began (YieldingPoints).
+  bool brace(double share) override;
   double increment_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
   /// Number, body, position, strain increment, volume ratio and yield region of the material point
@@ -79,11 +81,16 @@ class Equilibrium final : public NewtonProblem<dim> {
   const std::vector<double>& start_velocity() const { return v_; }
   const std::vector<double>& start_acceleration() const { return a_; }
 
-  /// Force of the soil on each wall in the state of the last evaluation [N].
-  std::vector<Vector<dim>> wall_forces() const { return parts_.walls.forces(r_before_walls_); }
+  /// Force of the soil on each wall in the state of the last evaluation [N]. @note Collective.
+  std::vector<Vector<dim>> wall_forces() const;
+  /// F - F_o of the step forces of all contacts, see NewmarkBossak::step_force_weight: num_nodes x
+  /// dim [N]. @note Collective.
+  std::vector<double> step_force_change() const;
 
  private:
   void remember_start_forces();
+  std::uint64_t add_contact_forces(std::span<const double> du, std::span<double> r,
+                                   BlockMatrix<dim>* K) const;
   std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;
@@ -91,6 +98,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Parts parts_;
   InternalForces<dim> internal_;
+  double brace_ = 0;                   // share of the stiffness that K holds besides the tangent
   std::vector<double> v_, a_;          // walls applied
   std::vector<double> m_;              // nodal mass; with inertia not below the floor
   std::span<const double> wall_step_;  // see linearise(); empty otherwise

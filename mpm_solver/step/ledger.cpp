@@ -34,29 +34,53 @@ std::vector<double> body_forces(const Equilibrium<dim>& equilibrium) {
   return f;
 }
 
-// What is the same on all ranks. `forces` gets inertia - body force - contact: what the walls and
-// the internal forces have to carry.
+// What the contacts of this rank do. `forces` loses the forces of those that balance at the end of
+// the step, `constant` gets those that are constant in it.
+template <int dim>
+void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalance<dim>& step,
+                       std::vector<double>& forces, std::vector<double>& constant) {
+  const auto& parts = equilibrium.parts();
+  const double extra = parts.with_inertia ? parts.scheme.step_force_weight() - 1 : 0;
+  std::vector<double> f(du.size()), change(du.size());
+  for (const auto& contact : parts.contacts) {
+    std::fill(f.begin(), f.end(), 0.0);
+    contact->add_forces(du, f, nullptr);
+    const double work = contact->work_on_soil(du);
+    step.boundary_work += work;
+    step.time_damping += work;
+    for (std::size_t k = 0; k < du.size(); ++k) step.time_damping -= du[k] * f[k];
+    if (!contact->is_step_force()) {
+      for (std::int32_t i = 0; i < parts.nodes.size(); ++i) {
+        step.boundary_force += at<dim>(Nodal(f), i);
+      }
+      for (std::size_t k = 0; k < du.size(); ++k) forces[k] -= f[k];
+      continue;
+    }
+    step.step_force -= contact->resultant().force;
+    std::fill(change.begin(), change.end(), 0.0);
+    contact->add_step_force_change(change);
+    for (std::size_t k = 0; k < du.size(); ++k) constant[k] += f[k] - extra * change[k];
+  }
+}
+
+// What is the same on all ranks. `forces` gets inertia - body force: what contacts, walls and
+// internal forces have to carry.
 template <int dim>
 void add_shared_terms(const Equilibrium<dim>& equilibrium, Nodal du, const NodalMotion<dim>& motion,
                       StepBalance<dim>& step, std::vector<double>& forces) {
   const auto& parts = equilibrium.parts();
   const auto& nodes = parts.nodes;
   const std::vector<double> f_body = body_forces(equilibrium);
-  std::vector<double> f_contact(du.size(), 0.0);
-  for (const auto& contact : parts.contacts) {
-    contact->add_forces(du, f_contact, nullptr);
-    step.boundary_work += contact->work_on_soil(du);
-  }
-  step.time_damping += step.boundary_work;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
     const auto v = at<dim>(equilibrium.start_velocity(), i);
     const auto a = at<dim>(equilibrium.start_acceleration(), i);
-    const auto body = at<dim>(f_body, i), contact = at<dim>(f_contact, i), move = at<dim>(du, i);
+    const auto body = at<dim>(f_body, i), move = at<dim>(du, i);
     Vector<dim> inertia;
     for (int d = 0; d < dim; ++d) {
-      inertia[d] = parts.with_inertia ? equilibrium.inertia_mass()[i] *
-                                            parts.scheme.mean_acceleration(motion.a_new[i][d], a[d])
-                                      : 0;
+      const double a_new = parts.scheme.acceleration(move[d], v[d], a[d], parts.dt);
+      inertia[d] = parts.with_inertia
+                       ? equilibrium.inertia_mass()[i] * parts.scheme.mean_acceleration(a_new, a[d])
+                       : 0;
     }
     const double half_mass = 0.5 * nodes.m[i];
     const double stopped = half_mass * (nodes.v[i].squaredNorm() - v.squaredNorm());
@@ -64,13 +88,12 @@ void add_shared_terms(const Equilibrium<dim>& equilibrium, Nodal du, const Nodal
     step.kinetic_before += half_mass * nodes.v[i].squaredNorm();
     step.wall_loss += stopped;
     step.kinetic_after += after;
-    step.time_damping += move.dot(inertia - contact) - after + half_mass * v.squaredNorm();
+    step.time_damping += move.dot(inertia) - after + half_mass * v.squaredNorm();
     step.body_work += move.dot(body);
     step.body_force += body;
-    step.boundary_force += contact;
     step.wall_kick += nodes.m[i] * (v - nodes.v[i]);
     step.wall_hold += nodes.m[i] * (a - nodes.a[i]);
-    Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{i} * dim) = inertia - body - contact;
+    Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{i} * dim) = inertia - body;
   }
 }
 
@@ -78,8 +101,9 @@ template <int dim>
 void sum_parts(MPI_Comm comm, StepBalance<dim>& step) {
   double* const scalars[] = {&step.kinetic_before, &step.kinetic_after, &step.wall_loss,
                              &step.time_damping,   &step.body_work,     &step.boundary_work};
-  Vector<dim>* const vectors[] = {&step.body_force, &step.boundary_force, &step.wall_force,
-                                  &step.wall_kick, &step.wall_hold};
+  Vector<dim>* const vectors[] = {&step.body_force,     &step.boundary_force, &step.step_force,
+                                  &step.wall_force,     &step.wall_kick,      &step.wall_hold,
+                                  &step.wall_step_force};
   std::vector<double> all;
   for (const double* value : scalars) all.push_back(*value);
   for (const Vector<dim>* value : vectors) all.insert(all.end(), value->begin(), value->end());
@@ -99,8 +123,9 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
                               const NodalMotion<dim>& motion) {
   const auto& parts = equilibrium.parts();
   StepBalance<dim> step;
-  std::vector<double> forces(du.size(), 0.0);
+  std::vector<double> forces(du.size(), 0.0), constant(du.size(), 0.0);
   if (rank_of(parts.comm) == 0) add_shared_terms(equilibrium, du, motion, step, forces);
+  add_contact_terms(equilibrium, du, step, forces, constant);
 
   const std::vector<double>& f_int = equilibrium.internal_forces().forces();
   const std::vector<double> f_int_start = equilibrium.internal_forces().start_forces();
@@ -119,10 +144,12 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
   }
   for (std::size_t c = 0; c < parts.walls.constrained().size(); ++c) {
     const std::int32_t i = parts.walls.constrained()[c];
-    const auto force = at<dim>(forces, i);
-    const Vector<dim> held = force - parts.walls.projectors()[c] * force;
-    step.wall_force += held;
-    step.boundary_work += held.dot(at<dim>(du, i));
+    const Matrix<dim> held = Matrix<dim>::Identity() - parts.walls.projectors()[c];
+    const Vector<dim> force = held * at<dim>(forces, i);
+    const Vector<dim> constant_force = -held * at<dim>(constant, i);
+    step.wall_force += force;
+    step.wall_step_force += constant_force;
+    step.boundary_work += (force + constant_force).dot(at<dim>(du, i));
   }
   sum_parts(parts.comm, step);
   return step;
@@ -159,12 +186,14 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
   plastic_ += dissipated;
   time_damping_ += step.time_damping;
   wall_loss_ += step.wall_loss;
-  transfer_loss_ +=
-      (before.kinetic_energy - step.kinetic_before) - (totals_.kinetic_energy - step.kinetic_after);
+  transfer_loss_ += (before.kinetic_energy - step.kinetic_before) -
+                    (totals_.kinetic_energy - step.kinetic_after) + step.sharing_loss;
   body_work_ += step.body_work;
   boundary_work_ += step.boundary_work;
   walls_.inertia += step.wall_hold;
   walls_.impulse += step.wall_kick;
+  boundary_.impulse += dt * step.step_force;
+  walls_.impulse += dt * step.wall_step_force;
   body_.add_step(step.body_force, scheme, dt);
   boundary_.add_step(step.boundary_force, scheme, dt);
   walls_.add_step(step.wall_force, scheme, dt);
@@ -191,9 +220,10 @@ double Ledger<dim>::own_energy() const {
 
 template <int dim>
 std::vector<std::string> Ledger<dim>::names() {
-  std::vector<std::string> names = {"plastic_dissipation", "time_damping",  "transfer_loss",
-                                    "wall_loss",           "gravity_work",  "boundary_work",
-                                    "energy_balance",      "created_energy"};
+  std::vector<std::string> names = {"plastic_dissipation", "time_damping",   "transfer_loss",
+                                    "wall_loss",           "gravity_work",   "boundary_work",
+                                    "energy_balance",      "created_energy", "contact_energy",
+                                    "contact_friction",    "contact_loss",   "contact_created"};
   for (int d = 0; d < dim; ++d) names.push_back(fmt::format("momentum_error_{}", "xyz"[d]));
   return names;
 }
@@ -202,8 +232,9 @@ template <int dim>
 std::vector<double> Ledger<dim>::values() const {
   const double energy_start = totals_start_.kinetic_energy + totals_start_.elastic_energy;
   const double balance = own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_;
-  std::vector<double> values = {plastic_,   time_damping_,  transfer_loss_, wall_loss_,
-                                body_work_, boundary_work_, balance,        created_};
+  std::vector<double> values = {
+      plastic_, time_damping_, transfer_loss_,  wall_loss_,        body_work_,    boundary_work_,
+      balance,  created_,      contact_.stored, contact_.friction, contact_.loss, contact_.created};
   const Vector<dim> error = totals_.momentum + removed_.momentum - totals_start_.momentum -
                             body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
@@ -235,7 +266,11 @@ void Ledger<dim>::visit_state(StateVisitor& visitor) {
                                                   {"body_work", &body_work_},
                                                   {"boundary_work", &boundary_work_},
                                                   {"lowest_energy", &lowest_energy_},
-                                                  {"created", &created_}};
+                                                  {"created", &created_},
+                                                  {"contact_stored", &contact_.stored},
+                                                  {"contact_friction", &contact_.friction},
+                                                  {"contact_loss", &contact_.loss},
+                                                  {"contact_created", &contact_.created}};
   for (const auto& [name, value] : sums) visitor.real(std::string("ledger.") + name, *value);
 }
 

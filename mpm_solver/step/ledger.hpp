@@ -20,14 +20,17 @@ struct StepBalance {
   double kinetic_before = 0;  ///< of the velocity mapped from the points, before the walls act [J]
   double kinetic_after = 0;   ///< of v' [J]
   double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
-  double time_damping = 0;    ///< docs/theory/soil.md, (S26) [J]
+  double time_damping = 0;    ///< docs/theory/soil.md, (S27) [J]
   double body_work = 0;       ///< of gravity and other body forces [J]
-  double boundary_work = 0;   ///< of interfaces, trapezoidal rule, and of moving walls [J]
+  double sharing_loss = 0;    ///< elastic energy that share_volumes took [J]
+  double boundary_work = 0;   ///< of contacts and of moving walls [J]
   Vector<dim> body_force = Vector<dim>::Zero();      ///< [N]
   Vector<dim> boundary_force = Vector<dim>::Zero();  ///< [N]
+  Vector<dim> step_force = Vector<dim>::Zero();      ///< of contacts whose force is constant [N]
   Vector<dim> wall_force = Vector<dim>::Zero();      ///< from the residual before projection [N]
   Vector<dim> wall_kick = Vector<dim>::Zero();  ///< impulse that stops the mapped velocity [kg m/s]
   Vector<dim> wall_hold = Vector<dim>::Zero();  ///< force that stops the mapped acceleration [N]
+  Vector<dim> wall_step_force = Vector<dim>::Zero();  ///< that stops step_force [N]
 };
 
 /// @param equilibrium  with the stresses of exactly this du (InternalForces::finish)
@@ -37,7 +40,7 @@ template <int dim>
 StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
                               const NodalMotion<dim>& motion);
 
-/// Where energy and momentum went since the start (docs/theory/soil.md, (S26), (S27)).
+/// Where energy and momentum went since the start (docs/theory/soil.md, (S27), (S28)).
 template <int dim>
 class Ledger {
  public:
@@ -50,6 +53,8 @@ class Ledger {
   /// @param points      at the end of the step
   void add_step(const StepBalance<dim>& step, const NewmarkBossak& scheme, double dt,
                 double dissipated, const MaterialPoints<dim>& points);
+  /// @param energy  of all contacts at the end of the step
+  void set_contact_energy(const ContactEnergy& energy) { contact_ = energy; }
 
   /// Points were taken out of the accepted state; they keep what they had, as if it were still
   /// here.
@@ -81,6 +86,7 @@ class Ledger {
   PointTotals<dim> totals_, totals_start_;
   Force body_, boundary_, walls_;
   PointTotals<dim> removed_;  // front has no meaning
+  ContactEnergy contact_;
   double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;
   double body_work_ = 0, boundary_work_ = 0;
   double lowest_energy_ = 0, created_ = 0;

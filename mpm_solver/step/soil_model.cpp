@@ -20,6 +20,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
   }
   for (const auto& body : settings.bodies) {
     const auto& material = body.material;
+    elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
     wave_speed = std::max(wave_speed, std::sqrt(modulus / material.density));

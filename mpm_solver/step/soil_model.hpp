@@ -22,6 +22,7 @@ struct SoilModel {
   double cell_size;                      ///< mean [m]
   double wave_speed = 0;                 ///< largest of the bodies [m/s]
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
+  std::vector<char> elastic;             ///< of each body: it has an elastic law
   bool stressed = false;                 ///< a body has initial stress
   std::vector<std::string> wall_groups;  ///< of all phases, each once
 };

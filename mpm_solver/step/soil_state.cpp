@@ -157,7 +157,7 @@ void require_below(const char* what, std::int32_t first, std::span<const std::in
 template <int dim>
 SoilState<dim>::SoilState(const SoilModel<dim>& model)
     : points(lay_all_points(model)),
-      surfaces(model.settings.interfaces, model.settings.rigid_walls),
+      surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls),
       ledger(model.comm),
       control(model.settings.step_control),
       wall_forces(model.wall_groups.size(), Vector<dim>::Zero()),

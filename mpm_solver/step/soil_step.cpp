@@ -15,6 +15,7 @@
 #include "mpm_solver/step/end_of_step.hpp"
 #include "mpm_solver/step/first_guess.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
+#include "mpm_solver/stress/shared_volumes.hpp"
 
 namespace gabion::mpm {
 
@@ -133,12 +134,18 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
   const ScopedTimer timer(times_, "pattern");
   if (!state_.surfaces.contacts().empty()) {
     const auto occupied = soil_.occupied_cells();
-    state_.surfaces.begin_step({.grid = model_.grid,
-                                .nodes = soil_.nodes(),
-                                .points = state_.points,
-                                .weights = soil_.weights(),
-                                .occupied = occupied,
-                                .reach = reach_});
+    state_.surfaces.begin_step(
+        {.grid = model_.grid,
+         .nodes = soil_.nodes(),
+         .points = state_.points,
+         .weights = soil_.weights(),
+         .occupied = occupied,
+         .reach = reach_,
+         .cell_size = model_.cell_size,
+         .dt = dt,
+         .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
+         .elastic = model_.elastic,
+         .first_rank = rank_of(model_.comm) == 0});
   }
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       .comm = model_.comm,
@@ -194,6 +201,10 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
     state_.surfaces.move_walls(request.time + request.dt);
     const NewtonReport newton = solve_balance(request, begins);
     if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
+    if (!state_.surfaces.contacts().empty()) {
+      state_.surfaces.refuse_misses(
+          largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du_)));
+    }
     StepReport report;
     report.newton_iterations = newton.iterations;
     report.linear_iterations = newton.linear_iterations;
@@ -211,14 +222,13 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const ScopedTimer timer(times_, "grid to points");
   MaterialPoints<dim>& points = state_.points;
   state_.wall_forces = forces_on_walls();
-  state_.rigid_wall_forces = state_.surfaces.forces_on_walls(model_.comm);
+  state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   equilibrium_->internal_forces().finish(du_);
   const double time = request.time + request.dt;
   const auto& phases = model_.settings.phases;
   sizes_.accept(measure(), largest_step(phases[phase_at(phases, time)], time));
   const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
-  const StepBalance<dim> balance =
-      step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
@@ -227,10 +237,14 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
   }
   const double dissipated = accept_stresses(soil_.weights(), trial_, points);
-  state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
-  state_.surfaces.accept();
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
+  if (model_.settings.locking.average_volumes) {
+    balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
+  }
+  state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
+  state_.surfaces.accept();
+  state_.ledger.set_contact_energy(state_.surfaces.energy());
   dt_ = 0;
   AcceptReport report;
   report.details = details(cell_n);
@@ -261,8 +275,7 @@ StepMeasures SoilStep<dim>::measure() const {
         max_over_ranks(model_.comm, most_strained(soil_.weights(), soil_.nodes(), du).strain);
   }
   if (limits.approach && !state_.surfaces.contacts().empty()) {
-    step.approach_dt =
-        state_.surfaces.approach_step(model_.comm, dt_, *limits.approach * model_.cell_size);
+    step.approach_dt = state_.surfaces.approach_step(dt_, *limits.approach * model_.cell_size);
   }
   return step;
 }

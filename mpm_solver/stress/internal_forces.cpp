@@ -169,6 +169,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   first_evaluation_ = false;
   if (stress_known && (!K || is_near(du, du_K_, near))) {
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
+    yielding_.add(parts_.trial.region);
     return true;
   }
   du_known_.clear();
@@ -177,6 +178,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   if (!(averaged_ ? averaged_->evaluate(du, K, f_int_, worst) : all_forces(du, K, worst))) {
     return false;
   }
+  yielding_.add(parts_.trial.region);
   du_known_.assign(du.begin(), du.end());
   if (K) {
     du_K_ = du_known_;

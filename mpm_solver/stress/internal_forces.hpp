@@ -11,6 +11,7 @@
 #include "mpm_solver/stress/averaged_forces.hpp"
 #include "mpm_solver/stress/cell_forces.hpp"
 #include "mpm_solver/stress/point_stress.hpp"
+#include "mpm_solver/stress/yielding_points.hpp"
 
 namespace gabion::mpm {
 
@@ -42,7 +43,16 @@ class InternalForces {
 
   /// A new solution with other interface values begins: its first evaluation may take the matrix
   /// from the neighbouring state where the last solution left it.
-  void begin_solution() { first_evaluation_ = true; }
+  void begin_solution() {
+    first_evaluation_ = true;
+    yielding_.forget();
+  }
+  /// Whether a point of this rank yielded in any state since then.
+  bool yielded() const { return yielding_.any(); }
+  /// See YieldingPoints.
+  void add_brace(double share, BlockMatrix<dim>& K) const {
+    yielding_.add_stiffness(share, parts_, K);
+  }
   /// Forget what earlier solutions of this step knew, so that repeated requests give the same bits.
   void forget();
   /// Bring the trial state of the points to exactly this du.
@@ -92,6 +102,7 @@ class InternalForces {
   std::vector<double> du_K_;        // where K_int_ was evaluated; empty: nowhere
   std::vector<double> K_int_;       // values of the matrix
   bool first_evaluation_ = true;
+  YieldingPoints<dim> yielding_;
 };
 
 }  // namespace gabion::mpm

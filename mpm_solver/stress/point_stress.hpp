@@ -18,12 +18,14 @@ struct TrialPoints {
   std::vector<double> J_ratio;  ///< volume ratio of the step
   std::vector<double> energy;
   std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
+  std::vector<YieldRegion> region;
   void resize(std::size_t n) {
     history.resize(n);
     tau.resize(n);
     J_ratio.resize(n);
     energy.resize(n);
     plastic_increment.resize(n);
+    region.resize(n);
   }
 };
 
@@ -80,6 +82,7 @@ bool point_stress(const StressParts<dim>& parts, const Law& law, std::int32_t en
   parts.trial.J_ratio[entry] = stress.J;
   parts.trial.energy[entry] = stress.energy;
   parts.trial.plastic_increment[entry] = stress.plastic_increment;
+  parts.trial.region[entry] = stress.region;
   return true;
 }
 

@@ -6,6 +6,7 @@ import struct
 import subprocess
 import sys
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,14 @@ class Loop:
             self.participant.advance(dt, StepReport(newton_iterations=7))
 
 
+class AskingLoop(Loop):
+    """Asks which forces it reads."""
+
+    def step(self, dt: float, force: np.ndarray) -> None:
+        self.calls.append(self.participant.force_kind("wall"))
+        super().step(dt, force)
+
+
 class OwnLoop(ParticipantCase):
     def begin(self, **how) -> Loop:
         loop = Loop(self.settings(), **how)
@@ -72,6 +81,47 @@ class OwnLoop(ParticipantCase):
         hello = self.coupler.welcome()
         self.assertEqual(hello.fields["probe_names"], ["u"])
         return loop
+
+    def test_the_kind_of_the_forces(self) -> None:
+        for kinds, expected in (({}, "end_of_step"), ({"wall": "step_mean"}, "step_mean")):
+            loop = AskingLoop(self.settings())
+            self.start(loop.run)
+            self.assertIs(self.coupler.welcome().fields["takes_force_kinds"], True)
+            if kinds:
+                self.assertEqual(self.coupler.ask("set_force_kinds", kinds=kinds).type, "force_kinds_set")
+            self.coupler.solve(1, 2.0)
+            self.coupler.accept(1)
+            self.coupler.ask("finish")
+            self.assertEqual(self.end(), "")
+            self.assertIn(expected, loop.calls)
+            self.coupler.begin_again()
+
+    def test_mean_forces_that_nobody_asked_for_are_a_warning(self) -> None:
+        loop = self.begin()
+        self.coupler.ask("set_force_kinds", kinds={"wall": "step_mean"})
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            for step in (1, 2):
+                self.coupler.solve(step, 2.0)
+                self.coupler.accept(step)
+        self.assertEqual(len(caught), 1)
+        self.assertIn('interface "wall": its forces are means over the step', str(caught[0].message))
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertIn("complete", loop.calls)
+
+    def test_force_kinds_of_a_soil(self) -> None:
+        participant = Participant(self.settings(receives="displacement"))
+        participant.set_interface("wall", SQUARE, SEGMENTS, "step_mean")
+        self.start(participant.initialize)
+        hello = self.coupler.welcome()
+        self.assertEqual(hello.fields["interfaces"][0]["force_kind"], "step_mean")
+        self.assertIs(hello.fields["takes_force_kinds"], False)
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        participant = Participant(self.settings(receives="displacement"))
+        participant.set_interface("wall", SQUARE, SEGMENTS, "late")
+        self.assertRaisesRegex(UsageError, 'found force_kind "late"', participant.initialize)
 
     def displacement(self, reply) -> float:
         self.assertEqual(reply.type, "solved")
@@ -226,7 +276,8 @@ class OwnLoop(ParticipantCase):
 
         self.start(give_up)
         hello = self.coupler.welcome()
-        self.assertEqual(hello.fields["interfaces"], [{"name": "wall", "vertices_per_facet": 0}])
+        self.assertEqual(hello.fields["interfaces"], [
+            {"name": "wall", "vertices_per_facet": 0, "force_kind": "end_of_step"}])
         self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=0, time=0.0, dt=STEP)
         reply = self.coupler.receive()
         self.assertEqual(reply.type, "abort")

@@ -87,11 +87,39 @@ class KeepingSpring(Spring):
         self.accepted, = struct.unpack("<d", state[6:])
 
 
+class KindSpring(Spring):
+    """Wants to know which forces it receives."""
+
+    def set_force_kinds(self, kinds):
+        self.calls.append(f"kinds {kinds}")
+
+
 class Serve(ParticipantCase):
     def begin(self, solver: Spring | None = None, **changes) -> Message:
         self.solver = solver or Spring()
         self.start(lambda: serve(self.solver, self.settings(**changes)))
         return self.coupler.welcome()
+
+    def test_force_kinds_are_told_to_those_who_ask(self) -> None:
+        hello = self.begin(KindSpring())
+        self.assertIs(hello.fields["takes_force_kinds"], True)
+        self.assertEqual(hello.fields["interfaces"][0]["force_kind"], "end_of_step")
+        reply = self.coupler.ask("set_force_kinds", kinds={"wall": "step_mean"})
+        self.assertEqual(reply.type, "force_kinds_set")
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(self.solver.calls, ["kinds {'wall': 'step_mean'}"])
+
+    def test_force_kinds_that_cannot_be_are_refused(self) -> None:
+        for solver, kinds, text in ((KindSpring(), {"roof": "step_mean"}, 'interface "roof" is none of this'),
+                                    (KindSpring(), {"wall": "late"}, "expected force_kind"),
+                                    (Spring(), {"wall": "step_mean"}, "of a participant that takes none")):
+            hello = self.begin(solver)
+            self.assertIs(hello.fields["takes_force_kinds"], isinstance(solver, KindSpring))
+            self.coupler.request("set_force_kinds", kinds=kinds)
+            self.assertIn(text, self.coupler.receive().fields["reason"])
+            self.assertIn(text, self.end())
+            self.coupler.begin_again()
 
     def test_a_whole_run(self) -> None:
         hello = self.begin(program="spring", program_version="3")
@@ -311,7 +339,7 @@ class Handshake(ParticipantCase):
     def test_another_major_version(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
         self.coupler.welcome(protocol="2.0")
-        self.assertIn("protocol version: coupler 2.0, participant 1.1", self.end())
+        self.assertIn("protocol version: coupler 2.0, participant 1.2", self.end())
 
     def test_a_newer_minor_version_with_unknown_fields(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))

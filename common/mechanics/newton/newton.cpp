@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/mechanics/newton/brace.hpp"
 #include "common/mechanics/norm.hpp"
 
 namespace gabion {
@@ -76,6 +77,7 @@ class Newton {
     double relative = 0;  // |r| / force_scale
     bool small_residual = false;
     bool has_matrix = false;  // K was evaluated with it
+    std::uint64_t active_set = 0;
   };
 
   Iterate evaluate(std::span<const double> du, std::span<double> r, bool with_matrix);
@@ -87,6 +89,10 @@ class Newton {
   bool cycles() const;
   bool line_search();
   bool sufficient(const Iterate& next, double energy) const;
+  bool raise_brace();
+  void follow_brace(double norm_before);
+  bool goes_in_circles() const;
+  bool is_converged() const;
   [[noreturn]] void fail(const std::string& reason, const std::string& cause) const;
 
   NewtonProblem<block_size>& problem_;
@@ -101,6 +107,8 @@ class Newton {
   double step_size_ = 0;        // largest |step| of a node before any cut
   double cut_ = 1;              // s of the last line search
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
+  Brace brace_;
+  std::size_t unbraced_since_ = 0;  // first of the residuals since the last brace
   NewtonReport report_;
 };
 
@@ -115,6 +123,7 @@ typename Newton<block_size>::Iterate Newton<block_size>::evaluate(std::span<cons
   Iterate next;
   next.has_matrix = with_matrix;
   next.norm = norm_of(r);
+  next.active_set = evaluation.active_set;
   if (!evaluation.admissible) {
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
   } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
@@ -175,12 +184,15 @@ void Newton<block_size>::solve_linear() {
     fail(error.what(), "linear_solver");
   }
   ++report_.iterations;
+  report_.braced += brace_.active();
   step_size_ = worst_node<block_size>(step_).size;
 }
 
 template <int block_size>
 bool Newton<block_size>::sufficient(const Iterate& next, double energy) const {
-  return next.small_residual || next.norm < current_.norm ||
+  if (next.small_residual || next.active_set != current_.active_set) return true;
+  if (brace_.active()) return Brace::allows(current_.norm, next.norm);
+  return next.norm < current_.norm ||
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);
 }
 
@@ -198,7 +210,7 @@ template <int block_size>
 bool Newton<block_size>::line_search() {
   const double energy = dot(step_, r_);
   const bool speculate = !settings_.reuse_matrix && !next_is_last();
-  cut_ = cycles() ? 0.5 : 1;
+  cut_ = !brace_.active() && cycles() ? 0.5 : 1;
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
@@ -215,34 +227,68 @@ bool Newton<block_size>::line_search() {
   return false;
 }
 
+// More stiffness at the kinks of r. @returns false where no more is possible or r has none
+template <int block_size>
+bool Newton<block_size>::raise_brace() {
+  if (!brace_.raise()) return false;
+  if (!problem_.brace(brace_.share())) {
+    brace_ = {};
+    return false;
+  }
+  current_.has_matrix = false;
+  return true;
+}
+
+template <int block_size>
+void Newton<block_size>::follow_brace(double norm_before) {
+  if (!brace_.active()) return;
+  brace_.follow(norm_before, current_.norm);
+  problem_.brace(brace_.share());
+  current_.has_matrix = false;
+  unbraced_since_ = report_.residuals.size() - 1;
+}
+
+template <int block_size>
+bool Newton<block_size>::goes_in_circles() const {
+  return !brace_.active() && !current_.small_residual &&
+         go_in_circles(std::span<const double>(report_.residuals).subspan(unbraced_since_));
+}
+
+// After a step was taken.
+template <int block_size>
+bool Newton<block_size>::is_converged() const {
+  if (brace_.active()) return false;
+  const double scale = problem_.increment_scale();
+  return (current_.small_residual && cut_ * step_size_ <= settings_.increment_tolerance * scale) ||
+         (!matrix_is_old_ && step_size_ <= round_off * scale);
+}
+
 template <int block_size>
 NewtonReport Newton<block_size>::run() {
   const bool reuse = settings_.reuse_matrix && matrix_.is_usable;
   matrix_.is_usable = false;
+  problem_.brace(0);
   const Iterate first = evaluate(du_, r_, !reuse);
   if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_, "inadmissible_guess");
   accept(first);
   bool converged = current_.small_residual;
   bool matrix_is_usable = reuse;
-  bool renewed = false;  // K was evaluated again because the line search failed with it
   while (!converged) {
     if (report_.iterations == settings_.max_iterations) {
       fail("iteration limit reached", "iteration_limit");
     }
+    if (goes_in_circles() && raise_brace()) matrix_is_usable = false;
     matrix_is_old_ = matrix_is_usable;
     if (!matrix_is_usable) provide_matrix();
     solve_linear();
     const double norm_before = current_.norm;
     if (line_search()) {
-      renewed = false;
-      const double moved = cut_ * step_size_ / problem_.increment_scale();
-      converged = (current_.small_residual && moved <= settings_.increment_tolerance) ||
-                  (!matrix_is_old_ && step_size_ <= round_off * problem_.increment_scale());
-      matrix_is_usable =
-          settings_.reuse_matrix && (converged || current_.norm <= reuse_reduction * norm_before);
-    } else if (matrix_is_old_ || !renewed) {
-      matrix_is_usable = false;
-      renewed = true;
+      converged = is_converged();
+      matrix_is_usable = settings_.reuse_matrix && !brace_.active() &&
+                         (converged || current_.norm <= reuse_reduction * norm_before);
+      follow_brace(norm_before);
+    } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace()) {
+      matrix_is_usable = false;  // the first K may be that of a neighbouring state
     } else {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");
     }

@@ -31,6 +31,8 @@ struct Evaluation {
   /// What |r| is compared with: the largest norm of the forces that balance each other in r.
   double force_scale = 0;
   std::string reason;  ///< worst place when not admissible
+  /// Names the set of one-sided conditions (contacts) that are active; equal sets, equal names.
+  std::uint64_t active_set = 0;
 };
 
 /// Equations r(du) = 0 for the increments of the unknowns, such as f_ext - f_int - f_inertia for
@@ -44,6 +46,13 @@ class NewtonProblem {
   /// @param K  null, or filled with -dr/du (set_zero, add, constrain)
   virtual Evaluation evaluate(std::span<const double> du, std::span<double> r,
                               BlockMatrix<block_size>* K) = 0;
+  /// Let K hold `share` of a full stiffness besides -dr/du where r has kinks; 0: -dr/du
+  /// alone. The share holds until the next call.
+  /// Collective. @returns whether there is such a place
+  virtual bool brace(double share) {
+    static_cast<void>(share);
+    return false;
+  }
   /// What the norm of a node's block_size increments is compared with, in their unit: a cell size
   /// [m] for displacements. Unknowns of several units have to be scaled to one.
   virtual double increment_scale() const = 0;
@@ -72,6 +81,7 @@ struct NewtonReport {
   int matrices = 0;    ///< evaluations of K
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
+  int braced = 0;                 ///< linear systems solved with a brace
   std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
 
@@ -80,10 +90,16 @@ struct NewtonReport {
 ///     K step = r(du) ,   du <- du + s step ,   s = 1, 1/2, ..., 1/256
 ///
 /// s is the first for which the trial state is admissible and |step . r(s)| <= 0.8 |step . r(0)| or
-/// |r| falls (or |r| is within the tolerance). Converged when |r| <= residual_tolerance *
-/// force_scale and the largest |s step| of a node in the last iteration <=
-/// increment_tolerance * increment_scale; a guess that satisfies the first is a solution already,
-/// with 0 iterations. With force_scale 0 only r = 0 converges.
+/// |r| falls (or |r| is within the tolerance), or the active set changes: a full step then finds
+/// the next set, as a primal-dual active set method does. Converged when |r| <= residual_tolerance
+/// * force_scale and the largest |s step| of a node in the last iteration <= increment_tolerance *
+/// increment_scale; a guess that satisfies the first is a solution already, with 0 iterations. With
+/// force_scale 0 only r = 0 converges.
+///
+/// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
+/// may jump to and fro for ever. Then K gets a brace there (NewtonProblem::brace, Brace), s counts
+/// as good up to twice |r|, and only a step without brace ends the search. The brace is in K alone:
+/// the solution does not depend on it.
 ///
 /// K comes with the residual in one evaluation unless quadratic convergence predicts that the
 /// iterate is the last one. The linear tolerance is 1e-2 of what the next residual has to reach,
@@ -99,7 +115,7 @@ struct NewtonReport {
 ///                           the last iterate.
 /// @note Collective.
 /// @see Dembo, Eisenstat, Steihaug (1982) for inexact steps; Matthies, Strang (1979) for the energy
-///      criterion of the line search
+///      criterion of the line search; Hintermueller, Ito, Kunisch (2002) for active sets
 template <int block_size>
 NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,
                           const NewtonSettings& settings, std::span<double> du, PhaseTimes& times);

@@ -62,6 +62,29 @@ struct NewmarkBossak {
   }
   /// d(inertia)/d(du) per unit mass.
   double inertia_slope(double dt) const { return (1 - alpha_m) / ((1 - alpha_f) * beta * dt * dt); }
+
+  /// A force F that is constant over the step, its mean force, enters with beta = 1/2, gamma = 1,
+  /// whatever these are for the other forces. With a = a_i + M^-1 F, a_i of the others:
+  ///
+  ///     du = dt v + dt^2 [(1/2 - beta) a_i + beta a_i'] + dt^2 / 2 M^-1 F
+  ///     v' = v + dt [(1 - gamma) a_i + gamma a_i'] + dt M^-1 F
+  ///     M [(1 - alpha_m) a_i' + alpha_m a_i] = f'
+  ///
+  /// Its impulse is dt F; with the trapezoidal rule the energy that it adds is exactly F . du.
+  /// Written without a_i, with the force F_o of the step before, which is contained in a, and
+  /// a' = acceleration(du, v, a, dt):
+  ///
+  ///     M [(1 - alpha_m) a' + alpha_m a] = f' + c F - (c - 1) F_o ,  c = step_force_weight()
+  ///     v' = velocity(a', v, a, dt) + dt step_force_velocity() M^-1 (F - F_o)
+  ///     a' <- a' - step_force_acceleration() M^-1 (F - F_o)   at the end of the step
+  ///
+  /// @pre alpha_f = 0
+  /// @see Kane, Repetto, Ortiz, Marsden (1999): contact forces with beta = 1/2, gamma = 1
+  double step_force_weight() const { return (1 - alpha_m) / (2 * beta); }
+  /// 1 - gamma / (2 beta), the impulse that the formula of the velocity leaves out.
+  double step_force_velocity() const { return 1 - gamma / (2 * beta); }
+  /// 1 / (2 beta) - 1, what Newmark's a' has of M^-1 (F - F_o) beyond the acceleration of F.
+  double step_force_acceleration() const { return 0.5 / beta - 1; }
 };
 
 /// Read {"scheme": "newmark"}, the trapezoidal rule, {"scheme": "bossak", "alpha": -0.1} or

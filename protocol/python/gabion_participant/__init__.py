@@ -11,9 +11,10 @@ from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageErro
 from .handshake import PROTOCOL_VERSION, ParticipantSettings
 from .participant import Participant
 from .service import introduce, serve, serve_over
-from .solver import AcceptReport, InterfaceMesh, InterfaceValues, Solver, StepReport, StepRequest
+from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, InterfaceValues, Solver,
+                     StepReport, StepRequest)
 
-__all__ = ["PROTOCOL_VERSION", "AcceptReport", "Connection", "ConvergenceError", "InterfaceMesh",
-           "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
+__all__ = ["END_OF_STEP", "PROTOCOL_VERSION", "STEP_MEAN", "AcceptReport", "Connection",
+           "ConvergenceError", "InterfaceMesh", "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
            "Solver", "StepReport", "StepRequest", "UsageError", "interrupt", "introduce", "serve",
            "serve_over"]

@@ -3,19 +3,17 @@
 
 import secrets
 import time
-from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import zmq
 
 from . import interrupt
 from .errors import ProtocolError, text_of
-from .handshake import ParticipantSettings, Welcome, hello, read_welcome
+from .handshake import Introduction, ParticipantSettings, Welcome, hello, read_welcome
 from .heartbeat import OWN_SLEEP, Heartbeat
 from .keys import HandshakeMonitor, read_keys
 from .message import MAX_FRAME_BYTES, Message, decode, encode
 from .process import PeerWatch
-from .solver import InterfaceMesh
 
 SLICE = 100  # [ms] of any wait
 LAST_WORDS = 0.3  # [s] for what a coupler said before it went
@@ -77,15 +75,14 @@ class Connection:
         """Settings of the run as the coupler gave them: end time, dt, folders. Empty before the handshake."""
         return self.welcome.run if self.welcome else {}
 
-    def handshake(self, interfaces: Sequence[InterfaceMesh], probe_names: Sequence[str] = (),
-                  probes: Sequence[float] = (), keeps_state: bool = False) -> None:
-        """Introduce this participant; `keeps_state`: it will answer "save" and "load". Raises ProtocolError:
-        refused (both values are named), or no answer in time."""
+    def handshake(self, introduction: Introduction) -> None:
+        """Introduce this participant. Raises ProtocolError: refused (both values are named), or no answer in
+        time."""
         self._require_usable()
         if self.welcome:
             raise ProtocolError("the handshake is done already")
         # One that cannot be sent met a coupler that has closed the connection: the wait for an answer tells why.
-        self._send(hello(self.settings, self._session, interfaces, probe_names, probes, keeps_state))
+        self._send(hello(self.settings, self._session, introduction))
         answer = self._await_answer()
         if answer.type == "refused":
             self._fail(f'the coupler at {self.settings.endpoint} refused participant "{self.settings.name}": '

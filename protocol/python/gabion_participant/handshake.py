@@ -12,9 +12,10 @@ import numpy as np
 from .errors import ProtocolError, UsageError
 from .message import VALUE_BYTES, Message, require_finite
 from .process import ProcessIdentity, this_process
-from .solver import AcceptReport, InterfaceMesh, InterfaceValues, StepReport, StepRequest
+from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, InterfaceValues, StepReport,
+                     StepRequest)
 
-PROTOCOL_VERSION = "1.1"
+PROTOCOL_VERSION = "1.2"
 SIGN_CONVENTION = "displacement: total from reference; force: by soil on structure"
 UNITS = {"displacement": "m", "force": "N"}
 NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")
@@ -79,6 +80,9 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
                              f"allowed: num_vertices x {dimension}")
         if not np.isfinite(mesh.coordinates).all():
             raise UsageError(f"{where}: coordinates must be finite")
+        if mesh.force_kind not in (END_OF_STEP, STEP_MEAN):
+            raise UsageError(f'{where}: found force_kind "{mesh.force_kind}", '
+                             f"allowed: {END_OF_STEP}, {STEP_MEAN}")
         if mesh.facets is None:
             continue
         if mesh.facets.ndim != 2 or mesh.facets.shape[1] not in (2, 3, 4):
@@ -89,13 +93,25 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
                              f"allowed: 0 to {len(mesh.coordinates) - 1}")
 
 
-def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[InterfaceMesh],
-          probe_names: Sequence[str], probes: Sequence[float], keeps_state: bool = False) -> Message:
-    """What a participant says about itself. `probes`: values in the initial state, as many as names.
-    `keeps_state`: it answers "save" and "load"."""
+@dataclass
+class Introduction:
+    """What a solver says of itself. `probes`: values in the initial state, as many as names. `keeps_state`:
+    it answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"."""
+
+    interfaces: Sequence[InterfaceMesh]
+    probe_names: Sequence[str] = ()
+    probes: Sequence[float] = ()
+    keeps_state: bool = False
+    takes_force_kinds: bool = False
+
+
+def hello(settings: ParticipantSettings, session: str, introduction: Introduction) -> Message:
+    """What a participant says about itself."""
+    interfaces, probes = introduction.interfaces, introduction.probes
     check_interfaces(interfaces, settings.dimension)
-    if len(probe_names) != len(probes):
-        raise UsageError(f"probes: found {len(probes)} values, allowed: as many as names, {len(probe_names)}")
+    if len(introduction.probe_names) != len(probes):
+        raise UsageError(f"probes: found {len(probes)} values, allowed: as many as names, "
+                         f"{len(introduction.probe_names)}")
     message = Message("hello", fields={
         "protocol": PROTOCOL_VERSION, "participant": settings.name, "program": settings.program,
         "program_version": settings.program_version, "session": session, "scene_hash": settings.scene_hash,
@@ -104,10 +120,12 @@ def hello(settings: ParticipantSettings, session: str, interfaces: Sequence[Inte
         "sends": {"quantity": settings.sends, "unit": UNITS[settings.sends]},
         "convention": SIGN_CONVENTION,
         "interfaces": [
-            {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1]}
+            {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1],
+             "force_kind": mesh.force_kind}
             for mesh in interfaces],
-        "probe_names": list(probe_names), "heartbeat": True, "process": this_process().to_fields(),
-        "keeps_state": keeps_state,
+        "probe_names": list(introduction.probe_names), "heartbeat": True,
+        "process": this_process().to_fields(), "keeps_state": introduction.keeps_state,
+        "takes_force_kinds": introduction.takes_force_kinds,
     })
     for mesh in interfaces:
         message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
@@ -136,6 +154,19 @@ def read_welcome(message: Message) -> Welcome:
                                    process.integer("start_time")),
                    message.positive_number("silence_deadline"), message.positive_number("idle_deadline"),
                    message.positive_number("heartbeat"), message.object("run").fields)
+
+
+def read_force_kinds(message: Message, interfaces: Sequence[InterfaceMesh]) -> dict[str, str]:
+    """Of "set_force_kinds". Raises ProtocolError for an interface that is none of these, or no such kind."""
+    kinds = message.object("kinds").fields
+    names = [mesh.name for mesh in interfaces]
+    for name, kind in kinds.items():
+        if name not in names:
+            raise ProtocolError(f'message "{message.type}": interface "{name}" is none of this participant')
+        if kind not in (END_OF_STEP, STEP_MEAN):
+            raise ProtocolError(f'interface "{name}": expected force_kind "{END_OF_STEP}" or "{STEP_MEAN}", '
+                                f"found {kind!r}")
+    return dict(kinds)
 
 
 def read_step_request(message: Message) -> StepRequest:

@@ -7,7 +7,7 @@ from typing import Any
 from .errors import ProtocolError
 from .handshake import accepted, loaded, plain, read_state, saved
 from .message import Message
-from .solver import AcceptReport, InterfaceValues, StepRequest
+from .solver import STEP_MEAN, AcceptReport, InterfaceValues, StepRequest
 from .state_machine import RequestHandler, unknown
 
 ME = "this participant"  # in messages
@@ -25,6 +25,8 @@ class OwnLoop(RequestHandler):
         self.probes: dict[str, float] = {}  # of the code's current state
         self.accepted_probes: list[float] = []
         self.request: StepRequest | None = None  # the open solve_step
+        self.force_kinds: dict[str, str] = {}  # of the received forces
+        self.asked_force_kind = False
         self.received: InterfaceValues = {}
         self.written: InterfaceValues = {}
         self.remaining = 0.0  # [s] of the open step
@@ -35,6 +37,15 @@ class OwnLoop(RequestHandler):
 
     def is_inside_step(self) -> bool:
         return self.awaits_verdict
+
+    def set_force_kinds(self, kinds: dict[str, str]) -> Message:
+        self.force_kinds = kinds
+        return Message("force_kinds_set")
+
+    def unnoticed_means(self) -> list[str]:
+        """Interfaces whose forces are means over the step, where the code never asked for that; once."""
+        asked, self.asked_force_kind = self.asked_force_kind, True
+        return [] if asked else [name for name, kind in self.force_kinds.items() if kind == STEP_MEAN]
 
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> None:
         self.must_read |= self._had_trial()

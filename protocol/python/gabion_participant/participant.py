@@ -5,6 +5,7 @@ import atexit
 import os
 import sys
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -12,10 +13,10 @@ import numpy as np
 
 from .connection import Connection
 from .errors import ProtocolError, UsageError, text_of
-from .handshake import ParticipantSettings, check_interfaces, put_values, solved
+from .handshake import Introduction, ParticipantSettings, check_interfaces, put_values, solved
 from .message import Message
 from .own_loop import ME, OwnLoop
-from .solver import InterfaceMesh, StepReport, StepRequest
+from .solver import END_OF_STEP, InterfaceMesh, StepReport, StepRequest
 from .state_machine import StateMachine
 
 SAME_TIME = 1e-12  # of a step: smaller remainders are round-off of a sum of sub-steps
@@ -55,10 +56,11 @@ class Participant:
     def __exit__(self, _kind: type | None, problem: BaseException | None, _trace: Any) -> None:
         self._leave(problem)
 
-    def set_interface(self, name: str, coordinates: np.ndarray, facets: np.ndarray | None = None) -> None:
+    def set_interface(self, name: str, coordinates: np.ndarray, facets: np.ndarray | None = None,
+                      force_kind: str = END_OF_STEP) -> None:
         """A coupled surface; see InterfaceMesh for shapes and units. Before initialize()."""
         self._before_initialize("set_interface")
-        self._meshes.append(InterfaceMesh(name, coordinates, facets))
+        self._meshes.append(InterfaceMesh(name, coordinates, facets, force_kind))
 
     def set_probes(self, values: Mapping[str, float]) -> None:
         """Numbers that the run shall record. Before initialize() in the initial state, later, always with the
@@ -99,8 +101,10 @@ class Participant:
         atexit.register(self._leave_at_exit)
         self._loop.accepted_probes = list(self._loop.probes.values())
         names = list(self._loop.probes)
-        self._guarded(lambda: self._connection.handshake(self._meshes, names, self._loop.accepted_probes,
-                                                          self._loop.save is not None))
+        introduction = Introduction(self._meshes, names, self._loop.accepted_probes,
+                                    keeps_state=self._loop.save is not None,
+                                    takes_force_kinds=self._settings.receives == "force")
+        self._guarded(lambda: self._connection.handshake(introduction))
         self._loop.must_write = True
         self._settle()
 
@@ -140,6 +144,13 @@ class Participant:
         answer, self._loop.must_read = self._loop.must_read, False
         return answer
 
+    def force_kind(self, interface: str) -> str:
+        """Which force read_data() gives on this interface: END_OF_STEP, or STEP_MEAN, the mean force, which
+        is to act as a constant load over the step. The same in all steps."""
+        self._settle()
+        self._loop.asked_force_kind = True
+        return self._loop.force_kinds.get(self._mesh(interface).name, END_OF_STEP)
+
     def read_data(self, interface: str) -> np.ndarray:
         """Received values at the end of the step, num_vertices x dim: force [N] or displacement [m]."""
         self._open_step("read_data")
@@ -165,6 +176,9 @@ class Participant:
         """The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step: send
         what was written, and wait for the verdict."""
         request = self._checked_step("advance")
+        for name in self._loop.unnoticed_means():
+            warnings.warn(f'interface "{name}": its forces are means over the step; this code does not ask '
+                          "force_kind(), so it may take them as those of its end", stacklevel=2)
         if not 0 < dt <= self._loop.remaining + SAME_TIME * request.dt:
             raise UsageError(f"advance: found dt {dt} s, allowed: > 0 and at most {self._loop.remaining} s")
         self._loop.window_complete = False

@@ -6,8 +6,8 @@ from typing import Any
 
 from .connection import Connection
 from .errors import ConvergenceError, ProtocolError, UsageError, says_all, text_of
-from .handshake import (PROTOCOL_VERSION, ParticipantSettings, accepted, loaded, plain, put_values,
-                        read_state, saved, solved)
+from .handshake import (PROTOCOL_VERSION, Introduction, ParticipantSettings, accepted, loaded, plain,
+                        put_values, read_state, saved, solved)
 from .message import Message
 from .solver import AcceptReport, InterfaceValues, Solver, StepReport, StepRequest
 from .state_machine import RequestHandler, StateMachine
@@ -19,6 +19,11 @@ def keeps_state(solver: Solver) -> bool:
     if own[0] != own[1]:
         raise UsageError("save_state, load_state: found one of them, allowed: both, or neither")
     return own[0]
+
+
+def takes_force_kinds(solver: Solver) -> bool:
+    """Whether the solver has a function of its own in place of that which only raises."""
+    return type(solver).set_force_kinds is not Solver.set_force_kinds
 
 
 def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
@@ -62,6 +67,12 @@ class Service(RequestHandler):
     def _call(self, name: str, *values: Any) -> Any:
         self.under_way = name
         return getattr(self._solver, name)(*values)
+
+    def set_force_kinds(self, kinds: dict[str, str]) -> Message:
+        if not takes_force_kinds(self._solver):
+            raise ProtocolError('the coupler asked for "set_force_kinds" of a participant that takes none')
+        self._call("set_force_kinds", kinds)
+        return Message("force_kinds_set")
 
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message:
         try:
@@ -116,7 +127,8 @@ def serve(solver: Solver, settings: ParticipantSettings) -> None:
 
 def introduce(solver: Solver, connection: Connection) -> None:
     """The handshake, with what the solver says of itself."""
-    connection.handshake(solver.interfaces(), solver.probe_names(), solver.probes(), keeps_state(solver))
+    connection.handshake(Introduction(solver.interfaces(), solver.probe_names(), solver.probes(),
+                                      keeps_state(solver), takes_force_kinds(solver)))
 
 
 def reason(problem: BaseException, under_way: str) -> str:

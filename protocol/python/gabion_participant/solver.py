@@ -2,10 +2,16 @@
 """What a solver is, seen from outside: meshes, requests, reports (protocol/README.md, sections 3 to 5)."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+
+# What interface forces say of a step: the force at its end, or the mean force, which is to act as a constant
+# load over the step (protocol/README.md, section 3).
+END_OF_STEP, STEP_MEAN = "end_of_step", "step_mean"
 
 
 @dataclass
@@ -16,11 +22,13 @@ class InterfaceMesh:
     facets:      num_facets x 2, 3 or 4 vertex numbers from 0; None for bare points. Normals point out of the
                  structure: in 2D to the right of the way from the first vertex to the second, in 3D by the
                  right hand
+    force_kind:  of the forces that a soil sends: END_OF_STEP or STEP_MEAN
     """
 
     name: str
     coordinates: np.ndarray
     facets: np.ndarray | None = None
+    force_kind: str = END_OF_STEP
 
     def __post_init__(self) -> None:
         self.coordinates = np.array(self.coordinates, dtype="<f8", ndmin=2)
@@ -88,6 +96,12 @@ class Solver(ABC):
     def accept_step(self, request: StepRequest, solved: bool) -> AcceptReport:
         """Make the last solution the accepted state. `solved` false: this solver was skipped, only time goes
         on."""
+
+    def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
+        """Of a structure, optional: which forces it will receive, by interface, END_OF_STEP or STEP_MEAN.
+        Comes before the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for
+        those of the end of the step, and the coupler warns."""
+        raise NotImplementedError
 
     def reject_step(self) -> None:
         """Forget the last solution. Nothing to do where solve_step starts from the accepted state anyway."""

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from .errors import ProtocolError
-from .handshake import read_step_request, read_values
+from .handshake import read_force_kinds, read_step_request, read_values
 from .message import Message
 from .solver import InterfaceMesh, InterfaceValues, StepRequest
 from .step_order import StepOrder
@@ -13,6 +13,10 @@ from .step_order import StepOrder
 
 class RequestHandler(ABC):
     """What one kind of participant does at each request. None as an answer: it follows later."""
+
+    @abstractmethod
+    def set_force_kinds(self, kinds: dict[str, str]) -> Message | None:
+        """Which forces will be received, by interface."""
 
     @abstractmethod
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message | None:
@@ -69,7 +73,7 @@ class StateMachine:
             "reject_step": (self._reject, True), "write_output": (self._write, True),
             "summarize": (lambda _: handler.summarize(), True),
             "save": (lambda _: handler.save_state(), False), "load": (self._load, False),
-            "finish": (self._finish, True)}
+            "set_force_kinds": (self._set_force_kinds, False), "finish": (self._finish, True)}
 
     def handle(self, request: Message) -> Message | None:
         """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known,
@@ -84,6 +88,9 @@ class StateMachine:
     def solved(self, step: StepRequest) -> None:
         """An answer "solved" that followed later."""
         self._order.solved(step)
+
+    def _set_force_kinds(self, request: Message) -> Message | None:
+        return self._handler.set_force_kinds(read_force_kinds(request, self._interfaces))
 
     def _solve(self, request: Message) -> Message | None:
         step = read_step_request(request)

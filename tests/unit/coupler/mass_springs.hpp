@@ -54,6 +54,8 @@ class MassSprings : public Solver {
     return {probes(), v_.isZero(0) && a_.isZero(0), 0, {{"accepted_steps", accepted}}};
   }
 
+  void force_kind(ForceKind kind) { mesh_.force_kind = kind; }
+
   std::function<void(const StepRequest&)> on_solve;  // may throw
   int accepted = 0;
   int slept = 0;

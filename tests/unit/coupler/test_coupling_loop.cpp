@@ -210,6 +210,99 @@ TEST(CouplingLoop, interface_work_is_the_energy_of_the_structure_and_cancels) {
   }
 }
 
+/// Takes the force as constant over the step where it is told so.
+class MeanSprings : public StructureSprings {
+ public:
+  using StructureSprings::StructureSprings;
+  bool takes_force_kinds() const override { return true; }
+  void set_force_kinds(const ForceKinds& kinds) override { kind = kinds.at("wall"); }
+  StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
+                        InterfaceValues& sent) override {
+    if (kind == ForceKind::end_of_step) {
+      return StructureSprings::solve_step(request, received, sent);
+    }
+    const NewmarkBossak newmark;
+    const double c = newmark.step_force_weight();
+    force_ = Eigen::Map<const Eigen::VectorXd>(received.at("wall").data(), u_.size());
+    if (before_.size() == 0) before_ = Eigen::VectorXd::Zero(u_.size());
+    const Eigen::VectorXd balanced = c * force_ - (c - 1) * before_;
+    const StepReport report =
+        StructureSprings::solve_step(request, {{"wall", {balanced.begin(), balanced.end()}}}, sent);
+    for (Eigen::Index i = 0; i < u_.size(); ++i) {
+      const double change = (force_(i) - before_(i)) / (factor(i) * mass_);
+      v_trial_(i) += request.dt * newmark.step_force_velocity() * change;
+      a_trial_(i) -= newmark.step_force_acceleration() * change;
+    }
+    return report;
+  }
+  AcceptReport accept_step(const StepRequest& request, bool solved) override {
+    if (solved) before_ = force_;
+    return StructureSprings::accept_step(request, solved);
+  }
+
+  ForceKind kind = ForceKind::end_of_step;
+
+ private:
+  Eigen::VectorXd force_, before_;  // of this step, of the one before
+};
+
+/// A run whose soil sends mean forces, with this structure.
+struct MeanForces {
+  explicit MeanForces(const std::string& name) : run("mean_" + name) {
+    run.soil.force_kind(ForceKind::step_mean);
+  }
+  void go(Solver& structure, bool wire = false) {
+    RunRecord files(run.folder.string(), "coupler");
+    if (wire) return test::couple_through_sockets(run.settings, run.soil, structure, files);
+    CouplingLoop(run.settings, {{"structure", structure}, {"soil", run.soil}}, files).run();
+  }
+
+  CoupledRun run;
+};
+
+TEST(CouplingLoop, mean_forces_of_a_step_work_as_they_are) {
+  MeanForces local("local"), remote("remote");
+  MeanSprings structure(2, 1, 100), behind_the_wire(2, 1, 100);
+  local.go(structure);
+  EXPECT_EQ(structure.kind, ForceKind::step_mean);
+  const auto energy = local.run.column("probes.csv", "structure.energy");
+  const auto work = local.run.column("steps.csv", "structure_work");
+  const auto sum = local.run.column("steps.csv", "work_sum");
+  double largest = 0;
+  for (const auto& cell : work) largest = std::max(largest, std::abs(std::stod(cell)));
+  EXPECT_GT(largest, 0.01);
+  for (std::size_t n = 0; n < 20; ++n) {
+    const double gain = std::stod(energy[n + 1]) - std::stod(energy[n]);
+    EXPECT_NEAR(std::stod(work[n]), gain, 1e-12 * largest) << "step " << n;
+    EXPECT_NEAR(std::stod(sum[n]), 0, 1e-7 * largest) << "step " << n;
+  }
+  remote.go(behind_the_wire, true);
+  EXPECT_EQ(behind_the_wire.kind, ForceKind::step_mean);
+  for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
+    EXPECT_EQ(remote.run.table(file), local.run.table(file)) << file;
+  }
+}
+
+/// One that takes them as forces of the end of the step still runs, and work_sum shows what that
+/// makes.
+TEST(CouplingLoop, mean_forces_taken_for_others_show_in_the_work) {
+  for (const bool wire : {false, true}) {
+    MeanForces old("old");
+    StructureSprings structure(2, 1, 100);
+    old.go(structure, wire);
+    EXPECT_EQ(old.run.summary()["completed"], true);
+    const auto energy = old.run.column("probes.csv", "structure.energy");
+    const auto work = old.run.column("steps.csv", "structure_work");
+    double largest = 0;
+    for (std::size_t n = 0; n < 20; ++n) {
+      const double gain = std::stod(energy[n + 1]) - std::stod(energy[n]);
+      EXPECT_NEAR(std::stod(work[n]), gain, 1e-12) << "step " << n;
+      largest = std::max(largest, std::abs(std::stod(old.run.column("steps.csv", "work_sum")[n])));
+    }
+    EXPECT_GT(largest, 1e-4);
+  }
+}
+
 TEST(CouplingLoop, the_explicit_scheme_makes_work) {
   CoupledRun run("lag");
   run.settings.coupling.scheme = Scheme::explicit_;

@@ -9,9 +9,11 @@
 namespace gabion::test {
 namespace {
 
-TEST(FemRanks, ranks_agree_with_one_rank) {
+void expect_equal_on_ranks(ForceKind kind) {
   const auto shared = fem_solver<2>(plate());
   const auto alone = fem_solver<2>(plate(), MPI_COMM_SELF);
+  shared->set_force_kinds({{"wall", kind}});
+  alone->set_force_kinds({{"wall", kind}});
   const auto load = push(*shared, 5);
   InterfaceValues shared_sent, alone_sent;
   for (int n = 1; n <= 5; ++n) {
@@ -30,6 +32,11 @@ TEST(FemRanks, ranks_agree_with_one_rank) {
   for (std::size_t i = 0; i < alone_sent.at("wall").size(); ++i) {
     EXPECT_NEAR(shared_sent.at("wall")[i], alone_sent.at("wall")[i], 1e-10 * largest);
   }
+}
+
+TEST(FemRanks, ranks_agree_with_one_rank) {
+  expect_equal_on_ranks(ForceKind::end_of_step);
+  expect_equal_on_ranks(ForceKind::step_mean);
 }
 
 TEST(FemRanks, failure_leaves_the_accepted_state) {

@@ -122,6 +122,45 @@ TEST(FemSolver, rejected_steps_leave_no_trace) {
   }
 }
 
+/// Mean forces are part of the accepted state: rejected steps and a restart change no bit.
+TEST(FemSolver, mean_forces_are_kept_over_cuts_and_restarts) {
+  Json json = plate();
+  json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.1}};
+  const auto straight = fem_solver<2>(json), other = fem_solver<2>(json);
+  for (auto* solver : {straight.get(), other.get()}) {
+    solver->set_force_kinds({{"wall", ForceKind::step_mean}});
+  }
+  InterfaceValues sent, sent_after;
+  for (int n = 1; n <= 6; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.02, 0.02};
+    const auto load = push(*straight, n < 5 ? 3.0 * n : 0);
+    straight->solve_step(request, load, sent);
+    straight->accept_step(request, true);
+    const auto restarted = fem_solver<2>(json);
+    restarted->set_force_kinds({{"wall", ForceKind::step_mean}});
+    restarted->load_state(other->save_state());
+    restarted->solve_step(request, load, sent_after);
+    restarted->accept_step(request, true);
+    other->solve_step({n, 0, request.time, 0.08}, push(*other, 25), sent_after);
+    other->reject_step();
+    other->solve_step(request, load, sent_after);
+    EXPECT_EQ(sent, sent_after);
+    other->accept_step(request, true);
+    EXPECT_EQ(straight->save_state().reals, other->save_state().reals) << "step " << n;
+    EXPECT_EQ(straight->save_state().reals, restarted->save_state().reals) << "step " << n;
+  }
+}
+
+TEST(FemSolver, kinds_of_forces_on_unknown_interfaces_are_refused) {
+  const auto solver = fem_solver<2>(plate());
+  EXPECT_TRUE(solver->takes_force_kinds());
+  expect_error<Error>(
+      [&] {
+        solver->set_force_kinds({{"roof", ForceKind::step_mean}});
+      },
+      {"found interface \"roof\""});
+}
+
 /// The factor of a linear structure serves all steps of one size.
 TEST(FemSolver, linear_structure_factors_once) {
   const auto solver = fem_solver<2>(plate("linear_elastic"));

@@ -406,5 +406,45 @@ TEST(Equilibrium, squeezing_a_point_flat_is_inadmissible) {
   EXPECT_TRUE(balance.equilibrium->evaluate(du, r, nullptr).admissible);
 }
 
+/// Soil pulled apart to its apex: the brace adds `share` of the stiffness of linear elasticity.
+template <int dim>
+void expect_elastic_brace(CellType type, int points_per_cell, mpm::Basis basis) {
+  SCOPED_TRACE(static_cast<int>(type));
+  const double lambda = 4e3, mu = 3e3, share = 0.3;
+  Balance<dim> loose(type, 2, points_per_cell, MohrCoulomb<dim>{lambda, mu, 0.5, 0, 0}, basis);
+  Balance<dim> elastic(type, 2, points_per_cell, LinearElastic<dim>{lambda, mu}, basis);
+  elastic.with_inertia = false;
+  loose.start();
+  elastic.start();
+  EXPECT_FALSE(loose.equilibrium->brace(0));
+  Eigen::VectorXd du(static_cast<Eigen::Index>(loose.soil.num_dofs()));
+  for (Eigen::Index k = 0; k < du.size(); ++k) {
+    du[k] = 0.01 * loose.soil.node(static_cast<std::int32_t>(k / dim))[k % dim];
+  }
+  const Eigen::VectorXd direction = loose.random_du(1);
+  const auto times_K = [&](Balance<dim>& balance) {
+    Eigen::VectorXd product = Eigen::VectorXd::Zero(du.size());
+    balance.residual(du, &balance.K);
+    balance.K.multiply({direction.data(), static_cast<std::size_t>(du.size())},
+                       {product.data(), static_cast<std::size_t>(du.size())});
+    return product;
+  };
+  const Eigen::VectorXd plain = times_K(loose), stiffness = times_K(elastic);
+  EXPECT_TRUE(loose.equilibrium->brace(share));
+  const Eigen::VectorXd braced = times_K(loose);
+  EXPECT_LT((braced - plain - share * stiffness).norm(), 1e-12 * stiffness.norm());
+  EXPECT_TRUE(loose.equilibrium->brace(0));
+  EXPECT_LT((times_K(loose) - plain).norm(), 1e-14 * plain.norm());
+  EXPECT_FALSE(elastic.equilibrium->brace(share));
+}
+
+TEST(Brace, is_a_share_of_the_elastic_stiffness_where_soil_yields) {
+  expect_elastic_brace<2>(CellType::tri3, 3, mpm::Basis::linear);
+  expect_elastic_brace<2>(CellType::quad4, 4, mpm::Basis::linear);
+  expect_elastic_brace<2>(CellType::quad4, 4, mpm::Basis::gimp);
+  expect_elastic_brace<3>(CellType::tet4, 1, mpm::Basis::linear);
+  expect_elastic_brace<3>(CellType::hex8, 8, mpm::Basis::linear);
+}
+
 }  // namespace
 }  // namespace gabion::test

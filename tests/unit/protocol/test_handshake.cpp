@@ -5,6 +5,7 @@
 #include <future>
 
 #include "dummy_solver.hpp"
+#include "protocol/force_kinds.hpp"
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
 
@@ -61,6 +62,36 @@ TEST(Handshake, messages_round_trip) {
   const Welcome welcomed = read_welcome(to_message(welcome));
   EXPECT_EQ(welcomed.run, welcome.run);
   EXPECT_EQ(welcomed.deadlines.silence, 3);
+}
+
+TEST(Handshake, kinds_of_forces_round_trip_and_are_optional) {
+  Hello hello = good_hello("soil");
+  hello.takes_force_kinds = true;
+  hello.interfaces.at(0).force_kind = ForceKind::step_mean;
+  Message message = to_message(hello);
+  EXPECT_EQ(message.fields["interfaces"][0]["force_kind"], "step_mean");
+  EXPECT_EQ(read_hello(message).interfaces.at(0).force_kind, ForceKind::step_mean);
+  EXPECT_TRUE(read_hello(message).takes_force_kinds);
+  message.fields.erase("takes_force_kinds");  // as before 1.2
+  message.fields["interfaces"][0].erase("force_kind");
+  EXPECT_EQ(read_hello(message).interfaces.at(0).force_kind, ForceKind::end_of_step);
+  EXPECT_FALSE(read_hello(message).takes_force_kinds);
+  message.fields["interfaces"][0]["force_kind"] = "late";
+  expect_refused(message, {"expected force_kind \"end_of_step\" or \"step_mean\", found \"late\""});
+}
+
+TEST(Handshake, kinds_of_forces_are_those_of_the_interfaces) {
+  const std::vector<InterfaceMesh> meshes = good_hello("structure").interfaces;
+  const ForceKinds kinds = {{"wall", ForceKind::step_mean}};
+  EXPECT_EQ(read_force_kinds(to_message(kinds), meshes), kinds);
+  const auto refused = [&](const Json& value) {
+    return message_of<ProtocolError>([&] {
+      read_force_kinds(new_message("set_force_kinds", {{"kinds", value}}), meshes);
+    });
+  };
+  EXPECT_NE(refused({{"roof", "step_mean"}}).find("\"roof\" is none of this"), std::string::npos);
+  EXPECT_NE(refused({{"wall", 3}}).find("expected force_kind as a text"), std::string::npos);
+  EXPECT_NE(refused("wall").find("expected an object"), std::string::npos);
 }
 
 TEST(Handshake, other_major_version_is_refused) {

@@ -25,6 +25,7 @@ struct Loop {
   double own_dt = 1;           // [s]
   double fails_above = 1e300;  // [N]
   bool keeps = false;          // its state
+  bool asks_force_kind = false;
   std::vector<std::string> calls;
 
   std::vector<std::byte> save() const {
@@ -66,6 +67,10 @@ struct Loop {
   }
 
   void step(Participant& participant, double dt) {
+    if (asks_force_kind) {
+      const bool mean = participant.force_kind("wall") == ForceKind::step_mean;
+      calls.push_back(mean ? "mean force" : "force at the end");
+    }
     const double force = participant.read_data("wall")[0];
     u += dt * force / 4;
     participant.write_data("wall", std::vector<double>(6, u));
@@ -140,6 +145,21 @@ TEST_F(OwnLoop, repeats_rejects_cuts_and_accepts) {
             (std::vector<std::string>{"write 0.00", "save 0.00", "restore 0.00", "restore 0.00",
                                       "restore 0.00", "write 0.00", "write 0.05", "complete",
                                       "save 0.10", "restore 0.10", "complete"}));
+}
+
+TEST_F(OwnLoop, is_told_the_kinds_of_forces) {
+  loop_.asks_force_kind = true;
+  start();
+  EXPECT_TRUE(solver().takes_force_kinds());
+  solve(1, 8);
+  accept(1);
+  solver().set_force_kinds({{"wall", ForceKind::step_mean}});
+  solve(2, 8);
+  accept(2);
+  server_->finish();
+  EXPECT_EQ(end_.get(), "");
+  EXPECT_EQ(loop_.calls, (std::vector<std::string>{"save 0.00", "force at the end", "complete",
+                                                   "save 0.20", "mean force", "complete"}));
 }
 
 TEST_F(OwnLoop, saves_and_loads_between_steps) {
@@ -344,11 +364,25 @@ TEST(ParticipantInC, failures_are_status_and_text) {
   EXPECT_EQ(gabion_is_coupling_ongoing(p, &answer), GABION_ERROR_USAGE);
   EXPECT_SAYS(gabion_last_error(p), "initialize() comes first");
   EXPECT_EQ(gabion_set_interface(p, "wall", 3, coordinates.data(), 2, 2, facets.data()), GABION_OK);
+  EXPECT_EQ(gabion_set_force_kind(p, "wall", GABION_STEP_MEAN), GABION_ERROR_USAGE);
+  EXPECT_SAYS(gabion_last_error(p), "found a participant that sends displacement");
+  gabion_force_kind kind = GABION_STEP_MEAN;
+  EXPECT_EQ(gabion_get_force_kind(p, "wall", &kind), GABION_ERROR_USAGE);
+  EXPECT_SAYS(gabion_last_error(p), "initialize() comes first");
   EXPECT_EQ(gabion_write_data(p, "wall", coordinates.data(), 5), GABION_ERROR_USAGE);
   EXPECT_SAYS(gabion_last_error(p), "found 5 values for \"wall\", allowed: 6");
   EXPECT_EQ(gabion_initialize(p), GABION_ERROR_PROTOCOL);
   EXPECT_SAYS(gabion_last_error(p), "no answer from a coupler at tcp://127.0.0.1:9 within 0.2 s");
   gabion_destroy(p);
+
+  gabion_participant* soil = gabion_create("soil", "tcp://127.0.0.1:9", 2, "displacement");
+  ASSERT_NE(soil, nullptr);
+  EXPECT_EQ(gabion_set_force_kind(soil, "wall", GABION_STEP_MEAN), GABION_ERROR_USAGE);
+  EXPECT_SAYS(gabion_last_error(soil), "found interface \"wall\"");
+  EXPECT_EQ(gabion_set_interface(soil, "wall", 3, coordinates.data(), 2, 2, facets.data()),
+            GABION_OK);
+  EXPECT_EQ(gabion_set_force_kind(soil, "wall", GABION_STEP_MEAN), GABION_OK);
+  gabion_destroy(soil);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
+#include "protocol/force_kinds.hpp"
 #include "protocol/serve.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
@@ -25,6 +26,11 @@ class Recorder : public Solver {
 
   std::vector<InterfaceMesh> interfaces() const override { return {{"wall", 2, {0, 0}, 0, {}}}; }
   std::vector<std::string> probe_names() const override { return {"p"}; }
+  bool takes_force_kinds() const override { return true; }
+  void set_force_kinds(const ForceKinds& kinds) override {
+    calls.push_back(kinds.at("wall") == ForceKind::step_mean ? "mean forces" : "forces at the end");
+    if (failing_rank == rank()) throw Error("no mean forces here");
+  }
   StepReport solve_step(const StepRequest& r, const InterfaceValues& received,
                         InterfaceValues& sent) override {
     calls.push_back("solve " + Json{r.step, r.iteration, r.time, r.dt, received}.dump());
@@ -216,6 +222,23 @@ TEST(RankedSolver, a_last_answer_that_cannot_be_sent_is_the_first_ranks_alone) {
   } else {
     follow(script, recorder);
   }
+}
+
+TEST(RankedSolver, kinds_of_forces_reach_all_ranks) {
+  Recorder inner;
+  Script script({to_message(ForceKinds{{"wall", ForceKind::step_mean}}), new_message("finish")});
+  follow(script, inner);
+  EXPECT_EQ(inner.calls, std::vector<std::string>{"mean forces"});
+  if (rank() == 0) {
+    EXPECT_EQ(types_of(script.answers).at(0), "force_kinds_set");
+  }
+  inner.failing_rank = 0;
+  RankedSolver solver(comm(), inner);
+  expect_error<Error>(
+      [&] {
+        solver.set_force_kinds({{"wall", ForceKind::step_mean}});
+      },
+      {"no mean forces here"});
 }
 
 /// Such as a handshake that failed.

@@ -127,6 +127,81 @@ TEST(NewmarkBossak, spectral_radius_at_infinity) {
   }
 }
 
+/// m = 1 with a spring and a force F that is constant over each step.
+struct PushedMass {
+  double u = 1, v = 0.3, a = 0, F = 0;  // a contains F
+
+  void step(const NewmarkBossak& scheme, double dt, double w2, double F_new) {
+    const double c = scheme.step_force_weight();
+    const double r =
+        c * F_new - (c - 1) * F - w2 * u - scheme.inertia(scheme.acceleration(0, v, a, dt), a);
+    const double du = r / (scheme.inertia_slope(dt) + w2);
+    const double a_new = scheme.acceleration(du, v, a, dt);
+    u += du;
+    v = scheme.velocity(a_new, v, a, dt) + dt * scheme.step_force_velocity() * (F_new - F);
+    a = a_new - scheme.step_force_acceleration() * (F_new - F);
+    F = F_new;
+  }
+};
+
+double some_force(int n) {
+  return std::sin(1.7 * n) + (n % 3 == 0 ? 2 : 0);
+}
+
+/// The defining equations, with the acceleration a_i of the spring kept apart from F.
+TEST(NewmarkBossak, step_force_has_weights_of_constant_acceleration) {
+  const double dt = 0.4, w2 = 3;
+  for (const auto& scheme :
+       {NewmarkBossak{}, NewmarkBossak::bossak(-0.2), NewmarkBossak::bossak(-1.0 / 3),
+        NewmarkBossak::generalized_alpha(0), NewmarkBossak{.beta = 0.5, .gamma = 1}}) {
+    PushedMass mass{.a = -w2};
+    double u = mass.u, v = mass.v, a_i = -w2;
+    for (int n = 0; n < 50; ++n) {
+      const double F = some_force(n);
+      mass.step(scheme, dt, w2, F);
+      const double guess =
+          u + dt * v + dt * dt * ((0.5 - scheme.beta) * a_i + 0.5 * F);  // + beta dt^2 a_i'
+      const double a_new =
+          -(w2 * guess + scheme.alpha_m * a_i) / (1 - scheme.alpha_m + w2 * scheme.beta * dt * dt);
+      u = guess + scheme.beta * dt * dt * a_new;
+      v += dt * ((1 - scheme.gamma) * a_i + scheme.gamma * a_new + F);
+      a_i = a_new;
+      EXPECT_NEAR(mass.u, u, 1e-12) << n;
+      EXPECT_NEAR(mass.v, v, 1e-12) << n;
+      EXPECT_NEAR(mass.a, a_i + F, 1e-12) << n;
+    }
+  }
+}
+
+TEST(NewmarkBossak, step_force_adds_its_work_and_its_impulse) {
+  const NewmarkBossak trapezoid;
+  for (const double w2 : {0.0, 0.1, 1e4}) {
+    PushedMass mass{.a = -w2};
+    for (int n = 0; n < 50; ++n) {
+      const PushedMass before = mass;
+      const auto energy = [w2](const PushedMass& m) { return 0.5 * (m.v * m.v + w2 * m.u * m.u); };
+      mass.step(trapezoid, 0.4, w2, some_force(n));
+      EXPECT_NEAR(energy(mass) - energy(before), mass.F * (mass.u - before.u),
+                  1e-13 * (1 + energy(before)));
+    }
+  }
+  for (const auto& scheme : {trapezoid, NewmarkBossak::bossak(-0.3)}) {
+    PushedMass mass;
+    for (int n = 0; n < 50; ++n) {
+      const double v = mass.v;
+      mass.step(scheme, 0.4, 0, some_force(n));
+      EXPECT_NEAR(mass.v - v, 0.4 * mass.F, 1e-13);
+    }
+  }
+}
+
+TEST(NewmarkBossak, step_force_needs_no_correction_with_constant_acceleration) {
+  const NewmarkBossak scheme{.beta = 0.5, .gamma = 1};
+  EXPECT_EQ(scheme.step_force_weight(), 1);
+  EXPECT_EQ(scheme.step_force_velocity(), 0);
+  EXPECT_EQ(scheme.step_force_acceleration(), 0);
+}
+
 TEST(NewmarkBossak, acceleration_and_velocity_are_exact_for_constant_acceleration) {
   const double v = 0.7, a = -1.3, dt = 0.2;
   for (const auto& scheme :

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/facet_contact.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gabion::mpm {
+
+namespace {
+
+// Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
+// step has to look again.
+constexpr double watched_share = 0.5;
+
+// A touch goes on in the next step where its normal turned by less than 60 degrees.
+constexpr double same_normal = 0.5;
+
+template <int dim>
+Matrix<dim> frame_of(const Vector<dim>& n) {
+  Matrix<dim> frame;
+  frame.col(0) = n;
+  if constexpr (dim == 2) {
+    frame.col(1) << -n[1], n[0];
+  } else {
+    frame.col(1) = n.unitOrthogonal();
+    frame.col(2) = n.cross(frame.col(1));
+  }
+  return frame;
+}
+
+template <int dim>
+Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
+  return v - n.dot(v) * n;
+}
+
+template <int dim>
+double largest_norm(const std::vector<Vector<dim>>& values) {
+  double largest = 0;
+  for (const auto& v : values) largest = std::max(largest, v.norm());
+  return largest;
+}
+
+}  // namespace
+
+template <int dim>
+FacetContact<dim>::FacetContact(const ContactSurface<dim>& surface, const ContactLaw& law)
+    : law_(law),
+      surface_(surface),
+      simplices_(simplices(surface)),
+      start_(surface.vertices),
+      end_(surface.vertices) {}
+
+template <int dim>
+double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
+  return watched_share * soil.cell_size + 2 * soil.dt * largest_norm<dim>(soil.points.v) +
+         2 * last_motion_;
+}
+
+template <int dim>
+void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
+  force_weight_ = soil.step_force_weight;
+  watched_ = watched_distance(soil);
+  candidates_.clear();
+  N_.clear();
+  grad_N_.clear();
+  nodes_.clear();
+  facing_.clear();
+  touches_.clear();
+  may_touch_ = false;
+  all_deform_ = std::find(soil.elastic.begin(), soil.elastic.end(), 0) == soil.elastic.end();
+  double widest = 0;
+  for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+    widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
+  }
+  const double margin = watched_ + std::pow(widest, 1.0 / dim);
+  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
+}
+
+template <int dim>
+void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash) {
+  for (const CellGroup& group : soil.weights.groups) {
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = soil.weights.point[e];
+      const auto near = hash.near(soil.points.x[p]);
+      const auto memory = memory_.find(soil.points.id[p]);
+      if (near.empty() && memory == memory_.end()) continue;
+      Candidate& c = candidates_.emplace_back();
+      c.id = soil.points.id[p];
+      c.x = soil.points.x[p];
+      c.deforms = soil.elastic[group.body] != 0;
+      c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
+      const auto shape = shape_.find(c.id);
+      c.shape = shape != shape_.end() ? shape->second
+                                      : Matrix<dim>(soil.points.depth[p] * Matrix<dim>::Identity());
+      if (memory != memory_.end()) c.memory = &memory->second;
+      add_values(soil, group, e);
+      list_facing(c, near);
+      const double speed = soil.points.v[p].norm() * soil.dt;
+      may_touch_ |= c.memory || c.distance < c.shape.norm() + 2 * speed + 0.05 * soil.cell_size +
+                                                 2 * last_motion_;
+    }
+  }
+}
+
+// Basis functions of the candidate added last.
+template <int dim>
+void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup& group,
+                                   std::int32_t entry) {
+  const PointWeights<dim>& weights = soil.weights;
+  const int n = weights.num_nodes(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
+  Candidate& c = candidates_.back();
+  c.first_value = static_cast<std::int32_t>(N_.size());
+  c.num_values = n;
+  N_.insert(N_.end(), weights.N_of(entry), weights.N_of(entry) + n);
+  grad_N_.insert(grad_N_.end(), grad, grad + n);
+  const auto group_nodes = weights.nodes_of(group);
+  for (int i = 0; i < n; ++i) nodes_.push_back(soil.nodes.active[group_nodes[local[i]]]);
+}
+
+// Only facets that a point is in front of can be touched by it: not those behind which it is, such
+// as the far side of a thin structure.
+template <int dim>
+void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> near) {
+  c.first_facing = static_cast<std::int32_t>(facing_.size());
+  c.distance = std::numeric_limits<double>::infinity();
+  for (const std::int32_t s : near) {
+    std::array<Vector<dim>, dim> corners;
+    for (int k = 0; k < dim; ++k) corners[k] = start_[simplices_[s][k]];
+    const double height = (c.x - corners[0]).dot(simplex_normal<dim>(corners));
+    if (height <= 0) continue;
+    facing_.push_back({s, height});
+    const auto place = closest_place<dim>(corners, c.x);
+    const double distance = (place.x - c.x).norm();
+    if (distance >= c.distance) continue;
+    c.distance = distance;
+    c.nearest = {.simplex = s, .weights = place.weights, .x = place.x};
+    c.nearest.normal = (c.x - place.x) / distance;
+  }
+  c.num_facing = static_cast<std::int32_t>(facing_.size()) - c.first_facing;
+}
+
+template <int dim>
+FacingSurface<dim> FacetContact<dim>::surface_of(const Candidate& c,
+                                                 std::span<const Vector<dim>> end) const {
+  return {.simplices = simplices_,
+          .start = start_,
+          .end = end,
+          .facing = std::span(facing_).subspan(c.first_facing, c.num_facing)};
+}
+
+template <int dim>
+void FacetContact<dim>::set_displacement(std::span<const double> displacement) {
+  surface_motion_ = 0;
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    end_[v] = surface_.vertices[v] + Eigen::Map<const Vector<dim>>(displacement.data() + v * dim);
+    surface_motion_ = std::max(surface_motion_, (end_[v] - start_[v]).norm());
+  }
+}
+
+template <int dim>
+Vector<dim> FacetContact<dim>::remembered_slip(const Candidate& c, const Vector<dim>& n) const {
+  if (!c.memory) return Vector<dim>::Zero();
+  const Memory* best = nullptr;
+  double largest = same_normal;
+  for (const Memory& memory : *c.memory) {
+    if (memory.normal.dot(n) <= largest) continue;
+    largest = memory.normal.dot(n);
+    best = &memory;
+  }
+  if (!best) return Vector<dim>::Zero();
+  const Vector<dim> turned = tangential<dim>(best->slip, n);
+  const double size = turned.norm();
+  return size > 0 ? Vector<dim>(turned * (best->slip.norm() / size)) : turned;
+}
+
+template <int dim>
+typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c,
+                                                              const SurfaceFeature<dim>& feature,
+                                                              const Vector<dim>& du,
+                                                              const Matrix<dim>& H) const {
+  const Vector<dim>& n = feature.normal;
+  Touch touch;
+  touch.feature = feature;
+  touch.radius = radius(c, n);
+  touch.area = c.volume / (2 * touch.radius);
+  const Vector<dim> stretch = -touch.radius * (H * n);
+  touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(stretch) : 0);
+  touch.motion = du + stretch;
+  touch.relative = touch.motion - surface_motion(feature);
+  touch.slip = remembered_slip(c, n) + tangential<dim>(touch.relative, n);
+  touch.frame = frame_of<dim>(n);
+  return touch;
+}
+
+template <int dim>
+void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const double> du) {
+  Candidate& c = candidates_[candidate];
+  Vector<dim> motion = Vector<dim>::Zero();
+  Matrix<dim> H = Matrix<dim>::Zero();
+  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
+    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
+    motion += N_[k] * du_k;
+    H += du_k * grad_N_[k].transpose();
+  }
+  c.motion = motion;
+  c.H = H;
+  const double reach = c.shape.norm() * (1 + H.norm());
+  if (c.distance - motion.norm() - surface_motion_ > reach) return;
+  find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
+  for (const auto& feature : features_) {
+    Touch touch = touch_at(c, feature, motion, H);
+    if (touch.gap >= 0) continue;
+    touch.candidate = candidate;
+    touches_.push_back(touch);
+  }
+}
+
+template <int dim>
+Vector<dim> FacetContact<dim>::gap_vector(const Touch& touch) {
+  Vector<dim> gap = touch.frame.transpose() * touch.slip;
+  gap[0] = touch.gap;
+  return gap;
+}
+
+template <int dim>
+void FacetContact<dim>::scatter(const Candidate& c, const Vector<dim>& d, const Vector<dim>& f,
+                                std::span<double> field) const {
+  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
+    Eigen::Map<Vector<dim>>(field.data() + std::ptrdiff_t{nodes_[k]} * dim) += weight(k, d) * f;
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slope,
+                                      BlockMatrix<dim>& K) const {
+  const Candidate& c = candidates_[touch.candidate];
+  const Vector<dim>& n = touch.feature.normal;
+  const Vector<dim> d = -touch.radius * n;
+  const Matrix<dim> by_motion =
+      force_weight_ * touch.area * (touch.frame * slope * touch.frame.transpose());
+  const Matrix<dim> by_gap = by_motion * n * n.transpose();
+  for (std::int32_t i = c.first_value; i < c.first_value + c.num_values; ++i) {
+    for (std::int32_t j = c.first_value; j < c.first_value + c.num_values; ++j) {
+      Matrix<dim> block = weight(j, d) * by_motion;
+      if (!c.deforms) block += (N_[j] - weight(j, d)) * by_gap;
+      K.add_block(nodes_[i], nodes_[j], weight(i, d) * block);
+    }
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
+                                   BlockMatrix<dim>* K) {
+  touches_.clear();
+  Matrix<dim> slope;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    find_touches(static_cast<std::int32_t>(k), du);
+  }
+  for (Touch& touch : touches_) {
+    const Candidate& c = candidates_[touch.candidate];
+    touch.traction = law_.traction<dim>(gap_vector(touch), K ? &slope : nullptr);
+    touch.force = touch.area * (touch.frame * touch.traction.t);
+    scatter(c, -touch.radius * touch.feature.normal, force_weight_ * touch.force, r);
+    if (K) add_stiffness(touch, slope, *K);
+  }
+  if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
+}
+
+template <int dim>
+void FacetContact<dim>::add_old_forces(double share, std::span<double> field) const {
+  for (const Candidate& c : candidates_) {
+    if (!c.memory) continue;
+    for (const Memory& memory : *c.memory) {
+      scatter(c, -radius(c, memory.normal) * memory.normal, share * memory.force, field);
+    }
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::add_step_force_change(std::span<double> f) const {
+  for (const Touch& touch : touches_) {
+    scatter(candidates_[touch.candidate], -touch.radius * touch.feature.normal, touch.force, f);
+  }
+  add_old_forces(-1, f);
+}
+
+template <int dim>
+std::vector<double> FacetContact<dim>::forces_on_structure() const {
+  std::vector<double> forces(start_.size() * dim, 0.0);
+  for (const Touch& touch : touches_) {
+    const Simplex<dim>& simplex = simplices_[touch.feature.simplex];
+    for (int k = 0; k < dim; ++k) {
+      Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{simplex[k]} * dim) -=
+          touch.feature.weights[k] * touch.force;
+    }
+  }
+  return forces;
+}
+
+template <int dim>
+typename Contact<dim>::Resultant FacetContact<dim>::resultant() const {
+  typename Contact<dim>::Resultant sum;
+  for (const Touch& touch : touches_) {
+    sum.force -= touch.force;
+    const Vector<dim>& x = touch.feature.x;
+    if constexpr (dim == 2) {
+      sum.moment[0] -= x[0] * touch.force[1] - x[1] * touch.force[0];
+    } else {
+      sum.moment -= x.cross(touch.force);
+    }
+  }
+  return sum;
+}
+
+template <int dim>
+double FacetContact<dim>::work_on_soil(std::span<const double>) const {
+  double work = 0;
+  for (const Touch& touch : touches_) work += touch.motion.dot(touch.force);
+  return work;
+}
+
+template <int dim>
+ContactCounts FacetContact<dim>::counts() const {
+  ContactCounts result;
+  for (const Touch& touch : touches_) {
+    ++result.closed;
+    result.sliding += touch.traction.sliding;
+    result.penetration = std::max(result.penetration, -touch.gap);
+  }
+  return result;
+}
+
+template <int dim>
+Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature) const {
+  Vector<dim> motion = Vector<dim>::Zero();
+  for (int k = 0; k < dim; ++k) {
+    const std::int32_t v = simplices_[feature.simplex][k];
+    motion += feature.weights[k] * (end_[v] - start_[v]);
+  }
+  return motion;
+}
+
+template <int dim>
+double FacetContact<dim>::approach_step(double dt, double margin) const {
+  double result = std::numeric_limits<double>::infinity();
+  for (const Candidate& c : candidates_) {
+    if (c.num_facing == 0) continue;
+    const Vector<dim>& n = c.nearest.normal;
+    const double closing = n.dot(surface_motion(c.nearest) - c.motion);
+    const double gap = c.distance - closing - radius(c, n);
+    if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
+  }
+  return result;
+}
+
+template <int dim>
+std::uint64_t FacetContact<dim>::active_set() const {
+  std::uint64_t name = 0;
+  for (const Touch& touch : touches_) {
+    const auto id = static_cast<std::uint64_t>(candidates_[touch.candidate].id) + 1;
+    name += (id ^ (id >> 7)) * std::uint64_t{0x9E3779B97F4A7C15};
+  }
+  return name;
+}
+
+template class FacetContact<2>;
+template class FacetContact<3>;
+
+}  // namespace gabion::mpm

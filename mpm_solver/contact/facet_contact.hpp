@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+
+#include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/contact/facet_hash.hpp"
+
+namespace gabion::mpm {
+
+/// Material points against the facets of a surface (docs/theory/interface.md). A point is a ball of
+/// radius R, half as wide as the soil that it stands for; it touches the surface where the distance
+/// of its centre y has a local minimum x_m below R:
+///
+///     g = (y - x_m) . n - R ,  y = x_p + sum_i w_i du_i ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
+///     d = -R n ,   f_i = w_i A t ,  on vertex v  -phi_v A t ,   A = V / (2 R)
+///
+/// w continues the functions of the point to its surface, whatever the basis: linear fields are
+/// met exactly, and force and place are those of both sides. Penetration and friction follow
+/// ContactLaw. The force F of a step is constant in it (NewmarkBossak::step_force_weight): contact
+/// then takes energy or keeps it, at any stiffness and dt.
+///
+/// Each rank carries its own material points.
+/// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
+///      facets
+template <int dim>
+class FacetContact final : public Contact<dim> {
+ public:
+  FacetContact(const ContactSurface<dim>& surface, const ContactLaw& law);
+
+  void begin_step(const SoilSurface<dim>& soil) override;
+  bool can_touch() const override { return may_touch_; }
+  bool symmetric() const override { return all_deform_ && !law_.has_friction(); }
+  /// A point's nodes are those of its group already.
+  void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
+
+  void set_displacement(std::span<const double> displacement) override;
+  void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
+  bool is_step_force() const override { return true; }
+  void add_step_force_change(std::span<double> f) const override;
+
+  std::vector<double> forces_on_structure() const override;
+  typename Contact<dim>::Resultant resultant() const override;
+  double work_on_soil(std::span<const double> du) const override;
+  ContactCounts counts() const override;
+  double approach_step(double dt, double margin) const override;
+  std::uint64_t active_set() const override;
+  bool may_have_missed(double largest) const override {
+    return largest + surface_motion_ > watched_;
+  }
+
+  void accept() override;
+  ContactEnergy energy() const override { return energy_; }
+  void visit_state(StateVisitor& visitor, const std::string& prefix) override;
+
+ private:
+  /// What a point remembers of a place where it touched in the accepted state.
+  struct Memory {
+    Vector<dim> normal = Vector<dim>::Zero();
+    Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
+    Vector<dim> slip = Vector<dim>::Zero();   // elastic, tangential [m]
+  };
+  /// A point that may touch in the step.
+  struct Candidate {
+    std::int64_t id = 0;
+    Vector<dim> x = Vector<dim>::Zero();
+    Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
+    double volume = 0;
+    bool deforms = false;  // the ball is strained like the soil; else it is rigid
+    double distance = 0;   // to the nearest facet at the start
+    std::int32_t first_value = 0, num_values = 0;
+    std::int32_t first_facing = 0, num_facing = 0;
+    SurfaceFeature<dim> nearest{};             // at the start
+    Vector<dim> motion = Vector<dim>::Zero();  // in the step
+    Matrix<dim> H = Matrix<dim>::Zero();       // its gradient
+    const std::vector<Memory>* memory = nullptr;
+  };
+  /// A place where a point touches.
+  struct Touch {
+    std::int32_t candidate = 0;
+    SurfaceFeature<dim> feature;
+    double radius = 0, area = 0;
+    double gap = 0;
+    Vector<dim> motion = Vector<dim>::Zero();    // of the soil in the step
+    Vector<dim> slip = Vector<dim>::Zero();      // elastic, before the friction limit
+    Vector<dim> relative = Vector<dim>::Zero();  // motion of the soil against the surface
+    ContactTraction<dim> traction{};             // in the frame
+    Matrix<dim> frame = Matrix<dim>::Identity();
+    Vector<dim> force = Vector<dim>::Zero();  // on the soil
+  };
+
+  double watched_distance(const SoilSurface<dim>& soil) const;
+  void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
+  void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
+  void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
+  double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
+  FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
+  Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
+  static Vector<dim> gap_vector(const Touch& touch);
+  void add_old_forces(double share, std::span<double> field) const;
+  void visit_shapes(StateVisitor& visitor, const std::string& prefix);
+  void visit_memory(StateVisitor& visitor, const std::string& prefix);
+  void find_touches(std::int32_t candidate, std::span<const double> du);
+  Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature, const Vector<dim>& du,
+                 const Matrix<dim>& H) const;
+  Vector<dim> remembered_slip(const Candidate& c, const Vector<dim>& n) const;
+  void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
+  double weight(std::int32_t value, const Vector<dim>& d) const {
+    return N_[value] + grad_N_[value].dot(d);
+  }
+  void scatter(const Candidate& c, const Vector<dim>& d, const Vector<dim>& f,
+               std::span<double> field) const;
+
+  ContactLaw law_;
+  ContactSurface<dim> surface_;
+  std::vector<Simplex<dim>> simplices_;
+  std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
+  std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
+  std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
+  double last_motion_ = 0;                              // surface_motion_ of the accepted step
+
+  // the step under way
+  std::vector<Candidate> candidates_;
+  std::vector<double> N_;
+  std::vector<Vector<dim>> grad_N_;
+  std::vector<std::int32_t> nodes_;  // active ones
+  std::vector<FacingSimplex> facing_;
+  std::vector<Touch> touches_;
+  std::vector<SurfaceFeature<dim>> features_;
+  double force_weight_ = 1;
+  double surface_motion_ = 0;  // largest of a vertex in the step [m]
+  double watched_ = 0;         // soil and surface may move by this much together in the step [m]
+  bool may_touch_ = false;
+  bool all_deform_ = false;
+  ContactEnergy energy_;  // accepted
+};
+
+}  // namespace gabion::mpm

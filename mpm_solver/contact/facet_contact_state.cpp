@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The accepted state of a contact by facets.
+#include <utility>
+
+#include "mpm_solver/contact/facet_contact.hpp"
+#include "mpm_solver/points/flat.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+void FacetContact<dim>::accept() {
+  double work = 0, stored = 0, slid = 0;
+  memory_.clear();
+  for (const Touch& touch : touches_) {
+    const Vector<dim>& n = touch.feature.normal;
+    const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
+    Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
+    if (law_.mode == ContactMode::contact) {
+      memory.slip = -pull / (touch.area * law_.tangential_penalty());
+      slid -= pull.dot(touch.slip - memory.slip);
+      stored += 0.5 * touch.area * law_.tangential_penalty() * memory.slip.squaredNorm();
+    }
+    stored += 0.5 * touch.area * law_.penalty * touch.gap * touch.gap;
+    work -= touch.force.dot(touch.relative);
+    memory_[candidates_[touch.candidate].id].push_back(memory);
+  }
+  energy_.add_step(work, stored, slid);
+  shape_.clear();
+  for (const Candidate& c : candidates_) {
+    if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
+  }
+  start_ = end_;
+  last_motion_ = surface_motion_;
+  candidates_.clear();  // they refer to the memory before
+  touches_.clear();
+}
+
+template <int dim>
+void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& prefix) {
+  std::vector<std::int64_t> ids;
+  std::vector<double> values;
+  for (const auto& [id, touches] : memory_) {
+    for (const Memory& memory : touches) {
+      ids.push_back(id);
+      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) {
+        values.insert(values.end(), v.begin(), v.end());
+      }
+    }
+  }
+  visitor.list(prefix + "touch_ids", ids);
+  visitor.list(prefix + "touches", values);
+  memory_.clear();
+  const auto vector = [&](std::size_t k) {
+    return Vector<dim>(Eigen::Map<const Vector<dim>>(values.data() + k * dim));
+  };
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    memory_[ids[k]].push_back(
+        {.normal = vector(3 * k), .force = vector(3 * k + 1), .slip = vector(3 * k + 2)});
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::visit_shapes(StateVisitor& visitor, const std::string& prefix) {
+  std::vector<std::int64_t> ids;
+  std::vector<double> values;
+  for (const auto& [id, shape] : shape_) {
+    ids.push_back(id);
+    values.insert(values.end(), shape.data(), shape.data() + shape.size());
+  }
+  visitor.list(prefix + "shape_ids", ids);
+  visitor.list(prefix + "shapes", values);
+  shape_.clear();
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    shape_[ids[k]] = Eigen::Map<const Matrix<dim>>(values.data() + k * dim * dim);
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
+  visitor.reals(prefix + "vertices", flat(start_));
+  visitor.real(prefix + "last_motion", last_motion_);
+  visit_memory(visitor, prefix);
+  visit_shapes(visitor, prefix);
+  const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
+                                                      {"friction", &energy_.friction},
+                                                      {"loss", &energy_.loss},
+                                                      {"created", &energy_.created}};
+  for (const auto& [name, value] : energies) visitor.real(prefix + name, *value);
+}
+
+template class FacetContact<2>;
+template class FacetContact<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/surface_features.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace gabion::mpm {
+
+namespace {
+
+// Two places whose distances from a point differ by less than this share are equally near.
+constexpr double same_distance = 1e-9;
+
+template <int dim>
+std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,
+                                        std::span<const Vector<dim>> vertices) {
+  std::array<Vector<dim>, dim> corners;
+  for (int k = 0; k < dim; ++k) corners[k] = vertices[simplex[k]];
+  return corners;
+}
+
+/// A simplex at the end of the step, with what a point sees of it.
+template <int dim>
+struct Sight {
+  std::int32_t simplex = 0;
+  ClosestPlace<dim> place;
+  Vector<dim> normal = Vector<dim>::Zero();
+  double height = 0;    // of the point above the plane
+  double distance = 0;  // of the closest place
+  bool crossed = false;
+};
+
+template <int dim>
+bool has_vertex(const Simplex<dim>& simplex, std::int32_t vertex) {
+  return std::find(simplex.begin(), simplex.end(), vertex) != simplex.end();
+}
+
+// Whether simplex b has all vertices of a that carry a's closest place.
+template <int dim>
+bool shares_place(const Simplex<dim>& a, const ClosestPlace<dim>& place, const Simplex<dim>& b) {
+  for (int k = 0; k < dim; ++k) {
+    if (place.weights[k] > 0 && !has_vertex<dim>(b, a[k])) return false;
+  }
+  return true;
+}
+
+/// A point that goes from x to y, and its heights above the plane of a simplex there.
+template <int dim>
+struct Way {
+  Vector<dim> x, y;
+  double start_height = 0, end_height = 0;
+};
+
+// Whether the way of a point, relative to the simplex, goes through it.
+template <int dim>
+bool way_crosses(const std::array<Vector<dim>, dim>& start, const std::array<Vector<dim>, dim>& end,
+                 const Way<dim>& way) {
+  const double t = way.start_height / (way.start_height - way.end_height);
+  std::array<Vector<dim>, dim> corners;
+  for (int k = 0; k < dim; ++k) corners[k] = (1 - t) * start[k] + t * end[k];
+  const Vector<dim> at = (1 - t) * way.x + t * way.y;
+  double size = 0;
+  for (int k = 1; k < dim; ++k) size = std::max(size, (corners[k] - corners[0]).norm());
+  return (closest_place<dim>(corners, at).x - at).norm() <= 1e-6 * size;
+}
+
+template <int dim>
+Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& facing,
+                    const Vector<dim>& x, const Vector<dim>& y) {
+  const Simplex<dim>& simplex = surface.simplices[facing.simplex];
+  const auto corners = corners_of<dim>(simplex, surface.end);
+  Sight<dim> sight;
+  sight.simplex = facing.simplex;
+  sight.place = closest_place<dim>(corners, y);
+  sight.normal = simplex_normal<dim>(corners);
+  sight.height = (y - corners[0]).dot(sight.normal);
+  sight.distance = (y - sight.place.x).norm();
+  if (sight.height <= 0) {
+    const Way<dim> way{.x = x, .y = y, .start_height = facing.height, .end_height = sight.height};
+    sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, way);
+  }
+  return sight;
+}
+
+// A place on an edge or corner is no minimum when a simplex that shares it has a nearer one.
+template <int dim>
+bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
+                const std::vector<Sight<dim>>& all) {
+  const Simplex<dim>& own = surface.simplices[sight.simplex];
+  return std::none_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
+    return other.distance < (1 - same_distance) * sight.distance &&
+           shares_place<dim>(own, sight.place, surface.simplices[other.simplex]);
+  });
+}
+
+template <int dim>
+SurfaceFeature<dim> feature_of(const Sight<dim>& sight, const Vector<dim>& y) {
+  SurfaceFeature<dim> feature{.simplex = sight.simplex,
+                              .weights = sight.place.weights,
+                              .x = sight.place.x,
+                              .normal = sight.normal,
+                              .distance = sight.height};
+  if (sight.height > 0 && sight.place.num_corners() < dim) {
+    feature.distance = sight.distance;
+    feature.normal = (y - sight.place.x) / sight.distance;
+  }
+  return feature;
+}
+
+template <int dim>
+bool is_new(const SurfaceFeature<dim>& feature, const std::vector<SurfaceFeature<dim>>& known,
+            double size) {
+  return std::none_of(known.begin(), known.end(), [&](const SurfaceFeature<dim>& other) {
+    return (feature.x - other.x).norm() <= 1e-6 * size &&
+           (feature.normal - other.normal).norm() <= 1e-6;
+  });
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface) {
+  std::vector<Simplex<dim>> result;
+  const std::size_t n = num_nodes(surface.facet_type);
+  for (std::size_t f = 0; f < surface.facets.size(); f += n) {
+    const std::int32_t* v = surface.facets.data() + f;
+    if constexpr (dim == 2) {
+      result.push_back({v[0], v[1]});
+    } else {
+      result.push_back({v[0], v[1], v[2]});
+      if (n == 4) result.push_back({v[0], v[2], v[3]});
+    }
+  }
+  return result;
+}
+
+template <int dim>
+Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners) {
+  const Vector<dim> edge = corners[1] - corners[0];
+  if constexpr (dim == 2) {
+    return Vector<2>(edge[1], -edge[0]).normalized();
+  } else {
+    return edge.cross(corners[2] - corners[0]).normalized();
+  }
+}
+
+template <int dim>
+int ClosestPlace<dim>::num_corners() const {
+  return static_cast<int>(
+      std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }));
+}
+
+namespace {
+
+std::array<double, 2> weights_on_segment(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
+  const Vector<2> edge = c[1] - c[0];
+  const double t = std::clamp((y - c[0]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+  return {1 - t, t};
+}
+
+// Voronoi regions of a triangle: corners, edges, inside.
+std::array<double, 3> weights_on_triangle(const std::array<Vector<3>, 3>& c, const Vector<3>& y) {
+  const Vector<3> ab = c[1] - c[0], ac = c[2] - c[0];
+  const double d1 = ab.dot(y - c[0]), d2 = ac.dot(y - c[0]);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const double d3 = ab.dot(y - c[1]), d4 = ac.dot(y - c[1]);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double d5 = ab.dot(y - c[2]), d6 = ac.dot(y - c[2]);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double at_c = d1 * d4 - d3 * d2, at_b = d5 * d2 - d1 * d6, at_a = d3 * d6 - d5 * d4;
+  if (at_c <= 0 && d1 >= 0 && d3 <= 0) {
+    const double t = d1 / (d1 - d3);
+    return {1 - t, t, 0};
+  }
+  if (at_b <= 0 && d2 >= 0 && d6 <= 0) {
+    const double t = d2 / (d2 - d6);
+    return {1 - t, 0, t};
+  }
+  if (at_a <= 0 && d4 >= d3 && d5 >= d6) {
+    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - t, t};
+  }
+  const double sum = at_a + at_b + at_c;
+  return {at_a / sum, at_b / sum, at_c / sum};
+}
+
+}  // namespace
+
+template <int dim>
+ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& y) {
+  ClosestPlace<dim> place;
+  if constexpr (dim == 2) {
+    place.weights = weights_on_segment(corners, y);
+  } else {
+    place.weights = weights_on_triangle(corners, y);
+  }
+  for (int k = 0; k < dim; ++k) place.x += place.weights[k] * corners[k];
+  return place;
+}
+
+template <int dim>
+void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
+                   double reach, std::vector<SurfaceFeature<dim>>& features) {
+  features.clear();
+  thread_local std::vector<Sight<dim>> sights;
+  sights.clear();
+  const Sight<dim>* behind = nullptr;
+  for (const FacingSimplex& facing : surface.facing) {
+    sights.push_back(sight_of<dim>(surface, facing, x, y));
+  }
+  for (const Sight<dim>& sight : sights) {
+    const bool over = sight.height > 0 && sight.distance < reach;
+    const bool under = sight.height <= 0 && (sight.crossed || sight.place.num_corners() == dim);
+    if (under && (!behind || sight.height > behind->height)) behind = &sight;
+    if (!over || !is_minimum<dim>(surface, sight, sights)) continue;
+    const auto feature = feature_of<dim>(sight, y);
+    if (is_new<dim>(feature, features, reach)) features.push_back(feature);
+  }
+  if (behind) features.assign(1, feature_of<dim>(*behind, y));
+}
+
+template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);
+template std::vector<Simplex<3>> simplices<3>(const ContactSurface<3>&);
+template Vector<2> simplex_normal<2>(const std::array<Vector<2>, 2>&);
+template Vector<3> simplex_normal<3>(const std::array<Vector<3>, 3>&);
+template struct ClosestPlace<2>;
+template struct ClosestPlace<3>;
+template ClosestPlace<2> closest_place<2>(const std::array<Vector<2>, 2>&, const Vector<2>&);
+template ClosestPlace<3> closest_place<3>(const std::array<Vector<3>, 3>&, const Vector<3>&);
+template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&, double,
+                               std::vector<SurfaceFeature<2>>&);
+template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&, double,
+                               std::vector<SurfaceFeature<3>>&);
+
+}  // namespace gabion::mpm

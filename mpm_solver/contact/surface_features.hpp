@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/tensor.hpp"
+#include "mpm_solver/contact/contact_settings.hpp"
+
+namespace gabion::mpm {
+
+/// A segment (2D) or triangle (3D) of a surface: its vertices, in the order that gives the normal
+/// into the soil. Quadrilaterals are two triangles.
+template <int dim>
+using Simplex = std::array<std::int32_t, dim>;
+
+template <int dim>
+std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface);
+
+/// Normal of length 1 of a simplex with these corners.
+template <int dim>
+Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners);
+
+/// The place of a simplex that is closest to y.
+template <int dim>
+struct ClosestPlace {
+  std::array<double, dim> weights{};    ///< of the corners, >= 0
+  Vector<dim> x = Vector<dim>::Zero();  ///< where it is [m]
+  /// Number of corners with a weight: dim inside of the simplex, less on its edges and corners.
+  int num_corners() const;
+};
+
+/// @see Ericson (2005), Real-time collision detection, section 5.1
+template <int dim>
+ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& y);
+
+/// A place of a surface where its distance to a point has a local minimum.
+template <int dim>
+struct SurfaceFeature {
+  std::int32_t simplex = 0;
+  std::array<double, dim> weights{};         ///< of its corners
+  Vector<dim> x = Vector<dim>::Zero();       ///< where it is [m]
+  Vector<dim> normal = Vector<dim>::Zero();  ///< from there to the point, of length 1
+  double distance = 0;                       ///< [m], < 0: the point is behind the surface
+};
+
+/// A simplex that a point may touch in a step, seen from the point at the start of the step.
+struct FacingSimplex {
+  std::int32_t simplex = 0;
+  double height = 0;  ///< of the point above its plane [m], > 0
+};
+
+/// Positions of the surface and the simplices that faced a point when a step began.
+template <int dim>
+struct FacingSurface {
+  std::span<const Simplex<dim>> simplices;
+  std::span<const Vector<dim>> start;  ///< of the vertices at the start of the step [m]
+  std::span<const Vector<dim>> end;    ///< at its end [m]
+  std::span<const FacingSimplex> facing;
+};
+
+/// The features of a surface that are nearer than `reach` to a point that came from x to y, or that
+/// its way went through. Inside corners have several; of features behind which the point is, the
+/// least deep one counts.
+/// @param features  cleared first
+template <int dim>
+void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
+                   double reach, std::vector<SurfaceFeature<dim>>& features);
+
+}  // namespace gabion::mpm

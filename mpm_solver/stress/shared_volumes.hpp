@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+#include "mpm_solver/grid/basis.hpp"
+
+namespace gabion::mpm {
+
+/// Let the points of each group (those of one body in one cell or patch, on all ranks) have one
+/// volumetric strain, so that what they remember of other cells does not stay in them:
+///
+///     theta_p = tr eps_p + gap_p ,   theta = ln (sum_p V_p / sum_p V_p exp(-theta_p)) ,
+///     eps_p <- eps_p + (theta - theta_p) / 3 ,   J_p <- J_p exp(theta - theta_p) ,
+///
+/// eps Hencky's elastic strain and gap what has opened at the apex. The group keeps its present
+/// volume and, sum_p V_p exp(-theta_p), the one at which it is free of stress. The law returns the
+/// new strain to its surface. Averaged increments (AveragedForces) keep one strain in a group; only
+/// points that enter it, dilate or forget what they opened are changed here.
+///
+/// @pre   the points are located; those outside the grid (cell -1) are left as they are
+/// @returns elastic energy of all ranks' points that is lost by it [J]
+/// @note  Collective.
+template <int dim>
+double share_volumes(MPI_Comm comm, const std::vector<Body<dim>>& bodies,
+                     const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/yielding_points.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "mpm_solver/stress/cell_forces.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// dP/dH of linear elasticity [Pa].
+template <int dim>
+Tangent<dim> elastic_tangent(const MaterialLaw<dim>& law) {
+  const auto [M, mu] = std::visit(
+      [](const auto& model) { return std::pair(model.p_wave_modulus(), model.shear_modulus()); },
+      law);
+  Tangent<dim> A = Tangent<dim>::Zero();
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) {
+      A(i * dim + i, j * dim + j) += M - 2 * mu;
+      A(i * dim + j, i * dim + j) += mu;
+      A(i * dim + j, j * dim + i) += mu;
+    }
+  }
+  return A;
+}
+
+}  // namespace
+
+template <int dim>
+void YieldingPoints<dim>::add(const std::vector<YieldRegion>& region) {
+  yielded_.resize(region.size(), false);
+  for (std::size_t e = 0; e < region.size(); ++e) {
+    if (region[e] != YieldRegion::elastic) yielded_[e] = true;
+  }
+}
+
+template <int dim>
+bool YieldingPoints<dim>::any() const {
+  return std::find(yielded_.begin(), yielded_.end(), true) != yielded_.end();
+}
+
+template <int dim>
+void YieldingPoints<dim>::add_stiffness(double share, const StressParts<dim>& parts,
+                                        BlockMatrix<dim>& K) const {
+  if (!any()) return;
+  const PointWeights<dim>& weights = parts.weights;
+  CellForces<dim> sum;
+  for (std::size_t g = 0; g < weights.groups.size(); ++g) {
+    const CellGroup& group = weights.groups[g];
+    const auto first = yielded_.begin() + group.first, last = yielded_.begin() + group.last;
+    if (std::find(first, last, true) == last) continue;
+    const Tangent<dim> A = share * elastic_tangent<dim>(parts.bodies[group.body].material.law);
+    sum.set_zero(group.num_nodes, true);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      if (!yielded_[e]) continue;
+      const std::int32_t row = weights.constant_gradient ? group.first : e;
+      sum.add_tangent(weights.num_nodes(row), weights.local_of(row), group.num_nodes,
+                      parts.points.V0[weights.point[e]] * A, weights.grad_of(row));
+    }
+    K.add_cell(static_cast<std::int32_t>(g), sum.K);
+  }
+}
+
+template class YieldingPoints<2>;
+template class YieldingPoints<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/stress/point_stress.hpp"
+
+namespace gabion::mpm {
+
+/// The material points of one rank that yielded in any trial state since a solution is sought.
+/// Their stress has kinks, at the apex between full stiffness and none: where Newton's method may
+/// need a brace (NewtonProblem::brace).
+template <int dim>
+class YieldingPoints {
+ public:
+  /// A new solution is sought.
+  void forget() { yielded_.clear(); }
+  /// The stresses were evaluated. @param region  of each entry of PointWeights
+  void add(const std::vector<YieldRegion>& region);
+  bool any() const;
+  /// Add `share` of the elastic stiffness of these points to K, at small strain.
+  void add_stiffness(double share, const StressParts<dim>& parts, BlockMatrix<dim>& K) const;
+
+ private:
+  std::vector<bool> yielded_;  // of each entry; empty: nothing was evaluated
+};
+
+}  // namespace gabion::mpm

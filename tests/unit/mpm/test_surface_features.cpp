@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/surface_features.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mpm_solver/contact/facet_hash.hpp"
+#include "tests/unit/mpm/soil_patch.hpp"
+
+namespace gabion::test {
+namespace {
+
+using mpm::ContactSurface;
+using mpm::FacingSimplex;
+using mpm::Simplex;
+using mpm::SurfaceFeature;
+
+/// All simplices of a surface at rest, faced from x.
+template <int dim>
+struct Sighted {
+  std::vector<Simplex<dim>> simplices;
+  std::vector<Vector<dim>> vertices;
+  std::vector<FacingSimplex> facing;
+
+  Sighted(const ContactSurface<dim>& surface, const Vector<dim>& x)
+      : simplices(mpm::simplices(surface)), vertices(surface.vertices) {
+    for (std::size_t s = 0; s < simplices.size(); ++s) {
+      std::array<Vector<dim>, dim> corners;
+      for (int k = 0; k < dim; ++k) corners[k] = vertices[simplices[s][k]];
+      const double height = (x - corners[0]).dot(mpm::simplex_normal<dim>(corners));
+      if (height > 0) facing.push_back({static_cast<std::int32_t>(s), height});
+    }
+  }
+};
+
+template <int dim>
+std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, const Vector<dim>& x,
+                                          const Vector<dim>& y, double reach) {
+  const Sighted<dim> seen(surface, x);
+  std::vector<SurfaceFeature<dim>> found;
+  mpm::find_features<dim>({.simplices = seen.simplices,
+                           .start = seen.vertices,
+                           .end = seen.vertices,
+                           .facing = seen.facing},
+                          x, y, reach, found);
+  return found;
+}
+
+/// A wall 0.2 thick from the ground to the height 1, soil on all sides.
+ContactSurface<2> thin_wall() {
+  return {.vertices = {{1.2, 0}, {1.2, 1}, {1, 1}, {1, 0}},
+          .facet_type = CellType::line2,
+          .facets = {0, 1, 1, 2, 2, 3}};
+}
+
+/// By brute force: no place of the simplex, sampled finely, is closer.
+template <int dim>
+void check_closest_place() {
+  Random random;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::array<Vector<dim>, dim> corners;
+    for (auto& corner : corners) corner = random.vector<dim>();
+    const Vector<dim> y = 2 * random.vector<dim>();
+    const auto place = mpm::closest_place<dim>(corners, y);
+    double sum = 0;
+    for (const double w : place.weights) {
+      EXPECT_GE(w, 0);
+      sum += w;
+    }
+    EXPECT_NEAR(sum, 1, 1e-14);
+    for (int sample = 0; sample < 200; ++sample) {
+      Vector<dim> x = Vector<dim>::Zero();
+      double total = 0;
+      std::array<double, dim> w;
+      for (double& value : w) total += value = std::abs(random()) + 1e-9;
+      for (int k = 0; k < dim; ++k) x += w[k] / total * corners[k];
+      EXPECT_LE((place.x - y).norm(), (x - y).norm() + 1e-14);
+    }
+  }
+}
+
+TEST(SurfaceFeatures, the_closest_place_of_a_simplex) {
+  check_closest_place<2>();
+  check_closest_place<3>();
+}
+
+TEST(SurfaceFeatures, a_face_gives_its_normal_and_height) {
+  const auto found = features<2>(thin_wall(), {0.8, 0.5}, {0.97, 0.4}, 0.1);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].distance, 0.03, 1e-15);
+  EXPECT_LT((found[0].normal - Vector<2>(-1, 0)).norm(), 1e-15);
+  EXPECT_LT((found[0].x - Vector<2>(1, 0.4)).norm(), 1e-15);
+}
+
+TEST(SurfaceFeatures, at_a_convex_corner_the_normal_turns_smoothly) {
+  const Vector<2> corner(1, 1);
+  for (const double angle : {0.51, 0.6, 0.75, 0.9, 0.99}) {  // of pi: from the top to the left
+    const Vector<2> n(std::cos(angle * M_PI), std::sin(angle * M_PI));
+    const auto found = features<2>(thin_wall(), corner + 0.2 * n, corner + 0.05 * n, 0.1);
+    ASSERT_EQ(found.size(), 1U) << angle;
+    EXPECT_NEAR(found[0].distance, 0.05, 1e-14);
+    EXPECT_LT((found[0].normal - n).norm(), 1e-12);
+  }
+}
+
+TEST(SurfaceFeatures, an_inside_corner_touches_twice) {
+  const ContactSurface<2> valley{
+      .vertices = {{1, 1}, {0, 0}, {-1, 1}}, .facet_type = CellType::line2, .facets = {0, 1, 1, 2}};
+  const auto found = features<2>(valley, {0, 0.5}, {0, 0.1}, 0.2);
+  ASSERT_EQ(found.size(), 2U);
+  for (const auto& feature : found) EXPECT_NEAR(feature.distance, 0.1 / std::sqrt(2), 1e-14);
+  EXPECT_NEAR(found[0].normal.dot(found[1].normal), 0, 1e-14);
+}
+
+/// A vertex between two segments in line is one place, not two.
+TEST(SurfaceFeatures, a_seam_of_a_plane_counts_once) {
+  const ContactSurface<2> line{
+      .vertices = {{2, 0}, {1, 0}, {0, 0}}, .facet_type = CellType::line2, .facets = {0, 1, 1, 2}};
+  for (const double x : {0.99, 1.0, 1.01}) {
+    EXPECT_EQ(features<2>(line, {x, 0.5}, {x, 0.1}, 0.2).size(), 1U) << x;
+  }
+  ContactSurface<3> plate{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                          .facet_type = CellType::quad4,
+                          .facets = {0, 1, 2, 3}};
+  for (const double x : {0.3, 0.5, 0.6}) {  // 0.5: on the diagonal
+    const auto found = features<3>(plate, {x, 0.5, 0.5}, {x, 0.5, 0.1}, 0.2);
+    ASSERT_EQ(found.size(), 1U) << x;
+    EXPECT_LT((found[0].normal - Vector<3>(0, 0, 1)).norm(), 1e-14);
+  }
+}
+
+TEST(SurfaceFeatures, a_point_that_flew_through_a_thin_wall_is_behind_the_side_that_it_came_from) {
+  for (const double height : {0.5, 0.95}) {
+    const auto found = features<2>(thin_wall(), {0.9, height}, {1.6, height + 0.3}, 0.05);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_LT((found[0].normal - Vector<2>(-1, 0)).norm(), 1e-15);
+    EXPECT_NEAR(found[0].distance, -0.6, 1e-14);
+  }
+  EXPECT_TRUE(features<2>(thin_wall(), {0.9, 1.2}, {1.6, 1.3}, 0.05).empty());  // over its top
+}
+
+TEST(SurfaceFeatures, the_hash_finds_all_that_are_near) {
+  Random random;
+  std::vector<Vector<3>> vertices;
+  for (int v = 0; v < 60; ++v) vertices.push_back(random.vector<3>());
+  std::vector<Simplex<3>> triangles;
+  for (std::int32_t s = 0; s < 20; ++s) triangles.push_back({3 * s, 3 * s + 1, 3 * s + 2});
+  constexpr double margin = 0.1;
+  const mpm::FacetHash<3> hash(triangles, vertices, margin);
+  int found = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vector<3> x = 1.2 * random.vector<3>();
+    const auto near = hash.near(x);
+    for (std::int32_t s = 0; s < 20; ++s) {
+      std::array<Vector<3>, 3> corners;
+      for (int k = 0; k < 3; ++k) corners[k] = vertices[triangles[s][k]];
+      if ((mpm::closest_place<3>(corners, x).x - x).norm() > margin) continue;
+      ++found;
+      EXPECT_NE(std::find(near.begin(), near.end(), s), near.end());
+    }
+  }
+  EXPECT_GT(found, 100);
+}
+
+}  // namespace
+}  // namespace gabion::test

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// V8: a bar (E, density, L; nu = 0, smooth walls on its sides) that flies against a rigid wall:
+/// sigma = rho c v0, time of contact 2 L / c, rebound with -v0.
+constexpr double E = 1e6, density = 1e3, L = 1, v0 = 0.1;
+const double c = std::sqrt(E / density), contact_time = 2 * L / c;
+
+Json flying_bar(int cells, double penalty_factor) {
+  const double h = L / cells;
+  return {{"dimension", 2},
+          {"grid", box({-2 * h, 0}, {L + 6 * h, h}, {cells + 8, 1}, "quad4")},
+          {"basis", "linear"},
+          {"walls", {wall("bottom", "slip"), wall("top", "slip")}},
+          {"bodies",
+           {body("bar", box({0.3 * h, 0}, {L + 0.3 * h, h}, {cells, 1}, "quad4"), 4,
+                 elastic_soil("linear_elastic", E, 0, density), {-v0, 0})}},
+          {"time_integration", trapezoid},
+          {"newton", exact_newton},
+          {"rigid_walls",
+           {{{"name", "wall"},
+             {"method", "facets"},
+             {"surface", {{"polyline", {{0, 0}, {0, h}}}, {"spacing", h}}},
+             {"mode", "slip"},
+             {"penalty_factor", penalty_factor}}}}};
+}
+
+double energy(const Solver& solver) {
+  return probe(solver, "kinetic_energy") + probe(solver, "elastic_energy") +
+         probe(solver, "contact_energy");
+}
+
+/// Contact cannot make energy, over four decades of the step size and of the penalty.
+TEST(Facets, a_bar_that_hits_a_wall_gains_no_energy) {
+  constexpr int cells = 10;
+  const double h = L / cells;
+  for (const double courant : {0.05, 0.5, 5.0, 50.0}) {
+    for (const double factor : {0.2, 20.0, 2000.0}) {
+      const auto solver = make_mpm(flying_bar(cells, factor));
+      const double dt = courant * h / c, start = energy(*solver);
+      const int steps = static_cast<int>(std::ceil((1.3 * contact_time + 0.3 * h / v0) / dt));
+      double largest = 0;
+      for (int n = 1; n <= steps; ++n) {
+        run_steps(*solver, dt, 1, n);
+        largest = std::max(largest, energy(*solver));
+      }
+      const std::string what = fmt::format("Courant number {}, penalty_factor {}", courant, factor);
+      EXPECT_LT(largest, (1 + 1e-7) * start) << what;  // Newton leaves 1e-10 a step
+      EXPECT_LT(probe(*solver, "contact_created"), 1e-10 * start) << what;
+      EXPECT_LT(std::abs(probe(*solver, "energy_balance")), 1e-9 * start) << what;
+      EXPECT_LT(std::abs(probe(*solver, "momentum_error_x")), 1e-9 * density * L * h * v0) << what;
+      EXPECT_GT(probe(*solver, "momentum_x"), 0) << what;  // it came back
+    }
+  }
+}
+
+TEST(Facets, a_bar_that_hits_a_wall) {
+  constexpr int cells = 40;
+  const double h = L / cells, dt = contact_time / 400;
+  const auto solver = make_mpm(flying_bar(cells, 20));
+  const double arrival = 0.3 * h / v0;
+  double impulse = 0, plateau = 0, time_on_plateau = 0;
+  for (int n = 1; n * dt < arrival + 1.3 * contact_time; ++n) {
+    run_steps(*solver, dt, 1, n);
+    const double force = -probe(*solver, "wall.fx");
+    impulse += dt * force;
+    const double t = (n * dt - arrival) / contact_time;
+    if (t < 0.2 || t > 0.8) continue;
+    plateau += dt * force;
+    time_on_plateau += dt;
+  }
+  EXPECT_EQ(probe(*solver, "wall.fx"), 0);  // it left
+  verify({.id = "V8",
+          .what = "bar on a rigid wall by facets, contact stress, 2D, 40 cells",
+          .exact = density * c * v0,
+          .computed = plateau / time_on_plateau / h,
+          .bound = 0.01,
+          .unit = "Pa"});
+  verify({.id = "V8",
+          .what = "bar on a rigid wall by facets, impulse by force as a time, 2D, 40 cells",
+          .exact = contact_time,
+          .computed = impulse / h / (density * c * v0),
+          .bound = 0.03,
+          .unit = "s",
+          .limitation =
+              "linear cells disperse the wave front: part of the energy stays in vibration"});
+}
+
+/// V9: an elastic block on an incline of 30 degrees, placed `above` it; gravity is turned instead.
+struct Slide {
+  double speed, settled, pitch;
+};
+Slide slide(double mu, double above, double wall_height) {
+  const double angle = M_PI / 6, g = 9.81, low = wall_height + above;
+  const auto solver = make_mpm(
+      {{"dimension", 2},
+       {"grid", box({0, 0}, {2, 1}, {20, 10}, "quad4")},
+       {"basis", "linear"},
+       {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
+       {"bodies",
+        {body("block", box({0.53, low}, {1.03, low + 0.3}, {10, 6}, "quad4"), 4,
+              elastic_soil("neo_hookean", 1e7, 0.2, 1000))}},
+       {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
+       {"probes",
+        {{{"name", "tail"}, {"point", {0.55, low + 0.02}}},
+         {{"name", "nose"}, {"point", {1.01, low + 0.02}}}}},
+       {"rigid_walls",
+        {{{"name", "incline"},
+          {"method", "facets"},
+          {"surface", {{"polyline", {{2, wall_height}, {0, wall_height}}}, {"spacing", 0.1}}},
+          {"friction", mu}}}}});
+  run_steps(*solver, 5e-4, 400);
+  const double tail = probe(*solver, "tail.uy"), nose = probe(*solver, "nose.uy");
+  return {probe(*solver, "momentum_x") / probe(*solver, "mass"), -0.5 * (tail + nose),
+          (nose - tail) / 0.46};
+}
+
+TEST(Facets, block_on_an_incline) {
+  for (const double wall_height :
+       {0.1, 0.15, 0.17}) {  // on a line of the grid, in mid-cell, between
+    for (const double mu : {0.0, 0.3}) {
+      const Slide found = slide(mu, 0, wall_height);
+      verify({.id = "V9",
+              .what = fmt::format("block on an incline by facets, mu = {}, wall at {} m, speed "
+                                  "after 0.2 s",
+                                  mu, wall_height),
+              .exact = 9.81 * (0.5 - mu * std::sqrt(0.75)) * 0.2,
+              .computed = found.speed,
+              .bound = 2e-3,
+              .unit = "m/s"});
+      EXPECT_LT(std::abs(found.pitch), 1e-3) << mu << " " << wall_height;
+    }
+  }
+}
+
+/// Soil does not hover: a block comes down by the gap that it was placed with.
+TEST(Facets, a_block_above_a_plane_comes_down_to_it) {
+  for (const double above : {3e-3, 9e-3}) {
+    EXPECT_NEAR(slide(0.3, above, 0.15).settled, above, 3e-4) << above;
+  }
+}
+
+/// Soil that flies at 20 m/s at a wall of a fifth of a cell, half a cell or two in a step.
+TEST(Facets, nothing_passes_through_a_thin_wall) {
+  for (const double dt : {0.0025, 0.01}) {
+    const auto solver = mpm_solver<2>(
+        {{"dimension", 2},
+         {"grid", box({0, 0}, {4, 2}, {40, 20}, "quad4")},
+         {"basis", "linear"},
+         {"bodies",
+          {body("shot", box({0.4, 0.8}, {0.7, 1.1}, {3, 3}, "quad4"), 4,
+                elastic_soil("neo_hookean", 1e7, 0.2, 1000), {20, 3})}},
+         {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
+         {"newton", {{"max_iterations", 50}}},
+         {"rigid_walls",
+          {{{"name", "wall"},
+            {"method", "facets"},
+            {"surface",
+             {{"polyline", {{1.52, 0}, {1.52, 2}, {1.5, 2}, {1.5, 0}}}, {"spacing", 0.1}}},
+            {"friction", 0.3}}}}});
+    run_steps(*solver, dt, static_cast<int>(std::lround(0.06 / dt)));
+    double farthest = 0;
+    for (const auto& x : solver->points().x) farthest = std::max(farthest, x[0]);
+    EXPECT_LT(farthest, 1.5) << dt;
+    EXPECT_LT(probe(*solver, "momentum_x"), 0) << dt;  // it was thrown back
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
