@@ -40,7 +40,7 @@ ContactLaw read_contact_law(ConfigReader& in, bool facets, double penalty_unit) 
   if (in.has("penalty")) {
     law.penalty = in.number("penalty");
   } else {
-    law.penalty = penalty_unit * in.number_or("penalty_factor", facets ? 20 : 0.5);
+    law.penalty = penalty_unit * in.number_or("penalty_factor", facets ? 2 : 0.5);
   }
   if (in.has("friction")) {
     if (law.mode != ContactMode::contact) {

@@ -32,7 +32,7 @@ std::vector<Key> boundary_keys() {
       key::number("penalty_factor", "",
                   "Penalty times the mean cell size over the largest P-wave modulus of the bodies.")
           .in(positive())
-          .or_computed("20; 0.5 with `boundary_points`")
+          .or_computed("2; 0.5 with `boundary_points`")
           .without("penalty"),
       key::number("friction", "", "Coefficient of friction; none: it sticks.")
           .in(non_negative())
