@@ -36,6 +36,23 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
   EXPECT_EQ(make_mpm(valid_3d())->interfaces().size(), 0u);
 }
 
+TEST(MpmConfig, keys_of_contact_by_facets) {
+  Json json = valid();
+  Json& interface = json["interfaces"][0];
+  interface["method"] = "facets";
+  const auto settings = mpm_settings<2>(json);
+  const double M = 1e5 * 0.7 / (1.3 * 0.4);
+  EXPECT_NEAR(settings.interfaces.at(0).law.penalty, 2 * M / 0.25, 1e-6 * M);
+  EXPECT_EQ(settings.interfaces[0].law.tangential_share, 0.5);
+  EXPECT_TRUE(std::holds_alternative<mpm::FacetSettings>(settings.interfaces[0].method));
+  EXPECT_EQ(mpm::interface_mesh(settings.interfaces[0]).force_kind, ForceKind::step_mean);
+  interface["mode"] = "fixed";
+  expect_refused(json, {"/interfaces/0/mode", "fixed", "facets", "allowed: contact, slip"});
+  interface["mode"] = "contact";
+  interface["gap"] = "step";
+  expect_refused(json, {"/interfaces/0/gap"});
+}
+
 TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   const TemporaryScene folder("mpm.json", valid());
   const Scene scene(folder.path(), {});
@@ -520,7 +537,8 @@ TEST(MpmConfig, probe_columns) {
                 "mass",           "kinetic_energy", "elastic_energy",      "momentum_x",
                 "momentum_y",     "front",          "plastic_dissipation", "time_damping",
                 "transfer_loss",  "wall_loss",      "gravity_work",        "boundary_work",
-                "energy_balance", "created_energy", "momentum_error_x",    "momentum_error_y",
+                "energy_balance", "created_energy", "contact_energy",      "contact_friction",
+                "contact_loss",   "contact_created", "momentum_error_x",   "momentum_error_y",
                 "A.ux",           "A.uy",           "wall.bottom.fx",      "wall.bottom.fy",
                 "wall.left.fx",   "wall.left.fy"}));
   EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);

@@ -6,15 +6,21 @@
 namespace gabion::test {
 namespace {
 
+struct RankCase {
+  std::string basis, cells, locking = "none", small_cuts = "none", contact = "boundary_points";
+  int steps = 10;
+};
+
 /// The same steps on all ranks together and on each rank alone.
-void check_ranks(const std::string& basis, const std::string& cells, const std::string& locking,
-                 const std::string& small_cuts = "none", int steps = 10) {
-  SCOPED_TRACE(basis + " " + cells + " " + locking + " " + small_cuts);
+void check_ranks(const RankCase& given) {
+  SCOPED_TRACE(given.basis + " " + given.cells + " " + given.locking + " " + given.small_cuts +
+               " " + given.contact);
   Json json = pushed();
-  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, cells);
-  json["basis"] = basis;
-  json["locking"] = {{"method", locking}};
-  json["small_cuts"] = {{"method", small_cuts}};
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, given.cells);
+  json["basis"] = given.basis;
+  json["locking"] = {{"method", given.locking}};
+  json["small_cuts"] = {{"method", given.small_cuts}};
+  json["interfaces"][0]["method"] = given.contact;
   json["newton"] = exact_newton;
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
@@ -22,7 +28,7 @@ void check_ranks(const std::string& basis, const std::string& cells, const std::
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   EXPECT_EQ(shared->probe_names(), alone->probe_names());
   InterfaceValues together, single;
-  for (int n = 1; n <= steps; ++n) {
+  for (int n = 1; n <= given.steps; ++n) {
     const StepRequest request{n, 0, (n - 1) * 0.002, 0.002};
     shared->solve_step(request, plate_at(0.002 * n), together);
     alone->solve_step(request, plate_at(0.002 * n), single);
@@ -46,21 +52,27 @@ void check_ranks(const std::string& basis, const std::string& cells, const std::
 }
 
 TEST(MpmRanks, number_of_ranks_does_not_change_the_result) {
-  check_ranks("linear", "tri3", "none");
-  check_ranks("gimp", "quad4", "none");
-  check_ranks("bspline", "quad4", "none");
+  check_ranks({.basis = "linear", .cells = "tri3"});
+  check_ranks({.basis = "gimp", .cells = "quad4"});
+  check_ranks({.basis = "bspline", .cells = "quad4"});
 }
 
 TEST(MpmRanks, number_of_ranks_does_not_change_the_cures_of_small_cuts) {
-  check_ranks("linear", "tri3", "none", "ghost", 3);
-  check_ranks("linear", "tri3", "none", "mass_cutoff", 3);
+  check_ranks({.basis = "linear", .cells = "tri3", .small_cuts = "ghost", .steps = 3});
+  check_ranks({.basis = "linear", .cells = "tri3", .small_cuts = "mass_cutoff", .steps = 3});
+}
+
+/// Each rank meets the surface with its own material points.
+TEST(MpmRanks, number_of_ranks_does_not_change_the_contact_by_facets) {
+  check_ranks({.basis = "linear", .cells = "tri3", .contact = "facets"});
+  check_ranks({.basis = "gimp", .cells = "quad4", .contact = "facets"});
 }
 
 /// Groups whose points are on several ranks are averaged over all of them.
 TEST(MpmRanks, number_of_ranks_does_not_change_averaged_volumes) {
-  check_ranks("linear", "tri3", "fbar");
-  check_ranks("linear", "quad4", "fbar");
-  check_ranks("gimp", "quad4", "fbar");
+  check_ranks({.basis = "linear", .cells = "tri3", .locking = "fbar"});
+  check_ranks({.basis = "linear", .cells = "quad4", .locking = "fbar"});
+  check_ranks({.basis = "gimp", .cells = "quad4", .locking = "fbar"});
 }
 
 }  // namespace

@@ -80,8 +80,8 @@ TEST(RigidWalls, bad_input) {
   expect_refused(with({{"rotation", {{"centre", {0, 0}}}}}),
                  {"/rigid_walls/0/motion/rotation/rate"});
   Json json = walled();
-  json["rigid_walls"][0]["method"] = "boundary_points";
-  expect_refused(json, {"/rigid_walls/0/method", "unknown"});
+  json["rigid_walls"][0]["method"] = "mortar";
+  expect_refused(json, {"/rigid_walls/0/method", "mortar", "boundary_points, facets"});
   json = walled();
   json["rigid_walls"].push_back(json["rigid_walls"][0]);
   expect_refused(json, {"/rigid_walls/1/name", "ram", "second time"});
