@@ -532,15 +532,32 @@ TEST(MpmConfig, probe_columns) {
   Json json = valid();
   json["probes"] = {{{"name", "A"}, {"point", {1.0, 0.5}}}};
   const auto solver = make_mpm(json);
-  EXPECT_EQ(solver->probe_names(),
-            (std::vector<std::string>{
-                "mass",           "kinetic_energy", "elastic_energy",      "momentum_x",
-                "momentum_y",     "front",          "plastic_dissipation", "time_damping",
-                "transfer_loss",  "wall_loss",      "gravity_work",        "boundary_work",
-                "energy_balance", "created_energy", "contact_energy",      "contact_friction",
-                "contact_loss",   "contact_created", "momentum_error_x",   "momentum_error_y",
-                "A.ux",           "A.uy",           "wall.bottom.fx",      "wall.bottom.fy",
-                "wall.left.fx",   "wall.left.fy"}));
+  EXPECT_EQ(solver->probe_names(), (std::vector<std::string>{"mass",
+                                                             "kinetic_energy",
+                                                             "elastic_energy",
+                                                             "momentum_x",
+                                                             "momentum_y",
+                                                             "front",
+                                                             "plastic_dissipation",
+                                                             "time_damping",
+                                                             "transfer_loss",
+                                                             "wall_loss",
+                                                             "gravity_work",
+                                                             "boundary_work",
+                                                             "energy_balance",
+                                                             "created_energy",
+                                                             "contact_energy",
+                                                             "contact_friction",
+                                                             "contact_loss",
+                                                             "contact_created",
+                                                             "momentum_error_x",
+                                                             "momentum_error_y",
+                                                             "A.ux",
+                                                             "A.uy",
+                                                             "wall.bottom.fx",
+                                                             "wall.bottom.fy",
+                                                             "wall.left.fx",
+                                                             "wall.left.fy"}));
   EXPECT_NEAR(probe(*solver, "mass"), 500, 1e-10);
   EXPECT_GT(probe(*solver, "front"), 0.9);
 }
