@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact.hpp"
 
-#include <algorithm>
-
 #include "mpm_solver/contact/boundary_points.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
 
 void ContactEnergy::add_step(double work, double stored_now, double slid) {
-  const double lost = work - (stored_now - stored) - slid;
-  stored = stored_now;
+  loss += work - (stored_now - stored) - slid;
   friction += slid;
-  loss += lost;
-  created += std::max(0.0, -lost);
+  stored = stored_now;
 }
 
 namespace {

@@ -42,7 +42,6 @@ struct ContactEnergy {
   double stored = 0;    ///< in the penalty springs, can come back
   double friction = 0;  ///< dissipated by sliding, since the start
   double loss = 0;      ///< taken by impacts and the time law since the start, less what they gave
-  double created = 0;   ///< sum of the steps in which `loss` fell
 
   /// @param work    of soil and surface on the contact in a step
   /// @param stored_now, slid  energy at its end, friction in it

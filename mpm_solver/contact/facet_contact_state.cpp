@@ -81,10 +81,8 @@ void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visitor.real(prefix + "last_motion", last_motion_);
   visit_memory(visitor, prefix);
   visit_shapes(visitor, prefix);
-  const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
-                                                      {"friction", &energy_.friction},
-                                                      {"loss", &energy_.loss},
-                                                      {"created", &energy_.created}};
+  const std::pair<const char*, double*> energies[] = {
+      {"stored", &energy_.stored}, {"friction", &energy_.friction}, {"loss", &energy_.loss}};
   for (const auto& [name, value] : energies) visitor.real(prefix + name, *value);
 }
 

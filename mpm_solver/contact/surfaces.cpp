@@ -141,16 +141,15 @@ double Surfaces<dim>::approach_step(double step, double margin) const {
 
 template <int dim>
 ContactEnergy Surfaces<dim>::energy() const {
-  double sums[4] = {};
+  double sums[3] = {};
   for (const auto& contact : contacts_) {
     const ContactEnergy own = contact->energy();
     sums[0] += own.stored;
     sums[1] += own.friction;
     sums[2] += own.loss;
-    sums[3] += own.created;
   }
   sum_over_ranks(comm_, std::span<double>(sums));
-  return {.stored = sums[0], .friction = sums[1], .loss = sums[2], .created = sums[3]};
+  return {.stored = sums[0], .friction = sums[1], .loss = sums[2]};
 }
 
 template <int dim>

@@ -234,7 +234,7 @@ std::vector<double> Ledger<dim>::values() const {
   const double balance = own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_;
   std::vector<double> values = {
       plastic_, time_damping_, transfer_loss_,  wall_loss_,        body_work_,    boundary_work_,
-      balance,  created_,      contact_.stored, contact_.friction, contact_.loss, contact_.created};
+      balance,  created_,      contact_.stored, contact_.friction, contact_.loss, contact_created_};
   const Vector<dim> error = totals_.momentum + removed_.momentum - totals_start_.momentum -
                             body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
@@ -270,7 +270,7 @@ void Ledger<dim>::visit_state(StateVisitor& visitor) {
                                                   {"contact_stored", &contact_.stored},
                                                   {"contact_friction", &contact_.friction},
                                                   {"contact_loss", &contact_.loss},
-                                                  {"contact_created", &contact_.created}};
+                                                  {"contact_created", &contact_created_}};
   for (const auto& [name, value] : sums) visitor.real(std::string("ledger.") + name, *value);
 }
 

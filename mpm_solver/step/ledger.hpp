@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,7 +55,10 @@ class Ledger {
   void add_step(const StepBalance<dim>& step, const NewmarkBossak& scheme, double dt,
                 double dissipated, const MaterialPoints<dim>& points);
   /// @param energy  of all contacts at the end of the step
-  void set_contact_energy(const ContactEnergy& energy) { contact_ = energy; }
+  void set_contact_energy(const ContactEnergy& energy) {
+    contact_created_ += std::max(0.0, contact_.loss - energy.loss);
+    contact_ = energy;
+  }
 
   /// Points were taken out of the accepted state; they keep what they had, as if it were still
   /// here.
@@ -87,6 +91,7 @@ class Ledger {
   Force body_, boundary_, walls_;
   PointTotals<dim> removed_;  // front has no meaning
   ContactEnergy contact_;
+  double contact_created_ = 0;  // sum of the steps in which its loss fell
   double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;
   double body_work_ = 0, boundary_work_ = 0;
   double lowest_energy_ = 0, created_ = 0;
