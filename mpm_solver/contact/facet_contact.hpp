@@ -12,8 +12,9 @@ namespace gabion::mpm {
 /// radius R, half as wide as the soil that it stands for; it touches the surface where the distance
 /// of its centre y has a local minimum x_m below R:
 ///
-///     g = (y - x_m) . n - R ,  y = x_p + sum_i w_i du_i ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
-///     d = -R n ,   f_i = w_i A t ,  on vertex v  -phi_v A t ,   A = V / (2 R)
+///     g = (y - x_m) . n - R ,  y = x_p + sum_i N_i du_i (+ H d where the body is elastic) ,
+///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
+///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
 /// w continues the functions of the point to its surface, whatever the basis: linear fields are
 /// met exactly, and force and place are those of both sides. Penetration and friction follow
