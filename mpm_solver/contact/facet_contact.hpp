@@ -9,8 +9,8 @@
 namespace gabion::mpm {
 
 /// Material points against the facets of a surface (docs/theory/interface.md). A point is a ball of
-/// radius R, half as wide as the soil that it stands for; it touches the surface where the distance
-/// of its centre y has a local minimum x_m below R:
+/// radius R, as deep as the point lies in the cell that it was laid in; it touches the surface where
+/// the distance of its centre y has a local minimum x_m below R:
 ///
 ///     g = (y - x_m) . n - R ,  y = x_p + sum_i N_i du_i (+ H d where the body is elastic) ,
 ///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
@@ -19,7 +19,7 @@ namespace gabion::mpm {
 /// w continues the functions of the point to its surface, whatever the basis: linear fields are
 /// met exactly, and force and place are those of both sides. Penetration and friction follow
 /// ContactLaw. The force F of a step is constant in it (NewmarkBossak::step_force_weight): contact
-/// then takes energy or keeps it, at any stiffness and dt.
+/// of elastic bodies then takes energy or keeps it, at any stiffness and dt.
 ///
 /// Each rank carries its own material points.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
