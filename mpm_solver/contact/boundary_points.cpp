@@ -146,13 +146,7 @@ typename Contact<dim>::Resultant BoundaryPoints<dim>::resultant() const {
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
     if (!b.trial.closed) continue;
-    const Vector<dim> force = -b.area * (b.frame * b.trial.t);
-    sum.force += force;
-    if constexpr (dim == 2) {
-      sum.moment[0] += b.x[0] * force[1] - b.x[1] * force[0];
-    } else {
-      sum.moment += b.x.cross(force);
-    }
+    sum.add(b.x, -b.area * (b.frame * b.trial.t));
   }
   return sum;
 }

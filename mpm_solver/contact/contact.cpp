@@ -39,8 +39,9 @@ InterfaceMesh interface_mesh(const ContactSettings<dim>& settings) {
   InterfaceMesh mesh;
   mesh.name = settings.name;
   mesh.dim = dim;
-  if (std::holds_alternative<FacetSettings>(settings.method))
+  if (std::holds_alternative<FacetSettings>(settings.method)) {
     mesh.force_kind = ForceKind::step_mean;
+  }
   mesh.vertices_per_facet = num_nodes(settings.surface.facet_type);
   for (const auto& x : settings.surface.vertices) {
     mesh.coordinates.insert(mesh.coordinates.end(), x.data(), x.data() + dim);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -87,6 +89,15 @@ class Contact {
   struct Resultant {
     Vector<dim> force = Vector<dim>::Zero();                                 ///< [N]
     Vector<dim == 2 ? 1 : 3> moment = Vector < dim == 2 ? 1 : 3 > ::Zero();  ///< [N m]
+
+    void add(const Vector<dim>& x, const Vector<dim>& f) {
+      force += f;
+      if constexpr (dim == 2) {
+        moment[0] += x[0] * f[1] - x[1] * f[0];
+      } else {
+        moment += x.cross(f);
+      }
+    }
   };
   virtual Resultant resultant() const = 0;
   /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
@@ -100,9 +111,9 @@ class Contact {
   virtual void add_step_force_change(std::span<double>) const {}
   /// Names the set of places that are closed; equal sets, equal names.
   virtual std::uint64_t active_set() const { return 0; }
-  /// Whether soil or surface moved farther than begin_step looked ahead.
-  /// @param largest  displacement of a material point of this rank in the step [m]
-  virtual bool may_have_missed(double) const { return false; }
+  /// How far a material point of this rank may move in the step before begin_step has not looked
+  /// far enough ahead [m]; infinite: the method does not look ahead.
+  virtual double allowed_way() const { return std::numeric_limits<double>::infinity(); }
   /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
   /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite
   /// when it comes no nearer.

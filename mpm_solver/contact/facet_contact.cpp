@@ -128,8 +128,7 @@ void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> 
   c.first_facing = static_cast<std::int32_t>(facing_.size());
   c.distance = std::numeric_limits<double>::infinity();
   for (const std::int32_t s : near) {
-    std::array<Vector<dim>, dim> corners;
-    for (int k = 0; k < dim; ++k) corners[k] = start_[simplices_[s][k]];
+    const auto corners = corners_of<dim>(simplices_[s], start_);
     const double height = (c.x - corners[0]).dot(simplex_normal<dim>(corners));
     if (height <= 0) continue;
     facing_.push_back({s, height});
@@ -304,15 +303,7 @@ std::vector<double> FacetContact<dim>::forces_on_structure() const {
 template <int dim>
 typename Contact<dim>::Resultant FacetContact<dim>::resultant() const {
   typename Contact<dim>::Resultant sum;
-  for (const Touch& touch : touches_) {
-    sum.force -= touch.force;
-    const Vector<dim>& x = touch.feature.x;
-    if constexpr (dim == 2) {
-      sum.moment[0] -= x[0] * touch.force[1] - x[1] * touch.force[0];
-    } else {
-      sum.moment -= x.cross(touch.force);
-    }
-  }
+  for (const Touch& touch : touches_) sum.add(touch.feature.x, -touch.force);
   return sum;
 }
 

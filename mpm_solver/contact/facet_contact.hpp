@@ -9,8 +9,8 @@
 namespace gabion::mpm {
 
 /// Material points against the facets of a surface (docs/theory/interface.md). A point is a ball of
-/// radius R, as deep as the point lies in the cell that it was laid in; it touches the surface where
-/// the distance of its centre y has a local minimum x_m below R:
+/// radius R, as deep as the point lies in the cell that it was laid in; it touches the surface
+/// where the distance of its centre y has a local minimum x_m below R:
 ///
 ///     g = (y - x_m) . n - R ,  y = x_p + sum_i N_i du_i (+ H d where the body is elastic) ,
 ///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
@@ -46,9 +46,7 @@ class FacetContact final : public Contact<dim> {
   ContactCounts counts() const override;
   double approach_step(double dt, double margin) const override;
   std::uint64_t active_set() const override;
-  bool may_have_missed(double largest) const override {
-    return largest + surface_motion_ > watched_;
-  }
+  double allowed_way() const override { return watched_ - surface_motion_; }
 
   void accept() override;
   ContactEnergy energy() const override { return energy_; }

@@ -12,14 +12,6 @@ namespace {
 // Two places whose distances from a point differ by less than this share are equally near.
 constexpr double same_distance = 1e-9;
 
-template <int dim>
-std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,
-                                        std::span<const Vector<dim>> vertices) {
-  std::array<Vector<dim>, dim> corners;
-  for (int k = 0; k < dim; ++k) corners[k] = vertices[simplex[k]];
-  return corners;
-}
-
 /// A simplex at the end of the step, with what a point sees of it.
 template <int dim>
 struct Sight {

@@ -19,6 +19,15 @@ using Simplex = std::array<std::int32_t, dim>;
 template <int dim>
 std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface);
 
+/// Its corners, for vertices at these positions.
+template <int dim>
+std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,
+                                        std::span<const Vector<dim>> vertices) {
+  std::array<Vector<dim>, dim> corners;
+  for (int k = 0; k < dim; ++k) corners[k] = vertices[simplex[k]];
+  return corners;
+}
+
 /// Normal of length 1 of a simplex with these corners.
 template <int dim>
 Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/base/error.hpp"
@@ -65,9 +66,15 @@ void Surfaces<dim>::move_walls(double time) {
 }
 
 template <int dim>
+bool Surfaces<dim>::look_ahead() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const auto& contact) { return std::isfinite(contact->allowed_way()); });
+}
+
+template <int dim>
 void Surfaces<dim>::refuse_misses(double largest) const {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    if (max_over_ranks(comm_, contacts_[k]->may_have_missed(largest) ? 1 : 0) == 0) continue;
+    if (max_over_ranks(comm_, largest > contacts_[k]->allowed_way() ? 1 : 0) == 0) continue;
     const bool wall = k >= interfaces_.size();
     throw ConvergenceError(
         fmt::format("soil and \"{}\" move too far in one step to know where they touch",

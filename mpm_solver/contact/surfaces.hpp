@@ -32,6 +32,8 @@ class Surfaces {
   /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
   /// @param largest  displacement of a material point of this rank in the step [m]
   void refuse_misses(double largest) const;
+  /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
+  bool look_ahead() const;
   InterfaceValues forces_on_structure() const;
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;

@@ -14,8 +14,10 @@ NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<con
   const auto& v = equilibrium.start_velocity();
   const auto& a = equilibrium.start_acceleration();
   std::vector<double> jump = equilibrium.step_force_change();  // of acceleration
-  for (std::size_t k = 0; parts.with_inertia && k < jump.size(); ++k) jump[k] /= m[k / dim];
-  parts.walls.project(jump);
+  if (parts.with_inertia && !jump.empty()) {
+    for (std::size_t k = 0; k < jump.size(); ++k) jump[k] /= m[k / dim];
+    parts.walls.project(jump);
+  }
   NodalMotion<dim> motion;
   motion.du.resize(n);
   motion.v_new.assign(n, Vector<dim>::Zero());
@@ -26,8 +28,9 @@ NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<con
       motion.du[i][d] = du[k];
       if (!parts.with_inertia) continue;
       motion.a_new[i][d] = scheme.acceleration(du[k], v[k], a[k], parts.dt);
-      motion.v_new[i][d] = scheme.velocity(motion.a_new[i][d], v[k], a[k], parts.dt) +
-                           parts.dt * scheme.step_force_velocity() * jump[k];
+      motion.v_new[i][d] = scheme.velocity(motion.a_new[i][d], v[k], a[k], parts.dt);
+      if (jump.empty()) continue;
+      motion.v_new[i][d] += parts.dt * scheme.step_force_velocity() * jump[k];
       motion.a_new[i][d] -= scheme.step_force_acceleration() * jump[k];
     }
   }

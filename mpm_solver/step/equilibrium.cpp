@@ -70,12 +70,12 @@ void Equilibrium<dim>::remember_start_forces() {
 
 template <int dim>
 std::vector<double> Equilibrium<dim>::step_force_change() const {
-  std::vector<double> change(r_before_walls_.size(), 0.0);
   const auto& contacts = parts_.contacts;
   if (std::none_of(contacts.begin(), contacts.end(),
                    [](const auto& contact) { return contact->is_step_force(); })) {
-    return change;
+    return {};
   }
+  std::vector<double> change(r_before_walls_.size(), 0.0);
   for (const auto& contact : contacts) contact->add_step_force_change(change);
   sum_over_ranks(parts_.comm, std::span<double>(change));
   return change;
@@ -83,8 +83,9 @@ std::vector<double> Equilibrium<dim>::step_force_change() const {
 
 template <int dim>
 std::vector<Vector<dim>> Equilibrium<dim>::wall_forces() const {
-  std::vector<double> r = r_before_walls_;
   const std::vector<double> change = step_force_change();
+  if (change.empty()) return parts_.walls.forces(r_before_walls_);
+  std::vector<double> r = r_before_walls_;
   const double extra = parts_.with_inertia ? parts_.scheme.step_force_weight() - 1 : 0;
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= extra * change[k];
   return parts_.walls.forces(r);

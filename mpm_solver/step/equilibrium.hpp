@@ -84,7 +84,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Force of the soil on each wall in the state of the last evaluation [N]. @note Collective.
   std::vector<Vector<dim>> wall_forces() const;
   /// F - F_o of the step forces of all contacts, see NewmarkBossak::step_force_weight: num_nodes x
-  /// dim [N]. @note Collective.
+  /// dim [N]; empty where no contact has one. @note Collective.
   std::vector<double> step_force_change() const;
 
  private:

@@ -201,7 +201,7 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
     state_.surfaces.move_walls(request.time + request.dt);
     const NewtonReport newton = solve_balance(request, begins);
     if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
-    if (!state_.surfaces.contacts().empty()) {
+    if (state_.surfaces.look_ahead()) {
       state_.surfaces.refuse_misses(
           largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du_)));
     }
