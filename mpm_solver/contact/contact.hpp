@@ -109,8 +109,6 @@ class Contact {
   virtual bool is_step_force() const { return false; }
   /// A step force: add F - F_o, its change since the step before, to a nodal field [N].
   virtual void add_step_force_change(std::span<double>) const {}
-  /// Names the set of places that are closed; equal sets, equal names.
-  virtual std::uint64_t active_set() const { return 0; }
   /// How far a material point of this rank may move in the step before begin_step has not looked
   /// far enough ahead [m]; infinite: the method does not look ahead.
   virtual double allowed_way() const { return std::numeric_limits<double>::infinity(); }

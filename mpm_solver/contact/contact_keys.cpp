@@ -14,14 +14,16 @@ std::vector<Key> boundary_keys() {
       key::choice(
           "mode", {"fixed", "contact", "slip"},
           "`contact`: pushes, never pulls, and sticks or slides by `friction`; `slip`: pushes "
-          "in normal direction only; `fixed`: holds in all directions, in tension too.")
+          "in normal direction only; `fixed`: holds in all directions, in tension too, by the "
+          "method "
+          "`boundary_points`.")
           .or_else("contact"),
       key::choice(
           "method", {"boundary_points", "facets"},
           "`facets`: material points against the facets of the surface, by the distance between "
           "them; `boundary_points`: points on the surface that hold the grid, from the moment soil "
           "comes into their cell.")
-          .or_else("boundary_points"),
+          .or_else("facets"),
       key::choice(
           "gap", {"accumulated", "step"},
           "What the penalty acts on: `accumulated`: the gap since soil came near; `step`: the "
@@ -32,8 +34,14 @@ std::vector<Key> boundary_keys() {
       key::number("penalty_factor", "",
                   "Penalty times the mean cell size over the largest P-wave modulus of the bodies.")
           .in(positive())
-          .or_computed("2; 0.5 with `boundary_points`")
+          .or_else(0.5)
           .without("penalty"),
+      key::number("onset", "",
+                  "Depth over the mean cell size in which the penalty grows from zero to its full "
+                  "value.")
+          .in(between(1e-6, 1))
+          .or_else(0.05)
+          .when("method", {"facets"}),
       key::number("friction", "", "Coefficient of friction; none: it sticks.")
           .in(non_negative())
           .or_none()

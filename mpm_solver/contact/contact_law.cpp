@@ -3,6 +3,18 @@
 
 namespace gabion::mpm {
 
+double ContactLaw::stored(double depth) const {
+  if (!(depth > 0)) return 0;
+  if (depth < onset) return penalty * depth * depth * depth / (6 * onset);
+  return penalty * (depth * depth / 2 - onset * depth / 2 + onset * onset / 6);
+}
+
+ContactLaw::Normal ContactLaw::normal(double gap) const {
+  if (mode == ContactMode::fixed) return {-penalty * gap, penalty};
+  if (-gap < onset) return {penalty * gap * gap / (2 * onset), -penalty * gap / onset};
+  return {penalty * (-gap - onset / 2), penalty};
+}
+
 template <int dim>
 ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* slope) const {
   ContactTraction<dim> result;
@@ -10,11 +22,15 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   if (slope) slope->setZero();
   if (!result.closed) return result;
 
-  Vector<dim> eps = Vector<dim>::Constant(tangential_penalty());
-  eps[0] = penalty;
+  const Normal normal_part = normal(gap[0]);
+  const double tangential = tangential_penalty();
   Vector<dim>& t = result.t;
-  t = -eps.cwiseProduct(gap);
-  if (slope) *slope = eps.asDiagonal();
+  t = -tangential * gap;
+  t[0] = normal_part.traction;
+  if (slope) {
+    slope->diagonal().setConstant(tangential);
+    (*slope)(0, 0) = normal_part.slope;
+  }
   const double mu = mode == ContactMode::slip ? 0 : friction;
   if (mode == ContactMode::fixed || mu < 0) return result;
 
@@ -27,9 +43,9 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   t.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();
   if (!slope) return result;
   *slope *= limit / size;
-  *slope -= eps[dim - 1] * (limit / size) * direction * direction.transpose();
-  slope->col(0) = mu * eps[0] * direction;
-  (*slope)(0, 0) = eps[0];
+  *slope -= tangential * (limit / size) * direction * direction.transpose();
+  slope->col(0) = mu * normal_part.slope * direction;
+  (*slope)(0, 0) = normal_part.slope;
   return result;
 }
 

@@ -69,7 +69,6 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   facing_.clear();
   touches_.clear();
   may_touch_ = false;
-  all_deform_ = std::find(soil.elastic.begin(), soil.elastic.end(), 0) == soil.elastic.end();
   double widest = 0;
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
@@ -161,8 +160,9 @@ void FacetContact<dim>::set_displacement(std::span<const double> displacement) {
 }
 
 template <int dim>
-Vector<dim> FacetContact<dim>::remembered_slip(const Candidate& c, const Vector<dim>& n) const {
-  if (!c.memory) return Vector<dim>::Zero();
+const typename FacetContact<dim>::Memory* FacetContact<dim>::remembered(
+    const Candidate& c, const Vector<dim>& n) const {
+  if (!c.memory) return nullptr;
   const Memory* best = nullptr;
   double largest = same_normal;
   for (const Memory& memory : *c.memory) {
@@ -170,10 +170,30 @@ Vector<dim> FacetContact<dim>::remembered_slip(const Candidate& c, const Vector<
     largest = memory.normal.dot(n);
     best = &memory;
   }
-  if (!best) return Vector<dim>::Zero();
-  const Vector<dim> turned = tangential<dim>(best->slip, n);
-  const double size = turned.norm();
-  return size > 0 ? Vector<dim>(turned * (best->slip.norm() / size)) : turned;
+  return best;
+}
+
+// A touch that goes on has slipped since it began; a new one since the way met the surface.
+template <int dim>
+void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
+  const Vector<dim>& n = touch.feature.normal;
+  const Vector<dim> way = tangential<dim>(touch.relative, n);
+  if (const Memory* memory = remembered(c, n)) {
+    const Vector<dim> turned = tangential<dim>(memory->slip, n);
+    const double size = turned.norm();
+    touch.slip = way;
+    if (size > 0) touch.slip += turned * (memory->slip.norm() / size);
+    return;
+  }
+  const Vector<dim> against =
+      c.deforms ? touch.relative : Vector<dim>(c.motion - surface_motion(touch.feature));
+  const double closing = -n.dot(against);
+  const double gap_before = touch.gap + closing;
+  if (gap_before > 0) {
+    touch.slip_share = -touch.gap / closing;
+    touch.slip_share_slope = -gap_before / (closing * closing);
+  }
+  touch.slip = touch.slip_share * way;
 }
 
 template <int dim>
@@ -190,7 +210,7 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
   touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(stretch) : 0);
   touch.motion = du + stretch;
   touch.relative = touch.motion - surface_motion(feature);
-  touch.slip = remembered_slip(c, n) + tangential<dim>(touch.relative, n);
+  set_slip(c, touch);
   touch.frame = frame_of<dim>(n);
   return touch;
 }
@@ -210,19 +230,45 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   const double reach = c.shape.norm() * (1 + H.norm());
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
+  const std::size_t first = touches_.size();
   for (const auto& feature : features_) {
     Touch touch = touch_at(c, feature, motion, H);
     if (touch.gap >= 0) continue;
     touch.candidate = candidate;
     touches_.push_back(touch);
   }
+  share_depths(first);
 }
 
+// Depths of the touches of one point; those that the way out of others leads out of go.
 template <int dim>
-Vector<dim> FacetContact<dim>::gap_vector(const Touch& touch) {
-  Vector<dim> gap = touch.frame.transpose() * touch.slip;
-  gap[0] = touch.gap;
-  return gap;
+void FacetContact<dim>::share_depths(std::size_t first) {
+  if (touches_.size() == first + 1) {
+    Touch& touch = touches_.back();
+    touch.depth = -touch.gap;
+    touch.num_others = 1;
+    touch.others[0] = static_cast<std::int32_t>(first);
+    touch.shares[0] = 1;
+    return;
+  }
+  std::vector<Vector<dim>> normals;
+  std::vector<double> depths;
+  for (std::size_t k = first; k < touches_.size(); ++k) {
+    normals.push_back(touches_[k].feature.normal);
+    depths.push_back(-touches_[k].gap);
+  }
+  const WayOut<dim> out = way_out<dim>(normals, depths);
+  for (int k = 0; k < out.size; ++k) {
+    Touch touch = touches_[first + out.planes[k]];  // planes ascend
+    touch.depth = out.depths[k];
+    touch.num_others = out.size;
+    for (int l = 0; l < out.size; ++l) {
+      touch.others[l] = static_cast<std::int32_t>(first) + l;
+      touch.shares[l] = out.inverse(k, l);
+    }
+    touches_[first + k] = touch;
+  }
+  touches_.resize(first + out.size);
 }
 
 template <int dim>
@@ -233,20 +279,35 @@ void FacetContact<dim>::scatter(const Candidate& c, const Vector<dim>& d, const 
   }
 }
 
+// Change of the gap with the displacement of a node.
+template <int dim>
+Vector<dim> FacetContact<dim>::gap_slope(const Touch& touch, std::int32_t value) const {
+  const Vector<dim>& n = touch.feature.normal;
+  const bool deforms = candidates_[touch.candidate].deforms;
+  return (deforms ? weight(value, -touch.radius * n) : N_[value]) * n;
+}
+
 template <int dim>
 void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slope,
                                       BlockMatrix<dim>& K) const {
   const Candidate& c = candidates_[touch.candidate];
   const Vector<dim>& n = touch.feature.normal;
   const Vector<dim> d = -touch.radius * n;
-  const Matrix<dim> by_motion =
-      force_weight_ * touch.area * (touch.frame * slope * touch.frame.transpose());
-  const Matrix<dim> by_gap = by_motion * n * n.transpose();
-  for (std::int32_t i = c.first_value; i < c.first_value + c.num_values; ++i) {
-    for (std::int32_t j = c.first_value; j < c.first_value + c.num_values; ++j) {
-      Matrix<dim> block = weight(j, d) * by_motion;
-      if (!c.deforms) block += (N_[j] - weight(j, d)) * by_gap;
-      K.add_block(nodes_[i], nodes_[j], weight(i, d) * block);
+  const double scale = force_weight_ * touch.area;
+  const Vector<dim> by_depth = scale * (touch.frame * slope.col(0));
+  const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
+                              (Matrix<dim>::Identity() - n * n.transpose());
+  const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
+  for (std::int32_t j = c.first_value; j < c.first_value + c.num_values; ++j) {
+    Vector<dim> depth_slope = Vector<dim>::Zero();
+    for (int l = 0; l < touch.num_others; ++l) {
+      depth_slope += touch.shares[l] * gap_slope(touches_[touch.others[l]], j);
+    }
+    const Matrix<dim> column = touch.slip_share * weight(j, d) * by_slip +
+                               by_depth * depth_slope.transpose() +
+                               by_begin * gap_slope(touch, j).transpose();
+    for (std::int32_t i = c.first_value; i < c.first_value + c.num_values; ++i) {
+      K.add_block(nodes_[i], nodes_[j], weight(i, d) * column);
     }
   }
 }
@@ -261,7 +322,9 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
   }
   for (Touch& touch : touches_) {
     const Candidate& c = candidates_[touch.candidate];
-    touch.traction = law_.traction<dim>(gap_vector(touch), K ? &slope : nullptr);
+    Vector<dim> gap = touch.frame.transpose() * touch.slip;
+    gap[0] = -touch.depth;
+    touch.traction = law_.traction<dim>(gap, K ? &slope : nullptr);
     touch.force = touch.area * (touch.frame * touch.traction.t);
     scatter(c, -touch.radius * touch.feature.normal, force_weight_ * touch.force, r);
     if (K) add_stiffness(touch, slope, *K);
@@ -346,16 +409,6 @@ double FacetContact<dim>::approach_step(double dt, double margin) const {
     if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
   }
   return result;
-}
-
-template <int dim>
-std::uint64_t FacetContact<dim>::active_set() const {
-  std::uint64_t name = 0;
-  for (const Touch& touch : touches_) {
-    const auto id = static_cast<std::uint64_t>(candidates_[touch.candidate].id) + 1;
-    name += (id ^ (id >> 7)) * std::uint64_t{0x9E3779B97F4A7C15};
-  }
-  return name;
 }
 
 template class FacetContact<2>;

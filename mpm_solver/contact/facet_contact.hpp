@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <map>
 
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/way_out.hpp"
 
 namespace gabion::mpm {
 
@@ -18,8 +20,10 @@ namespace gabion::mpm {
 ///
 /// w continues the functions of the point to its surface, whatever the basis: linear fields are
 /// met exactly, and force and place are those of both sides. Penetration and friction follow
-/// ContactLaw. The force F of a step is constant in it (NewmarkBossak::step_force_weight): contact
-/// of elastic bodies then takes energy or keeps it, at any stiffness and dt.
+/// ContactLaw; in inside corners depths are those of WayOut. A point that was open slips from the
+/// moment when it touches, the way of the step being straight. The force F of a step is constant in
+/// it (NewmarkBossak::step_force_weight): contact of elastic bodies then takes energy or keeps it,
+/// at any stiffness and dt.
 ///
 /// Each rank carries its own material points.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
@@ -31,7 +35,7 @@ class FacetContact final : public Contact<dim> {
 
   void begin_step(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return may_touch_; }
-  bool symmetric() const override { return all_deform_ && !law_.has_friction(); }
+  bool symmetric() const override { return false; }
   /// A point's nodes are those of its group already.
   void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
 
@@ -45,7 +49,6 @@ class FacetContact final : public Contact<dim> {
   double work_on_soil(std::span<const double> du) const override;
   ContactCounts counts() const override;
   double approach_step(double dt, double margin) const override;
-  std::uint64_t active_set() const override;
   double allowed_way() const override { return watched_ - surface_motion_; }
 
   void accept() override;
@@ -80,10 +83,15 @@ class FacetContact final : public Contact<dim> {
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
     double gap = 0;
-    Vector<dim> motion = Vector<dim>::Zero();    // of the soil in the step
-    Vector<dim> slip = Vector<dim>::Zero();      // elastic, before the friction limit
-    Vector<dim> relative = Vector<dim>::Zero();  // motion of the soil against the surface
-    ContactTraction<dim> traction{};             // in the frame
+    std::array<std::int32_t, dim> others{};  // touches, itself too, whose gaps decide depth
+    std::array<double, dim> shares{};        // and how much
+    int num_others = 0;
+    double depth = 0;                             // of the way out along the normal
+    double slip_share = 1, slip_share_slope = 0;  // of the step after it touched; over gap [1/m]
+    Vector<dim> motion = Vector<dim>::Zero();     // of the soil in the step
+    Vector<dim> slip = Vector<dim>::Zero();       // elastic, before the friction limit
+    Vector<dim> relative = Vector<dim>::Zero();   // motion of the soil against the surface
+    ContactTraction<dim> traction{};              // in the frame
     Matrix<dim> frame = Matrix<dim>::Identity();
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
@@ -95,14 +103,16 @@ class FacetContact final : public Contact<dim> {
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
-  static Vector<dim> gap_vector(const Touch& touch);
   void add_old_forces(double share, std::span<double> field) const;
   void visit_shapes(StateVisitor& visitor, const std::string& prefix);
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature, const Vector<dim>& du,
                  const Matrix<dim>& H) const;
-  Vector<dim> remembered_slip(const Candidate& c, const Vector<dim>& n) const;
+  const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  void set_slip(const Candidate& c, Touch& touch) const;
+  void share_depths(std::size_t first);
+  Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
   double weight(std::int32_t value, const Vector<dim>& d) const {
     return N_[value] + grad_N_[value].dot(d);
@@ -130,7 +140,6 @@ class FacetContact final : public Contact<dim> {
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
   bool may_touch_ = false;
-  bool all_deform_ = false;
   ContactEnergy energy_;  // accepted
 };
 

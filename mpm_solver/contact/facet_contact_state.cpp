@@ -20,7 +20,7 @@ void FacetContact<dim>::accept() {
       slid -= pull.dot(touch.slip - memory.slip);
       stored += 0.5 * touch.area * law_.tangential_penalty() * memory.slip.squaredNorm();
     }
-    stored += 0.5 * touch.area * law_.penalty * touch.gap * touch.gap;
+    stored += touch.area * law_.stored(touch.depth);
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }

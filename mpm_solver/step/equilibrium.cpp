@@ -125,7 +125,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   f_sum_ = internal_.forces();
   sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
   std::fill(r.begin(), r.end(), 0.0);
-  result.active_set = add_contact_forces(du, r, K);
+  for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
   if (!parts_.contacts.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
@@ -141,21 +141,6 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
-}
-
-// @returns the name of the active set, of all ranks
-template <int dim>
-std::uint64_t Equilibrium<dim>::add_contact_forces(std::span<const double> du, std::span<double> r,
-                                                   BlockMatrix<dim>* K) const {
-  if (parts_.contacts.empty()) return 0;
-  std::uint64_t own = 0;
-  for (const auto& contact : parts_.contacts) {
-    contact->add_forces(du, r, K);
-    own += contact->active_set();
-  }
-  auto name = static_cast<std::int32_t>(own >> 44);  // leaves room for the sum
-  sum_over_ranks(parts_.comm, std::span<std::int32_t>(&name, 1));
-  return static_cast<std::uint64_t>(name);
 }
 
 template <int dim>

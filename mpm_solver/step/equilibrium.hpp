@@ -89,8 +89,6 @@ class Equilibrium final : public NewtonProblem<dim> {
 
  private:
   void remember_start_forces();
-  std::uint64_t add_contact_forces(std::span<const double> du, std::span<double> r,
-                                   BlockMatrix<dim>* K) const;
   std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   double add_weight(std::span<double> r) const;

@@ -77,7 +77,6 @@ class Newton {
     double relative = 0;  // |r| / force_scale
     bool small_residual = false;
     bool has_matrix = false;  // K was evaluated with it
-    std::uint64_t active_set = 0;
   };
 
   Iterate evaluate(std::span<const double> du, std::span<double> r, bool with_matrix);
@@ -123,7 +122,6 @@ typename Newton<block_size>::Iterate Newton<block_size>::evaluate(std::span<cons
   Iterate next;
   next.has_matrix = with_matrix;
   next.norm = norm_of(r);
-  next.active_set = evaluation.active_set;
   if (!evaluation.admissible) {
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
   } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
@@ -190,7 +188,7 @@ void Newton<block_size>::solve_linear() {
 
 template <int block_size>
 bool Newton<block_size>::sufficient(const Iterate& next, double energy) const {
-  if (next.small_residual || next.active_set != current_.active_set) return true;
+  if (next.small_residual) return true;
   if (brace_.active()) return Brace::allows(current_.norm, next.norm);
   return next.norm < current_.norm ||
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);

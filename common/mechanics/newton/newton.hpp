@@ -31,8 +31,6 @@ struct Evaluation {
   /// What |r| is compared with: the largest norm of the forces that balance each other in r.
   double force_scale = 0;
   std::string reason;  ///< worst place when not admissible
-  /// Names the set of one-sided conditions (contacts) that are active; equal sets, equal names.
-  std::uint64_t active_set = 0;
 };
 
 /// Equations r(du) = 0 for the increments of the unknowns, such as f_ext - f_int - f_inertia for
