@@ -67,6 +67,7 @@ TEST(Ledger, impulse_and_work_of_an_interface) {
   json.erase("gravity");
   json["newton"] = tight_newton;
   json["time_integration"] = trapezoid;
+  json["interfaces"][0]["method"] = "boundary_points";
   json["interfaces"][0]["mode"] = "fixed";
   const auto solver = make_mpm(json);
   const double dt = 0.002;
@@ -224,6 +225,7 @@ TEST(Ledger, velocity_takes_the_mean_of_old_and_new_acceleration) {
     json["newton"] = tight_newton;
     json["time_integration"] = trapezoid;
     json["transfer"] = {{"method", transfer}};
+    json["interfaces"][0]["method"] = "boundary_points";
     const auto solver = mpm_solver<2>(json);
     const auto sum = [&](const std::vector<Vector<2>>& values) {
       Vector<2> total = Vector<2>::Zero();

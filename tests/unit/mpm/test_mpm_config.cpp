@@ -39,22 +39,27 @@ TEST(MpmConfig, valid_scenes_in_both_dimensions) {
 TEST(MpmConfig, keys_of_contact_by_facets) {
   Json json = valid();
   Json& interface = json["interfaces"][0];
-  interface["method"] = "facets";
   const auto settings = mpm_settings<2>(json);
   const double M = 1e5 * 0.7 / (1.3 * 0.4);
-  EXPECT_NEAR(settings.interfaces.at(0).law.penalty, 2 * M / 0.25, 1e-6 * M);
+  EXPECT_NEAR(settings.interfaces.at(0).law.penalty, 0.5 * M / 0.25, 1e-6 * M);
   EXPECT_EQ(settings.interfaces[0].law.tangential_share, 0.5);
+  EXPECT_EQ(settings.interfaces[0].law.onset, 0.05 * 0.25);
   EXPECT_TRUE(std::holds_alternative<mpm::FacetSettings>(settings.interfaces[0].method));
   EXPECT_EQ(mpm::interface_mesh(settings.interfaces[0]).force_kind, ForceKind::step_mean);
   interface["mode"] = "fixed";
   expect_refused(json, {"/interfaces/0/mode", "fixed", "facets", "allowed: contact, slip"});
   interface["mode"] = "contact";
+  interface["onset"] = 0;
+  expect_refused(json, {"/interfaces/0/onset"});
+  interface.erase("onset");
   interface["gap"] = "step";
   expect_refused(json, {"/interfaces/0/gap"});
 }
 
-TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
-  const TemporaryScene folder("mpm.json", valid());
+TEST(MpmConfig, keys_of_contact_by_boundary_points) {
+  Json json = valid();
+  json["interfaces"][0]["method"] = "boundary_points";
+  const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
   in.integer("dimension");
@@ -64,6 +69,8 @@ TEST(MpmConfig, penalty_defaults_to_half_a_modulus_per_cell) {
   EXPECT_NEAR(law.penalty, 0.5 * M / 0.25, 1e-6 * M);
   EXPECT_EQ(law.mode, mpm::ContactMode::contact);
   EXPECT_LT(law.friction, 0);
+  EXPECT_EQ(law.onset, 0);
+  EXPECT_EQ(law.tangential_share, 1);
   const auto& points = std::get<mpm::BoundaryPointSettings>(settings.interfaces[0].method);
   EXPECT_EQ(points.memory, mpm::GapMemory::accumulated);
   EXPECT_EQ(settings.interfaces[0].surface.facets.size(), 4u);
@@ -262,6 +269,7 @@ TEST(MpmConfig, surfaces_with_too_many_parts) {
   expect_refused(json, {"/interfaces/0/surface/spacing", "inf segments"});
   surface["spacing"] = 100;
   EXPECT_EQ(mpm_settings<2>(json).interfaces[0].surface.vertices.size(), 2u);
+  json["interfaces"][0]["method"] = "boundary_points";
   json["interfaces"][0]["points_per_facet"] = 2000000000;
   expect_refused(json, {"/interfaces/0/points_per_facet", "2000000000 boundary points", "1000000"});
   json = valid();
@@ -326,6 +334,7 @@ TEST(MpmConfig, three_dimensional_surfaces) {
          {"surface",
           {{"mesh", box({1, 0, 0}, {2, 1, 1}, {1, 1, 1}, type)}, {"groups", {"left"}}}}}};
     EXPECT_NO_THROW(make_mpm(json)) << type;
+    json["interfaces"][0]["method"] = "boundary_points";
     json["interfaces"][0]["points_per_facet"] = 5;
     expect_refused(json, {"/interfaces/0/points_per_facet", "5"});
   }

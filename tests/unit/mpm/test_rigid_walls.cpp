@@ -53,6 +53,7 @@ Json walled() {
           {"rigid_walls",
            {{{"name", "ram"},
              {"surface", {{"polyline", {{1, 0.5}, {1, 0}}}, {"spacing", 0.25}}},
+             {"method", "boundary_points"},
              {"friction", 0.3},
              {"motion", {{"velocity", {-0.1, 0.02}}}}}}}};
 }

@@ -31,6 +31,7 @@ Json soil(const std::string& type) {
           {"interfaces",
            {{{"name", "face"},
              {"surface", {{"polyline", {{L1, A}, {L1, 0}}}, {"spacing", A / 2}}},
+             {"method", "boundary_points"},
              {"penalty", eps}}}}};
 }
 

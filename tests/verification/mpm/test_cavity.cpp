@@ -133,6 +133,7 @@ void open_wide(const std::string& type, int points_per_cell, double bound,
   Json scene = sector_scene(cavity, type, rings, points_per_cell);
   scene["interfaces"] = {{{"name", "cavity"},
                           {"surface", {{"polyline", {{x, -y}, {x, y}}}, {"spacing", 1}}},
+                          {"method", "boundary_points"},
                           {"mode", "slip"},
                           {"points_per_facet", 8},
                           {"penalty", 1000 * cavity.G / h}}};
@@ -187,6 +188,7 @@ void open_on_box(const std::string& basis, double bound, const std::string& limi
   }
   scene["interfaces"] = {{{"name", "cavity"},
                           {"surface", {{"polyline", arc}, {"spacing", 1}}},
+                          {"method", "boundary_points"},
                           {"mode", "fixed"},
                           {"penalty", 100 * ring.G * cells}}};
   auto settings = mpm_settings<2>(scene);

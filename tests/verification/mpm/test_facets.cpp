@@ -118,8 +118,7 @@ Slide slide(double mu, double above, double wall_height) {
         {{{"name", "incline"},
           {"method", "facets"},
           {"surface", {{"polyline", {{2, wall_height}, {0, wall_height}}}, {"spacing", 0.1}}},
-          {"friction", mu},
-          {"penalty_factor", 20}}}}});
+          {"friction", mu}}}}});
   run_steps(*solver, 5e-4, 400);
   const double tail = probe(*solver, "tail.uy"), nose = probe(*solver, "nose.uy");
   return {probe(*solver, "momentum_x") / probe(*solver, "mass"), -0.5 * (tail + nose),

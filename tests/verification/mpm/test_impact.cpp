@@ -41,6 +41,7 @@ Json contact_surface(double x, bool bar_is_right, double penalty_factor) {
   line.push_back(bar_is_right ? high : low);
   return {{"name", "face"},
           {"surface", {{"polyline", line}, {"spacing", h}}},
+          {"method", "boundary_points"},
           {"mode", "slip"},
           {"penalty_factor", penalty_factor}};
 }

@@ -32,6 +32,7 @@ Json flying_bar() {
           {"rigid_walls",
            {{{"name", "wall"},
              {"surface", {{"polyline", {{0, 0}, {0, h}}}, {"spacing", h}}},
+             {"method", "boundary_points"},
              {"mode", "slip"},
              {"penalty_factor", 5}}}}};
 }
@@ -85,6 +86,7 @@ double speed_on_incline(double mu) {
   const double angle = M_PI / 6, g = 9.81;
   Json rigid = {{"name", "incline"},
                 {"surface", {{"polyline", {{2, 0.1}, {0, 0.1}}}, {"spacing", 0.1}}},
+                {"method", "boundary_points"},
                 {"mode", "slip"},
                 {"penalty_factor", 10}};
   if (mu > 0) {
@@ -122,8 +124,7 @@ TEST(RigidWalls, block_on_an_incline) {
 struct Pressed {
   double force, penetration, after;
 };
-Pressed press(double eps) {
-  const double D = 1e-6;
+Pressed press(const char* method, double eps, double D) {
   const auto solver =
       make_mpm({{"dimension", 2},
                 {"grid", box({0, 0}, {1.25, 0.5}, {5, 2}, "quad4")},
@@ -136,6 +137,7 @@ Pressed press(double eps) {
                 {"rigid_walls",
                  {{{"name", "plate"},
                    {"surface", {{"polyline", {{1, 0.5}, {1, 0}}}, {"spacing", 0.25}}},
+                   {"method", method},
                    {"penalty", eps},
                    {"motion", {{"table", {{0, 0, 0}, {1, -D, 0}, {2, D, 0}}}}}}}}});
   InterfaceValues sent;
@@ -150,7 +152,7 @@ TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
   const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, D = 1e-6;
   for (const double kappa : {1.0, 10.0, 100.0}) {
     const double eps = kappa * M / 0.25, F = D / (L / (M * A) + 1 / (eps * A));
-    const Pressed pressed = press(eps);
+    const Pressed pressed = press("boundary_points", eps, D);
     verify({.id = "V20",
             .what = fmt::format("force of a plate that presses a column, penalty {} M / h", kappa),
             .exact = F,
@@ -159,6 +161,31 @@ TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
             .unit = "N/m"});
     EXPECT_NEAR(pressed.penetration, F / (eps * A), 1e-5 * F / (eps * A)) << kappa;
     EXPECT_EQ(pressed.after, 0) << kappa;
+  }
+}
+
+/// By facets the penalty begins smoothly: with the depth d, F = A eps d^2 / (2 onset) up to the
+/// onset, A eps (d - onset / 2) beyond it, and D = L F / (M A) + d.
+TEST(RigidWalls, plate_pressed_on_a_column_by_facets) {
+  const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, onset = 0.05 * 0.25;
+  for (const double kappa : {1.0, 100.0}) {
+    for (const double D : {1e-6, 0.05}) {
+      const double eps = kappa * M / 0.25, soft = L * eps / (2 * onset * M);
+      double d = (std::sqrt(1 + 4 * soft * D) - 1) / (2 * soft);
+      if (d > onset) d = (D + L * eps / M * onset / 2) / (1 + L * eps / M);
+      const double F = (D - d) * M * A / L;
+      const Pressed pressed = press("facets", eps, D);
+      verify({.id = "V20",
+              .what = fmt::format("force of a plate, by facets, that presses a column by {} m, "
+                                  "penalty {} M / h",
+                                  D, kappa),
+              .exact = F,
+              .computed = pressed.force,
+              .bound = 1e-5,
+              .unit = "N/m"});
+      EXPECT_NEAR(pressed.penetration, d, 1e-5 * d) << kappa << " " << D;
+      EXPECT_EQ(pressed.after, 0) << kappa << " " << D;
+    }
   }
 }
 
