@@ -209,10 +209,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
                                            body.material.law));
   }
-  const double cell_size = mean_cell_size(settings.grid);
-  const ContactUnits units{.penalty = modulus / cell_size, .cell_size = cell_size};
-  settings.interfaces = read_interfaces<dim>(scene, in, units);
-  settings.rigid_walls = read_rigid_walls<dim>(scene, in, units);
+  const double penalty_unit = modulus / mean_cell_size(settings.grid);
+  settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
+  settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);

@@ -11,10 +11,15 @@
 namespace gabion::mpm {
 
 template <int dim>
-BoundaryPoints<dim>::BoundaryPoints(const ContactSurface<dim>& surface, const ContactLaw& law,
-                                    const BoundaryPointSettings& settings)
-    : surface_(surface), law_(law), memory_(settings.memory) {
-  const auto rule = facet_points(surface.facet_type, settings.points_per_facet);
+BoundaryPoints<dim>::BoundaryPoints(const ContactSettings<dim>& settings,
+                                    const BoundaryPointSettings& method)
+    : surface_(settings.surface),
+      law_{.mode = settings.mode,
+           .friction = settings.friction,
+           .penalty = method.penalty,
+           .tangential_penalty = method.tangential_share * method.penalty},
+      memory_(method.memory) {
+  const auto rule = facet_points(settings.surface.facet_type, method.points_per_facet);
   const auto geometry = surface_.geometry();
   for (std::size_t f = 0; f < geometry.size(); ++f) {
     const auto facet = static_cast<std::int32_t>(f);
@@ -207,7 +212,7 @@ void BoundaryPoints<dim>::accept() {
     const double normal = b.gap_trial[0];
     b.gap = b.gap_trial;
     if (b.trial.sliding) {  // the part beyond the friction limit has slid for good
-      b.gap = -b.trial.t / law_.tangential_penalty();
+      b.gap = -b.trial.t / law_.tangential_penalty;
     } else if (!b.trial.closed) {
       b.gap.setZero();  // tangential: sticking begins anew when the gap closes
     }

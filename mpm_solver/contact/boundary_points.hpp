@@ -17,8 +17,7 @@ namespace gabion::mpm {
 template <int dim>
 class BoundaryPoints final : public Contact<dim> {
  public:
-  BoundaryPoints(const ContactSurface<dim>& surface, const ContactLaw& law,
-                 const BoundaryPointSettings& settings);
+  BoundaryPoints(const ContactSettings<dim>& settings, const BoundaryPointSettings& method);
 
   /// The soil of each boundary point at its accepted position is that of the point's cell (of
   /// several, on a facet of the grid, one with soil); where that holds none, that of the nearest

@@ -20,10 +20,10 @@ struct ContactMaker {
   const ContactSettings<dim>& settings;
 
   std::unique_ptr<Contact<dim>> operator()(const BoundaryPointSettings& method) const {
-    return std::make_unique<BoundaryPoints<dim>>(settings.surface, settings.law, method);
+    return std::make_unique<BoundaryPoints<dim>>(settings, method);
   }
-  std::unique_ptr<Contact<dim>> operator()(const FacetSettings&) const {
-    return std::make_unique<FacetContact<dim>>(settings.surface, settings.law);
+  std::unique_ptr<Contact<dim>> operator()(const FacetSettings& method) const {
+    return std::make_unique<FacetContact<dim>>(settings, method);
   }
 };
 

@@ -29,6 +29,7 @@ struct SoilSurface {
   double dt = 0;                             ///< of the step [s]
   double step_force_weight = 1;              ///< of NewmarkBossak; quasi-static: 1
   std::span<const char> elastic{};           ///< 1 for bodies that never yield
+  std::span<const double> moduli{};          ///< of P waves, of the bodies [Pa]
   bool first_rank = true;
 };
 

@@ -30,25 +30,31 @@ std::vector<Key> boundary_keys() {
           "displacement of this step only.")
           .or_else("accumulated")
           .when("method", {"boundary_points"}),
-      key::number("penalty", "Pa/m", "Traction over penetration.").in(positive()).or_none(),
-      key::number("penalty_factor", "",
-                  "Penalty times the mean cell size over the largest P-wave modulus of the bodies.")
+      key::number("penalty", "Pa/m", "Traction over penetration.")
           .in(positive())
-          .or_else(0.5)
-          .without("penalty"),
-      key::number("onset", "",
-                  "Depth over the mean cell size in which the penalty grows from zero to its full "
-                  "value.")
-          .in(between(1e-6, 1))
-          .or_else(0.05)
-          .when("method", {"facets"}),
+          .or_none()
+          .when("method", {"boundary_points"}),
+      key::number(
+          "penalty_factor", "",
+          "With `facets` the traction at a depth of one cell over the P-wave modulus of the "
+          "body; the traction grows with the square of the depth. With `boundary_points` "
+          "the penalty times the mean cell size over the largest such modulus.")
+          .in(positive())
+          .or_computed("10; 0.5 with `boundary_points`"),
       key::number("friction", "", "Coefficient of friction; none: it sticks.")
           .in(non_negative())
           .or_none()
           .when("mode", {"contact"}),
+      key::number("tangential_factor", "",
+                  "Tangential stiffness times the mean cell size over the P-wave modulus of the "
+                  "body.")
+          .in(positive())
+          .or_else(0.25)
+          .when("method", {"facets"}),
       key::number("tangential_share", "", "Tangential over normal penalty.")
           .in(between(1e-6, 1))
-          .or_computed("0.5; with `boundary_points` 1, with `friction` 0.1"),
+          .or_computed("1; with `friction` 0.1")
+          .when("method", {"boundary_points"}),
       key::integer("points_per_facet",
                    "Boundary points of a facet: any number of a segment; 1, 3, 4, 6, 12 or 16 of a "
                    "triangle; 1, 4, 9 or 16 of a quadrilateral; at most 1 000 000 in all.")

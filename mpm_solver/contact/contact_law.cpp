@@ -5,14 +5,8 @@ namespace gabion::mpm {
 
 double ContactLaw::stored(double depth) const {
   if (!(depth > 0)) return 0;
-  if (depth < onset) return penalty * depth * depth * depth / (6 * onset);
-  return penalty * (depth * depth / 2 - onset * depth / 2 + onset * onset / 6);
-}
-
-ContactLaw::Normal ContactLaw::normal(double gap) const {
-  if (mode == ContactMode::fixed) return {-penalty * gap, penalty};
-  if (-gap < onset) return {penalty * gap * gap / (2 * onset), -penalty * gap / onset};
-  return {penalty * (-gap - onset / 2), penalty};
+  const double square = penalty * depth * depth;
+  return normal == NormalLaw::linear ? square / 2 : square * depth / 3;
 }
 
 template <int dim>
@@ -22,14 +16,14 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   if (slope) slope->setZero();
   if (!result.closed) return result;
 
-  const Normal normal_part = normal(gap[0]);
-  const double tangential = tangential_penalty();
+  const bool linear = normal == NormalLaw::linear;
+  const double normal_slope = linear ? penalty : -2 * penalty * gap[0];
   Vector<dim>& t = result.t;
-  t = -tangential * gap;
-  t[0] = normal_part.traction;
+  t = -tangential_penalty * gap;
+  t[0] = linear ? -penalty * gap[0] : penalty * gap[0] * gap[0];
   if (slope) {
-    slope->diagonal().setConstant(tangential);
-    (*slope)(0, 0) = normal_part.slope;
+    slope->diagonal().setConstant(tangential_penalty);
+    (*slope)(0, 0) = normal_slope;
   }
   const double mu = mode == ContactMode::slip ? 0 : friction;
   if (mode == ContactMode::fixed || mu < 0) return result;
@@ -43,9 +37,9 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   t.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();
   if (!slope) return result;
   *slope *= limit / size;
-  *slope -= tangential * (limit / size) * direction * direction.transpose();
-  slope->col(0) = mu * normal_part.slope * direction;
-  (*slope)(0, 0) = normal_part.slope;
+  *slope -= tangential_penalty * (limit / size) * direction * direction.transpose();
+  slope->col(0) = mu * normal_slope * direction;
+  (*slope)(0, 0) = normal_slope;
   return result;
 }
 

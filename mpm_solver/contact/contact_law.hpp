@@ -19,22 +19,24 @@ struct ContactTraction {
   bool sliding = false;  ///< the friction limit is reached
 };
 
+/// How the normal traction grows with the depth d = -g_n.
+enum class NormalLaw {
+  linear,     ///< penalty d
+  quadratic,  ///< penalty d^2: begins without a kink, and is as stiff as the pressure asks for
+};
+
 /// Traction of a surface on the soil by the gap g between them, a penalty with Coulomb's friction:
 ///
-///     t_n = penalty * { d^2 / (2 onset) , d <= onset ;  d - onset / 2 , d > onset } ,  d = -g_n ,
-///     t_t = -penalty share g_t ,  |t_t| <= friction t_n
-///
-/// With an onset the force begins without a kink.
+///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,  |t_t| <= friction t_n
 struct ContactLaw {
   ContactMode mode = ContactMode::contact;
-  double penalty = 0;           ///< [Pa/m] > 0
-  double onset = 0;             ///< depth over which the penalty grows to its full value [m], >= 0
-  double friction = -1;         ///< coefficient in mode contact; < 0: unlimited (stick)
-  double tangential_share = 1;  ///< of the penalty in tangential directions, in (0, 1]
+  double friction = -1;           ///< coefficient in mode contact; < 0: unlimited (stick)
+  double penalty = 0;             ///< [Pa/m], quadratic: [Pa/m^2]; > 0
+  double tangential_penalty = 0;  ///< [Pa/m] > 0
+  NormalLaw normal = NormalLaw::linear;
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }
-  double tangential_penalty() const { return tangential_share * penalty; }
   /// What the normal part stores in an area at a depth [J/m^2].
   double stored(double depth) const;
 
@@ -42,12 +44,6 @@ struct ContactLaw {
   /// @param slope  null, or set to -dt/dg
   template <int dim>
   ContactTraction<dim> traction(const Vector<dim>& gap, Matrix<dim>* slope) const;
-
- private:
-  struct Normal {
-    double traction = 0, slope = 0;
-  };
-  Normal normal(double gap) const;
 };
 
 }  // namespace gabion::mpm

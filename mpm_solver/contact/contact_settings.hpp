@@ -29,19 +29,26 @@ enum class GapMemory {
 
 /// Of the method `boundary_points`.
 struct BoundaryPointSettings {
+  double penalty = 0;           ///< [Pa/m]
+  double tangential_share = 1;  ///< of the penalty in tangential directions, in (0, 1]
   GapMemory memory = GapMemory::accumulated;
   int points_per_facet = 2;
 };
 
-/// Of the method `facets`.
-struct FacetSettings {};
+/// Of the method `facets`, over the P-wave modulus M of the body that touches, h the mean cell
+/// size.
+struct FacetSettings {
+  double penalty_factor = 10;       ///< traction at a depth d: penalty_factor M (d / h)^2
+  double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
+};
 
 /// What all methods of contact share, and one of them.
 template <int dim>
 struct ContactSettings {
   std::string name;  ///< of the interface or the wall
   ContactSurface<dim> surface;
-  ContactLaw law;
+  ContactMode mode = ContactMode::contact;
+  double friction = -1;  ///< as in ContactLaw
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

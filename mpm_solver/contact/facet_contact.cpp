@@ -45,12 +45,24 @@ double largest_norm(const std::vector<Vector<dim>>& values) {
 }  // namespace
 
 template <int dim>
-FacetContact<dim>::FacetContact(const ContactSurface<dim>& surface, const ContactLaw& law)
-    : law_(law),
-      surface_(surface),
-      simplices_(simplices(surface)),
-      start_(surface.vertices),
-      end_(surface.vertices) {}
+FacetContact<dim>::FacetContact(const ContactSettings<dim>& settings, const FacetSettings& method)
+    : mode_(settings.mode),
+      friction_(settings.friction),
+      method_(method),
+      surface_(settings.surface),
+      simplices_(simplices(surface_)),
+      start_(surface_.vertices),
+      end_(surface_.vertices) {}
+
+template <int dim>
+ContactLaw FacetContact<dim>::law_of(const Candidate& c) const {
+  const double M = c.modulus, h = cell_size_;
+  return {.mode = mode_,
+          .friction = friction_,
+          .penalty = method_.penalty_factor * M / (h * h),
+          .tangential_penalty = method_.tangential_factor * M / h,
+          .normal = NormalLaw::quadratic};
+}
 
 template <int dim>
 double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
@@ -61,6 +73,7 @@ double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
 template <int dim>
 void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
+  cell_size_ = soil.cell_size;
   watched_ = watched_distance(soil);
   candidates_.clear();
   N_.clear();
@@ -89,6 +102,7 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       c.id = soil.points.id[p];
       c.x = soil.points.x[p];
       c.deforms = soil.elastic[group.body] != 0;
+      c.modulus = soil.moduli[group.body];
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
       const auto shape = shape_.find(c.id);
       c.shape = shape != shape_.end() ? shape->second
@@ -240,31 +254,36 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   share_depths(first);
 }
 
-// Depths of the touches of one point; those that the way out of others leads out of go.
+// Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of
+// which each has its part: penalty |u| lambda_k, u = sum_k lambda_k n_k the shortest way out.
 template <int dim>
 void FacetContact<dim>::share_depths(std::size_t first) {
+  if (touches_.size() == first) return;
   if (touches_.size() == first + 1) {
     Touch& touch = touches_.back();
-    touch.depth = -touch.gap;
+    touch.depth = touch.stored_depth = -touch.gap;
     touch.num_others = 1;
     touch.others[0] = static_cast<std::int32_t>(first);
     touch.shares[0] = 1;
     return;
   }
   std::vector<Vector<dim>> normals;
-  std::vector<double> depths;
+  std::vector<double> deltas;
   for (std::size_t k = first; k < touches_.size(); ++k) {
     normals.push_back(touches_[k].feature.normal);
-    depths.push_back(-touches_[k].gap);
+    deltas.push_back(-touches_[k].gap);
   }
-  const WayOut<dim> out = way_out<dim>(normals, depths);
+  const WayOut<dim> out = way_out<dim>(normals, deltas);
   for (int k = 0; k < out.size; ++k) {
     Touch touch = touches_[first + out.planes[k]];  // planes ascend
-    touch.depth = out.depths[k];
+    touch.depth = std::sqrt(out.depths[k] * out.length);
+    touch.stored_depth = std::cbrt(out.length * out.depths[k] * -touch.gap);
     touch.num_others = out.size;
     for (int l = 0; l < out.size; ++l) {
       touch.others[l] = static_cast<std::int32_t>(first) + l;
-      touch.shares[l] = out.inverse(k, l);
+      touch.shares[l] =
+          (out.length * out.inverse(k, l) + out.depths[k] * out.depths[l] / out.length) /
+          (2 * touch.depth);
     }
     touches_[first + k] = touch;
   }
@@ -324,7 +343,7 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
     const Candidate& c = candidates_[touch.candidate];
     Vector<dim> gap = touch.frame.transpose() * touch.slip;
     gap[0] = -touch.depth;
-    touch.traction = law_.traction<dim>(gap, K ? &slope : nullptr);
+    touch.traction = law_of(c).template traction<dim>(gap, K ? &slope : nullptr);
     touch.force = touch.area * (touch.frame * touch.traction.t);
     scatter(c, -touch.radius * touch.feature.normal, force_weight_ * touch.force, r);
     if (K) add_stiffness(touch, slope, *K);

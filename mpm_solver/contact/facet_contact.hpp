@@ -31,7 +31,7 @@ namespace gabion::mpm {
 template <int dim>
 class FacetContact final : public Contact<dim> {
  public:
-  FacetContact(const ContactSurface<dim>& surface, const ContactLaw& law);
+  FacetContact(const ContactSettings<dim>& settings, const FacetSettings& method);
 
   void begin_step(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return may_touch_; }
@@ -68,6 +68,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> x = Vector<dim>::Zero();
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
     double volume = 0;
+    double modulus = 0;
     bool deforms = false;  // the ball is strained like the soil; else it is rigid
     double distance = 0;   // to the nearest facet at the start
     std::int32_t first_value = 0, num_values = 0;
@@ -83,10 +84,11 @@ class FacetContact final : public Contact<dim> {
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
     double gap = 0;
-    std::array<std::int32_t, dim> others{};  // touches, itself too, whose gaps decide depth
-    std::array<double, dim> shares{};        // and how much
+    std::array<std::int32_t, dim> others{};  // touches of the point, itself too
+    std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
     int num_others = 0;
-    double depth = 0;                             // of the way out along the normal
+    double depth = 0;                             // that the traction follows
+    double stored_depth = 0;                      // that the stored energy follows
     double slip_share = 1, slip_share_slope = 0;  // of the step after it touched; over gap [1/m]
     Vector<dim> motion = Vector<dim>::Zero();     // of the soil in the step
     Vector<dim> slip = Vector<dim>::Zero();       // elastic, before the friction limit
@@ -96,6 +98,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
 
+  ContactLaw law_of(const Candidate& c) const;
   double watched_distance(const SoilSurface<dim>& soil) const;
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
@@ -120,7 +123,9 @@ class FacetContact final : public Contact<dim> {
   void scatter(const Candidate& c, const Vector<dim>& d, const Vector<dim>& f,
                std::span<double> field) const;
 
-  ContactLaw law_;
+  ContactMode mode_;
+  double friction_;
+  FacetSettings method_;
   ContactSurface<dim> surface_;
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
@@ -137,6 +142,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Touch> touches_;
   std::vector<SurfaceFeature<dim>> features_;
   double force_weight_ = 1;
+  double cell_size_ = 0;
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
   bool may_touch_ = false;

@@ -15,12 +15,13 @@ void FacetContact<dim>::accept() {
     const Vector<dim>& n = touch.feature.normal;
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
     Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
-    if (law_.mode == ContactMode::contact) {
-      memory.slip = -pull / (touch.area * law_.tangential_penalty());
+    const ContactLaw law = law_of(candidates_[touch.candidate]);
+    if (law.mode == ContactMode::contact) {
+      memory.slip = -pull / (touch.area * law.tangential_penalty);
       slid -= pull.dot(touch.slip - memory.slip);
-      stored += 0.5 * touch.area * law_.tangential_penalty() * memory.slip.squaredNorm();
+      stored += 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
     }
-    stored += touch.area * law_.stored(touch.depth);
+    stored += touch.area * law.stored(touch.stored_depth);
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }

@@ -16,7 +16,8 @@ struct WayOut {
   int size = 0;                               ///< number of planes that push
   std::array<int, dim> planes{};              ///< which, ascending
   std::array<double, dim> depths{};           ///< along their normals [m]
-  Matrix<dim> inverse = Matrix<dim>::Zero();  ///< d depths_k / d delta_l, size x size
+  Matrix<dim> inverse = Matrix<dim>::Zero();  ///< d depths_k / d delta_l, k, l < size
+  double length = 0;                          ///< |u| [m]
 };
 
 /// @param normals  of length 1, pointing out

@@ -23,6 +23,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+    moduli.push_back(modulus);
     wave_speed = std::max(wave_speed, std::sqrt(modulus / material.density));
     symmetric_laws &=
         std::visit([](const auto& law) { return law.symmetric_tangent(); }, material.law);

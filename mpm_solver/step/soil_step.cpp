@@ -145,6 +145,7 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
          .dt = dt,
          .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
          .elastic = model_.elastic,
+         .moduli = model_.moduli,
          .first_rank = rank_of(model_.comm) == 0});
   }
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A soil or structure without mechanics that misbehaves on demand:
 //     fake_participant NAME ENDPOINT [KIND PHASE] [--version V] [--pause S] [--seconds S]
+//         [--connect-deadline S]
 // NAME is soil or structure; KIND and PHASE are those of Misdeed. Exit codes are those of the
 // programs.
 #include <CLI/CLI.hpp>
@@ -36,7 +37,7 @@ Hello make_hello(const std::string& name, const std::string& version) {
 
 /// With this project's own connection and heartbeat.
 int serve_as(const std::string& name, const std::string& endpoint, const Misdeed& misdeed,
-             double pause) {
+             double pause, double connect_deadline) {
   ParticipantSettings settings;
   settings.endpoint = endpoint;
   settings.name = name;
@@ -44,7 +45,7 @@ int serve_as(const std::string& name, const std::string& endpoint, const Misdeed
   settings.dimension = 2;
   settings.receives = name == "soil" ? displacement() : force();
   settings.sends = name == "soil" ? force() : displacement();
-  settings.connect_deadline = 2;
+  settings.connect_deadline = connect_deadline;
   try {
     test::FakeSolver solver(name == "soil", misdeed, pause);
     Connection connection(settings);
@@ -63,7 +64,7 @@ int main(int argc, char** argv) {
   std::string name;
   std::string endpoint;
   std::string version = protocol_version;
-  double pause = 0;
+  double pause = 0, connect_deadline = 2;
   Misdeed misdeed;
   CLI::App app("A participant that misbehaves.");
   app.add_option("name", name)->required()->check(CLI::IsMember({"soil", "structure"}));
@@ -72,11 +73,12 @@ int main(int argc, char** argv) {
   app.add_option("phase", misdeed.phase);
   app.add_option("--version", version);
   app.add_option("--pause", pause);
+  app.add_option("--connect-deadline", connect_deadline);
   app.add_option("--seconds", misdeed.seconds);
   CLI11_PARSE(app, argc, argv);
   const std::set<std::string> honest = {"none", "killed", "stopped", "slow", "announced"};
   if (honest.contains(misdeed.kind) && version == protocol_version) {
-    return serve_as(name, endpoint, misdeed, pause);
+    return serve_as(name, endpoint, misdeed, pause, connect_deadline);
   }
   return test::Liar(endpoint, make_hello(name, version), misdeed).run();
 }

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 PHASES = ("handshake", "before_solve", "inside_solve", "after_solve", "output")
 PARTICIPANTS = ("soil", "structure")
-SILENCE, CONNECT, ANSWER, HEARTBEAT = 1.2, 2.0, 3.0, 0.2  # [s] deadlines of the scene
+SILENCE, CONNECT, ANSWER, HEARTBEAT = 1.2, 4.0, 3.0, 0.2  # [s] deadlines of the scene
+PATIENT = 30.0  # [s] to connect where that is not what goes wrong
 SLOW = 1.8  # [s] longer than the silence deadline, shorter than that for an answer
 NEVER = 8.0  # [s]
 
@@ -23,6 +24,11 @@ class Cell:
     says: tuple[str, ...]  # words of one line of the coupler; of each participant when the coupler is the culprit
     code: int = 4  # exit code of the coupler
     steps: int | None = None  # rows of steps.csv; None: no table
+
+    @property
+    def connect(self) -> float:
+        """Deadline to connect [s]."""
+        return CONNECT if self.phase == "handshake" and self.code != 0 else PATIENT
 
 
 def when(phase: str) -> str:
@@ -119,7 +125,7 @@ def wire_faults() -> list[Cell]:
 def port_faults() -> list[Cell]:
     """Another program listens on the port, and never speaks."""
     here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"))
-    return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", "within 2 s"))
+    return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", f"within {CONNECT:g} s"))
                      for who in PARTICIPANTS]
 
 

@@ -47,7 +47,7 @@ class Run:
         settings = COUPLER | {
             "time": {"end": 0.05, "dt": 0.01, "dt_min": 1e-6},
             "output": {"interval": 0.04},
-            "protocol": {"connect_deadline": table.CONNECT, "silence_deadline": table.SILENCE,
+            "protocol": {"connect_deadline": cell.connect, "silence_deadline": table.SILENCE,
                          "answer_deadline": table.ANSWER, "heartbeat": table.HEARTBEAT, "idle_deadline": 10},
         }
         (scene / "coupler.json").write_text(json.dumps(settings), encoding="utf-8")
@@ -64,7 +64,8 @@ class Run:
                    "--coupler", self.endpoint)
 
     def start_participant(self, who: str, *words: object, name: str = "") -> None:
-        self.start(name or who, self.binaries / "fake_participant", who, self.endpoint, *words)
+        self.start(name or who, self.binaries / "fake_participant", who, self.endpoint, *words,
+                   "--connect-deadline", self.cell.connect)
 
     def text(self, name: str) -> str:
         return (self.folder / f"{name}.txt").read_text(encoding="utf-8", errors="replace")
@@ -170,7 +171,7 @@ def play_participant(run: Run) -> float:
             said = run.text(other(cell.who))
             # Who has not been heard when the coupler ends finds nobody.
             early = cell.phase == "handshake" and "no answer from a coupler" in said
-            require_line(said, ("within 2 s",) if early else ("the coupler ended the run: ",), other(cell.who))
+            require_line(said, (f"within {cell.connect:g} s",) if early else ("the coupler ended the run: ",), other(cell.who))
     return seconds
 
 

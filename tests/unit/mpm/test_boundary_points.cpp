@@ -21,9 +21,8 @@ template <int dim>
 ContactSettings<dim> plate(ContactMode mode = ContactMode::contact) {
   ContactSettings<dim> settings;
   settings.name = "plate";
-  settings.law.mode = mode;
-  settings.law.penalty = penalty;
-  settings.method = BoundaryPointSettings{.points_per_facet = 1};
+  settings.mode = mode;
+  settings.method = BoundaryPointSettings{.penalty = penalty, .points_per_facet = 1};
   if constexpr (dim == 2) {
     settings.surface.vertices = {{0.8, 0.5}, {0.2, 0.5}};
     settings.surface.facets = {0, 1};
@@ -114,22 +113,21 @@ template <int dim>
 ContactSettings<dim> bent_surface(CellType facet, ContactMode mode) {
   ContactSettings<dim> settings;
   settings.name = "bent";
-  settings.law.mode = mode;
-  settings.law.penalty = penalty;
+  settings.mode = mode;
   settings.surface.facet_type = facet;
   if constexpr (dim == 2) {
     settings.surface.vertices = {{0.83, 0.2}, {0.71, 0.56}, {0.4, 0.64}, {0.13, 0.37}};
     settings.surface.facets = {0, 1, 1, 2, 2, 3};
-    settings.method = BoundaryPointSettings{.points_per_facet = 3};
+    settings.method = BoundaryPointSettings{.penalty = penalty, .points_per_facet = 3};
   } else {
     settings.surface.vertices = {{0.1, 0.2, 0.45}, {0.52, 0.15, 0.6}, {0.9, 0.2, 0.4},
                                  {0.15, 0.8, 0.5}, {0.5, 0.85, 0.62}, {0.85, 0.9, 0.45}};
     if (facet == CellType::quad4) {
       settings.surface.facets = {0, 1, 4, 3, 1, 2, 5, 4};
-      settings.method = BoundaryPointSettings{.points_per_facet = 4};
+      settings.method = BoundaryPointSettings{.penalty = penalty, .points_per_facet = 4};
     } else {
       settings.surface.facets = {0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4};
-      settings.method = BoundaryPointSettings{.points_per_facet = 3};
+      settings.method = BoundaryPointSettings{.penalty = penalty, .points_per_facet = 3};
     }
   }
   return settings;
@@ -138,7 +136,7 @@ ContactSettings<dim> bent_surface(CellType facet, ContactMode mode) {
 template <int dim>
 void check_action_and_reaction(CellType grid, CellType facet, ContactMode mode, double friction) {
   auto settings = bent_surface<dim>(facet, mode);
-  settings.law.friction = friction;
+  settings.friction = friction;
   SteppedContact<dim> contact(settings, grid);
   for (int step = 0; step < 3; ++step) {
     std::vector<double> surface_du =
@@ -227,7 +225,7 @@ TEST(BoundaryPoints, the_next_step_may_close_the_gap_and_go_in_by_the_margin) {
 
 TEST(BoundaryPoints, friction_holds_up_to_its_limit_and_keeps_direction) {
   auto settings = plate<3>();
-  settings.law.friction = 0.4;
+  settings.friction = 0.4;
   SteppedContact<3> contact(settings);
   const double normal = penalty * 0.01 * plate_area<3>;
   EXPECT_NEAR(contact.force({0.0024, 0.0032 - 1e-9, 0.01})[2], -normal, 1e-9);
@@ -250,14 +248,15 @@ TEST(BoundaryPoints, small_steps_give_the_force_of_one_large_step) {
   const Vector<2> push(0.004, 0.01), grid(-0.003, -0.002);
   for (const double friction : {-1.0, 0.3}) {
     auto settings = plate<2>();
-    settings.law.friction = friction;
+    settings.friction = friction;
     SteppedContact<2> once(settings);
     const Vector<2> expected = once.force(grid, push);
     EXPECT_GT(expected.norm(), 10);
-    settings.method =
-        BoundaryPointSettings{.memory = GapMemory::accumulated, .points_per_facet = 1};
+    settings.method = BoundaryPointSettings{
+        .penalty = penalty, .memory = GapMemory::accumulated, .points_per_facet = 1};
     SteppedContact<2> many(settings);
-    settings.method = BoundaryPointSettings{.memory = GapMemory::step, .points_per_facet = 1};
+    settings.method =
+        BoundaryPointSettings{.penalty = penalty, .memory = GapMemory::step, .points_per_facet = 1};
     SteppedContact<2> forgetful(settings);
     Vector<2> force, forgotten;
     for (int k = 0; k < 8; ++k) {
@@ -308,7 +307,7 @@ TEST(BoundaryPoints, an_open_gap_is_followed) {
 
 TEST(BoundaryPoints, a_rotated_wall_keeps_its_gap) {
   auto settings = plate<2>();
-  settings.law.friction = 5;
+  settings.friction = 5;
   SteppedContact<2> contact(settings);
   const Vector<2> first = contact.force({0.003, 0.01});
   contact.accept();

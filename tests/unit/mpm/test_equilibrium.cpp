@@ -294,7 +294,7 @@ template <int dim>
 mpm::ContactSettings<dim> level_surface(double height) {
   mpm::ContactSettings<dim> settings;
   settings.name = "plate";
-  settings.law.penalty = 1e5;
+  settings.method = mpm::BoundaryPointSettings{.penalty = 1e5};
   if constexpr (dim == 2) {
     settings.surface.facet_type = CellType::line2;
     settings.surface.vertices = {{0.9, height}, {0.5, height + 0.1}, {0.1, height}};
@@ -304,7 +304,7 @@ mpm::ContactSettings<dim> level_surface(double height) {
     settings.surface.vertices = {
         {0.1, 0.2, height}, {0.9, 0.2, height + 0.1}, {0.9, 0.8, height + 0.1}, {0.1, 0.8, height}};
     settings.surface.facets = {0, 1, 2, 3};
-    settings.method = mpm::BoundaryPointSettings{.points_per_facet = 4};
+    settings.method = mpm::BoundaryPointSettings{.penalty = 1e5, .points_per_facet = 4};
   }
   return settings;
 }
@@ -314,8 +314,8 @@ void check_contact(mpm::ContactMode mode, double friction, double sideways, int 
   const CellType type = dim == 2 ? CellType::quad4 : CellType::hex8;
   Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
   auto settings = level_surface<dim>(0.35);
-  settings.law.mode = mode;
-  settings.law.friction = friction;
+  settings.mode = mode;
+  settings.friction = friction;
   balance.contacts.push_back(make_contact(settings));
   balance.start();
   Vector<dim> push = Vector<dim>::Zero();

@@ -45,7 +45,7 @@ TEST(Facets, a_bar_that_hits_a_wall_gains_no_energy) {
   constexpr int cells = 10;
   const double h = L / cells;
   for (const double courant : {0.05, 0.5, 5.0, 50.0}) {
-    for (const double factor : {0.2, 20.0, 2000.0}) {
+    for (const double factor : {1.0, 100.0, 10000.0}) {
       const auto solver = make_mpm(flying_bar(cells, factor));
       const double dt = courant * h / c, start = energy(*solver);
       const int steps = static_cast<int>(std::ceil((1.3 * contact_time + 0.3 * h / v0) / dt));
@@ -98,7 +98,8 @@ TEST(Facets, a_bar_that_hits_a_wall) {
 
 /// V9: an elastic block on an incline of 30 degrees, placed `above` it; gravity is turned instead.
 struct Slide {
-  double speed, settled, pitch;
+  double speed = 0, lowest = 0, pitch = 0;
+  double pull = 0, push = 0;  // impulses on the plane, along it and into it
 };
 Slide slide(double mu, double above, double wall_height) {
   const double angle = M_PI / 6, g = 9.81, low = wall_height + above;
@@ -119,10 +120,17 @@ Slide slide(double mu, double above, double wall_height) {
           {"method", "facets"},
           {"surface", {{"polyline", {{2, wall_height}, {0, wall_height}}}, {"spacing", 0.1}}},
           {"friction", mu}}}}});
-  run_steps(*solver, 5e-4, 400);
-  const double tail = probe(*solver, "tail.uy"), nose = probe(*solver, "nose.uy");
-  return {probe(*solver, "momentum_x") / probe(*solver, "mass"), -0.5 * (tail + nose),
-          (nose - tail) / 0.46};
+  Slide found;
+  for (int n = 1; n <= 400; ++n) {
+    run_steps(*solver, 5e-4, 1, n);
+    const double tail = probe(*solver, "tail.uy"), nose = probe(*solver, "nose.uy");
+    found.lowest = std::max(found.lowest, -0.5 * (tail + nose));
+    found.pitch = std::max(found.pitch, std::abs(nose - tail) / 0.46);
+    found.pull += 5e-4 * probe(*solver, "incline.fx");
+    found.push -= 5e-4 * probe(*solver, "incline.fy");
+  }
+  found.speed = probe(*solver, "momentum_x") / probe(*solver, "mass");
+  return found;
 }
 
 TEST(Facets, block_on_an_incline) {
@@ -131,14 +139,24 @@ TEST(Facets, block_on_an_incline) {
     for (const double mu : {0.0, 0.3}) {
       const Slide found = slide(mu, 0, wall_height);
       verify({.id = "V9",
-              .what = fmt::format("block on an incline by facets, mu = {}, wall at {} m, speed "
-                                  "after 0.2 s",
-                                  mu, wall_height),
-              .exact = 9.81 * (0.5 - mu * std::sqrt(0.75)) * 0.2,
-              .computed = found.speed,
-              .bound = 2e-3,
-              .unit = "m/s"});
-      EXPECT_LT(std::abs(found.pitch), 1e-3) << mu << " " << wall_height;
+              .what = fmt::format("block on an incline by facets, wall at {} m, friction over "
+                                  "normal impulse",
+                                  wall_height),
+              .exact = mu,
+              .computed = found.pull / found.push,
+              .measure = Measure::absolute_error,
+              .bound = 1e-4});
+      if (mu == 0) {
+        verify({.id = "V9",
+                .what = fmt::format("block on an incline by facets, mu = 0, wall at {} m, speed "
+                                    "after 0.2 s",
+                                    wall_height),
+                .exact = 9.81 * 0.5 * 0.2,
+                .computed = found.speed,
+                .bound = 1e-6,
+                .unit = "m/s"});
+      }
+      EXPECT_LT(found.pitch, 1e-3) << mu << " " << wall_height;
     }
   }
 }
@@ -146,7 +164,9 @@ TEST(Facets, block_on_an_incline) {
 /// Soil does not hover: a block comes down by the gap that it was placed with.
 TEST(Facets, a_block_above_a_plane_comes_down_to_it) {
   for (const double above : {3e-3, 9e-3}) {
-    EXPECT_NEAR(slide(0.3, above, 0.15).settled, above, 3e-4) << above;
+    const double lowest = slide(0.3, above, 0.15).lowest;
+    EXPECT_GT(lowest, above) << above;
+    EXPECT_LT(lowest, above + 3e-3) << above;
   }
 }
 

@@ -124,7 +124,7 @@ TEST(RigidWalls, block_on_an_incline) {
 struct Pressed {
   double force, penetration, after;
 };
-Pressed press(const char* method, double eps, double D) {
+Pressed press(const std::string& method, double penalty, double D) {
   const auto solver =
       make_mpm({{"dimension", 2},
                 {"grid", box({0, 0}, {1.25, 0.5}, {5, 2}, "quad4")},
@@ -138,14 +138,18 @@ Pressed press(const char* method, double eps, double D) {
                  {{{"name", "plate"},
                    {"surface", {{"polyline", {{1, 0.5}, {1, 0}}}, {"spacing", 0.25}}},
                    {"method", method},
-                   {"penalty", eps},
-                   {"motion", {{"table", {{0, 0, 0}, {1, -D, 0}, {2, D, 0}}}}}}}}});
+                   {method == "facets" ? "penalty_factor" : "penalty", penalty},
+                   {"motion", {{"table", {{0, 0, 0}, {1, -D, 0}, {200, -D, 0}, {201, D, 0}}}}}}}}});
   InterfaceValues sent;
-  const auto report = solver->solve_step({1, 0, 0, 1}, {}, sent);
-  solver->accept_step({1, 0, 0, 1}, true);
-  const double force = probe(*solver, "plate.fx");
-  run_steps(*solver, 1, 1, 2);
-  return {force, report.details.at("plate.max_penetration"), probe(*solver, "plate.fx")};
+  double penetration = 0, force = 0;
+  for (int n = 1; n <= 200; ++n) {
+    const StepRequest request{n, 0, n - 1.0, 1};
+    penetration = solver->solve_step(request, {}, sent).details.at("plate.max_penetration");
+    solver->accept_step(request, true);
+    force = probe(*solver, "plate.fx");
+  }
+  run_steps(*solver, 1, 1, 201);
+  return {force, penetration, probe(*solver, "plate.fx")};
 }
 
 TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
@@ -164,27 +168,25 @@ TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
   }
 }
 
-/// By facets the penalty begins smoothly: with the depth d, F = A eps d^2 / (2 onset) up to the
-/// onset, A eps (d - onset / 2) beyond it, and D = L F / (M A) + d.
+/// By facets F = A c M (d / h)^2 with the depth d, and D = L F / (M A) + d. The mean force of a
+/// step comes to this within some steps.
 TEST(RigidWalls, plate_pressed_on_a_column_by_facets) {
-  const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, onset = 0.05 * 0.25;
-  for (const double kappa : {1.0, 100.0}) {
-    for (const double D : {1e-6, 0.05}) {
-      const double eps = kappa * M / 0.25, soft = L * eps / (2 * onset * M);
-      double d = (std::sqrt(1 + 4 * soft * D) - 1) / (2 * soft);
-      if (d > onset) d = (D + L * eps / M * onset / 2) / (1 + L * eps / M);
-      const double F = (D - d) * M * A / L;
-      const Pressed pressed = press("facets", eps, D);
+  const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, h = 0.25;
+  for (const double factor : {10.0, 1e5}) {
+    for (const double D : {1e-6, 1e-5}) {
+      const double over = 0.25 / (0.5 - 0.5 / std::sqrt(3.0));  // A' / A
+      const double c = over * factor * L / (h * h), d = (std::sqrt(1 + 4 * c * D) - 1) / (2 * c);
+      const Pressed pressed = press("facets", factor, D);
       verify({.id = "V20",
               .what = fmt::format("force of a plate, by facets, that presses a column by {} m, "
-                                  "penalty {} M / h",
-                                  D, kappa),
-              .exact = F,
+                                  "penalty_factor {}",
+                                  D, factor),
+              .exact = over * factor * M * d * d / (h * h) * A,
               .computed = pressed.force,
               .bound = 1e-5,
               .unit = "N/m"});
-      EXPECT_NEAR(pressed.penetration, d, 1e-5 * d) << kappa << " " << D;
-      EXPECT_EQ(pressed.after, 0) << kappa << " " << D;
+      EXPECT_NEAR(pressed.penetration, d, 1e-5 * d) << factor << " " << D;
+      EXPECT_EQ(pressed.after, 0) << factor << " " << D;
     }
   }
 }
