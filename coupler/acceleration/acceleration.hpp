@@ -17,7 +17,7 @@ struct AccelerationSettings {
   std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn | mvqn_residual
   double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
   Filter filter;                ///< which columns are dropped as dependent
-  int history = 5;              ///< accepted steps whose columns are kept, >= 0
+  int history = 2;              ///< accepted steps whose columns are kept, >= 0
   int max_columns = 200;        ///< of all steps together, >= 1; mvqn_residual: of this step
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
@@ -28,8 +28,9 @@ AccelerationSettings read_acceleration_settings(ConfigReader in);
 struct AccelerationCounters {
   double omega = 0;            ///< relaxation used; 0 when columns decided
   int columns = 0;             ///< in use
-  int dropped_by_filter = 0;   ///< columns, in this call, as the next two
+  int dropped_by_filter = 0;   ///< columns, in this call, as the next three
   int dropped_by_limit = 0;    ///< because there were more than max_columns
+  int dropped_by_growth = 0;   ///< of earlier steps, because the residual grew
   int dropped_by_contact = 0;  ///< by a reset before the call, because the contact changed
   bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };

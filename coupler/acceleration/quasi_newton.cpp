@@ -2,6 +2,7 @@
 #include "coupler/acceleration/quasi_newton.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "coupler/state_vectors.hpp"
 
@@ -64,7 +65,9 @@ void QuasiNewton::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_ti
 Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
   counters_ = {};
   Eigen::VectorXd t;
+  const double before = r_last_.size() > 0 ? r_last_.norm() : HUGE_VAL;
   add_pair(x, x_tilde, t);
+  if (r_last_.norm() > 2 * before) drop_earlier_steps();
   if (watch_.fails(x_tilde, r_last_) && fall_back()) t = basis_.coordinates(r_last_);
   limit_columns();
   Eigen::VectorXd c;
@@ -89,7 +92,26 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
     basis_.add(1, t_left - t, left);  // V c
     result -= (1 - settings_.damping) * left;
   }
-  return result;
+  return counters_.fell_back ? result : shortened(x, result);
+}
+
+// The update of an exact Jacobian is no longer than the residual where a force that answers a
+// displacement pushes against it, as between soil and structure.
+Eigen::VectorXd QuasiNewton::shortened(const Eigen::VectorXd& x,
+                                       const Eigen::VectorXd& next_x) const {
+  constexpr double longest = 2;  // of an update, over the residual
+  const Eigen::VectorXd update = next_x - x;
+  const double share = longest * r_last_.norm() / update.norm();
+  return share < 1 ? Eigen::VectorXd(x + share * update) : next_x;
+}
+
+void QuasiNewton::drop_earlier_steps() {
+  for (Secant& secant : secants_) {
+    if (secant.dropped || secant.step == step_) continue;
+    secant.dropped = true;
+    ++counters_.dropped_by_growth;
+    factored_.reset();
+  }
 }
 
 void QuasiNewton::cover(Eigen::VectorXd& t, Eigen::VectorXd& c) {

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How much of the answer of granular_obstacle is the method's: contact, functions of the grid, its cells and sizes."""
+
+import json
+
+import numpy as np
+
+from studies.coupled import REST, SCENE
+from studies.measures import Measured
+from studies.runner import Runner
+
+PAPER = f"{SCENE}_paper"
+INTERFACE = "mpm.json:/interfaces/0"
+
+
+def triangles(fine: bool) -> list[str]:
+    """Unstructured grid of triangles, three points in each triangle of the body."""
+    box = {"low": [0, 0], "high": [0.2, 0.1], "cells": [80, 40] if fine else [40, 20], "type": "tri3"}
+    name = "fine" if fine else "grid"
+    grid = {"file": f"../{PAPER}/{name}.msh"}
+    return [f"mpm.json:/grid={json.dumps(grid)}", f"mpm.json:/bodies/0/mesh={json.dumps({'box': box})}",
+            "mpm.json:/bodies/0/points_per_cell=3"]
+
+
+def row_of(name: str, run: Measured) -> list:
+    steps = run.table("steps.csv")
+    iterations = steps["iterations"][steps["skipped"] == "none"]
+    force = steps["fx"]
+    return [name, 1e3 * run.peak()[0], 1e3 * run.displacement().mean_of_last(REST), float(np.max(force)),
+            run.force().mean_of_last(REST), float(run.impulse().values[-1]), float(np.mean(iterations)),
+            int(np.max(iterations)), run.cuts(), run.seconds()]
+
+
+HEAD = ["", "peak of A [mm]", "rest [mm]", "peak force [N/m]", "rest [N/m]", "impulse [N s/m]", "iterations", "most",
+        "cuts", "run time [s]"]
+
+
+def contact(runner: Runner) -> None:
+    """The answer of granular_obstacle over contact, functions of the grid, its cells and their size."""
+    for size, scene in (("5", SCENE), ("2.5", f"{SCENE}_fine")):
+        fine = size == "2.5"
+        forms = {
+            "quad4, gimp": [],
+            "quad4, bspline": ["mpm.json:/basis=bspline"],
+            "quad4, linear": ["mpm.json:/basis=linear", "mpm.json:/bodies/0/point_placement=gauss"],
+            "tri3": triangles(fine),
+        }
+        rows = [row_of(name, runner.run(f"{name} {size}".replace(", ", "_").replace(" ", "_"), scene, settings))
+                for name, settings in forms.items()]
+        runner.report(HEAD, rows, f"h = {size} mm")
+    kinds = {
+        "as shipped": (SCENE, []),
+        "penalty_factor 5": (SCENE, [f"{INTERFACE}/penalty_factor=5"]),
+        "penalty_factor 50": (SCENE, [f"{INTERFACE}/penalty_factor=50"]),
+        "without F-bar": (SCENE, ["mpm.json:/locking/method=none"]),
+        "boundary_points": (SCENE, [f"{INTERFACE}/method=boundary_points"]),
+        "scene of the literature": (PAPER, []),
+    }
+    rows = [row_of(name, runner.run(name.replace(" ", "_"), scene, settings))
+            for name, (scene, settings) in kinds.items()]
+    runner.report(HEAD, rows, "contact and locking, h = 5 mm")
+    runner.remark(f"iterations: mean of the steps in contact; rest: mean of the last {REST} s")
+
+
+STUDIES = {"contact": contact}
