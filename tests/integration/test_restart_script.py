@@ -107,8 +107,8 @@ class Beam(ScriptCase):
         for file in BEAM_SCENE.iterdir():
             if file.suffix in (".json", ".py"):
                 (scene / file.name).write_bytes(file.read_bytes())
-        end = (*self.end_at(0.001), f"mpm.json:/grid/file={BEAM_SCENE.parent}/granular_obstacle/grid.msh")
-        self.run_script(scene, "first", *end[:-2], "coupler.json:/time/end=0.0006", end[-1])
+        end = self.end_at(0.001)
+        self.run_script(scene, "first", *end[:-1], "coupler.json:/time/end=0.0006")
         beam = json.loads((scene / "structure.json").read_text())
         for change, words in (({"density": 1200}, "structure.json: at /density: found 1200, allowed: 1100"),
                               ({"top_segments": 5}, "structure.json: at /top_segments: found 5, allowed: 4")):
