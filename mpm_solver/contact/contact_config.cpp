@@ -68,6 +68,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in,
                                    const ContactUnits& units) {
   ContactSettings<dim> boundary;
   boundary.name = in.name("name");
+  boundary.where = in.where("surface");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   boundary.law = read_contact_law(in, units);
   if (in.choice("method") == "facets") {

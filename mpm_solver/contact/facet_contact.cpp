@@ -61,6 +61,7 @@ double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
 template <int dim>
 void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
+  dt_ = soil.dt;
   watched_ = watched_distance(soil);
   candidates_.clear();
   N_.clear();
