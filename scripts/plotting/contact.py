@@ -14,6 +14,7 @@ from plotting.view import AXES, up_axis
 PREFIX = "contact_"
 NUM_TIMES = 5
 NUM_BINS = 40
+CORNER = 0.87  # cosine of the turn from which on a line has a corner
 STEEP = 0.99  # sine of the least inclination of what counts as upright
 
 
@@ -52,13 +53,15 @@ def chain(cells: np.ndarray) -> np.ndarray:
 class Profile:
     """Where the facets lie along the axis over which pressure is drawn, by the first frame.
 
-    edges: of the intervals [m]; interval: of each facet; area: of each facet [m] or [m²].
+    edges: of the intervals [m]; interval: of each facet; area: of each facet [m] or [m²];
+    corners: of a line [m].
     """
 
     label: str
     edges: np.ndarray
     interval: np.ndarray
     area: np.ndarray
+    corners: tuple[float, ...] = ()
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over the facets of each interval, by area; NaN where there is none."""
@@ -69,7 +72,10 @@ class Profile:
 
 
 def profile_of(frame: Frame, dim: int, up: int) -> Profile:
-    """A line: along its length, or by height when it is upright. In space: by height, or along the longest axis."""
+    """A line: along its length, or by height when it is upright.
+
+    In space: by height, or along the longest horizontal axis when it is flat.
+    """
     vectors = facet_vectors(frame.points, frame.cells)
     area = np.linalg.norm(vectors, axis=1)
     along_up = np.abs(vectors[:, up]) / area
@@ -79,7 +85,9 @@ def profile_of(frame: Frame, dim: int, up: int) -> Profile:
         interval = np.empty(len(order), dtype=int)
         interval[order] = np.arange(len(order))
         if (along_up < STEEP).any() or np.ptp(np.sign(vectors[:, up])) != 0:
-            return Profile("length along the surface [m]", length, interval, area)
+            ways = vectors[order] / area[order, None]
+            turns = np.sum(ways[1:] * ways[:-1], axis=1) < CORNER
+            return Profile("length along the surface [m]", length, interval, area, tuple(length[1:-1][turns]))
         height = frame.points[frame.cells[order[0], 0], up] + np.sign(vectors[0, up]) * length
         if height[0] > height[-1]:
             return Profile(f"{AXES[up]} [m]", height[::-1], len(order) - 1 - interval, area)
@@ -108,6 +116,8 @@ def _draw_profiles(axes: Axes, profile: Profile, pressure: np.ndarray, times: np
                     lw=1.4, label=f"{time:.3g} s")
     axes.set_xlabel("pressure [Pa]")
     axes.set_ylabel(profile.label)
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=NUM_TIMES, fontsize=9, handlelength=1,
+                columnspacing=0.8)
 
 
 def plot_contact(results: Results, name: str, series: Series, times: list[float] | None,
@@ -129,10 +139,13 @@ def plot_contact(results: Results, name: str, series: Series, times: list[float]
     for k, time in enumerate(series.times[chosen]):
         right.axvline(time, color=COLOURS[k % len(COLOURS)], lw=1)
     right.set_xlabel("time [s]")
-    left.legend(loc="best")
-    left.set_title(name, loc="left")
+    right.set_title(name.replace("_", " "), loc="left")
+    for axes in (left, right):
+        for corner in profile.corners:
+            axes.axhline(corner, color="0.6", lw=0.8, ls=":")
     return save(figure, out / f"{PREFIX}{name}.png")
 
 
 def plot_contacts(results: Results, times: list[float] | None, out: Path) -> list[Path | None]:
-    return [plot_contact(results, name, series, times, out) for name, series in contact_series(results).items()]
+    return [plot_contact(results, name, series, times, out)
+            for name, series in contact_series(results).items()]

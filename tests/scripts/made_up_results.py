@@ -118,9 +118,9 @@ def structure_frames() -> list[tuple]:
 
 
 def write_contact(folder: Path, name: str = "wall", first: int = 2) -> Path:
-    """Pressure 1000 (1 - y / 0.1 m) t on the upright line x = 0.25 m + t / 10, from frame `first` on; NaN as gap before.
+    """Pressure 1000 (1 - y / 0.1 m) t on the upright line x = 0.25 m + t / 10.
 
-    Facets of 0.01 m, written from the top down and one of them out of order.
+    It begins in frame `first`; before, the gap is NaN. Facets of 0.01 m, written from the top down and one of them out of order.
     """
     y = np.linspace(0.1, 0, 11)
     cells = np.column_stack([np.arange(10), np.arange(1, 11)])[[1, 0, *range(2, 10)]]

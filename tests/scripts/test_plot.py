@@ -264,6 +264,7 @@ class Contact(ScriptCase):
         profile = contact.profile_of(frame, 2, 1)
         np.testing.assert_allclose(profile.edges, [0, 2, 3, 5])
         np.testing.assert_array_equal(profile.mean(np.array([1.0, 2, 3])), [2, 1, 3])
+        self.assertEqual(profile.corners, (2, 3))
 
     def test_wall_in_space_is_drawn_by_height(self) -> None:
         y, z = np.meshgrid([0.0, 1, 3], [0.0, 1, 2], indexing="ij")
