@@ -171,6 +171,19 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   return given ? LockingCure{fbar, "as mpm.json says"} : cure;
 }
 
+// Interfaces and rigid walls name files and columns together.
+template <int dim>
+void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
+    for (const auto& interface : settings.interfaces) {
+      if (settings.rigid_walls[k].name != interface.name) continue;
+      in.fail(fmt::format("rigid_walls/{}/name", k),
+              fmt::format("found \"{}\", which an interface has, allowed: a name of its own",
+                          interface.name));
+    }
+  }
+}
+
 // Refuse phases whose ends no step of the raster reaches.
 void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
                        const TimeSettings& time) {
@@ -212,6 +225,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   const double penalty_unit = modulus / mean_cell_size(settings.grid);
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
+  require_names_apart(in, settings);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);

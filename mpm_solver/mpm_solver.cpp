@@ -2,8 +2,35 @@
 #include "mpm_solver/mpm_solver.hpp"
 
 #include "common/base/require.hpp"
+#include "mpm_solver/contact/start_check.hpp"
 
 namespace gabion::mpm {
+
+namespace {
+
+template <int dim>
+void check_surfaces(const SoilModel<dim>& model, const MaterialPoints<dim>& points) {
+  std::vector<StartSurface<dim>> surfaces;
+  for (const auto& interface : model.settings.interfaces) {
+    surfaces.push_back({interface, interface.surface.vertices, false});
+  }
+  for (const auto& wall : model.settings.rigid_walls) {
+    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true});
+    auto& vertices = surfaces.back().vertices;
+    const auto moved = wall.motion.displacement(vertices, 0);
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
+    }
+  }
+  Vector<dim> low = model.grid.mesh.nodes.front(), high = low;
+  for (const Vector<dim>& x : model.grid.mesh.nodes) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  check_start<dim>(model.comm, surfaces, points, model.cell_size, (high - low).norm());
+}
+
+}  // namespace
 
 template <int dim>
 MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
@@ -14,6 +41,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       report_(model_, output_folder) {
   model_.settings.layouts.clear();  // the points are laid
   report_.log_start(state_, step_.soil().weights());
+  check_surfaces(model_, state_.points);
   step_.check_initial_stress();
 }
 

@@ -19,7 +19,8 @@ template <int dim>
 class MpmSolver final : public Solver {
  public:
   /// @param output_folder  folder of the frames; empty: none are written
-  /// @throws ConfigError  a body outside the grid; initial stress that is not in balance
+  /// @throws ConfigError  a body outside the grid; soil behind or inside a surface; initial stress
+  ///                      that is not in balance
   MpmSolver(MPI_Comm comm, MpmSettings<dim> settings, const std::string& output_folder);
 
   std::vector<InterfaceMesh> interfaces() const override {
@@ -38,6 +39,7 @@ class MpmSolver final : public Solver {
   void load_state(const State& state) override;
 
   const MaterialPoints<dim>& points() const { return state_.points; }
+  const Surfaces<dim>& surfaces() const { return state_.surfaces; }
   /// Start from other velocities [m/s] and accelerations [m/s^2] of this rank's points, num_points
   /// each, at time 0.
   void set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a);

@@ -18,7 +18,8 @@ BoundaryPoints<dim>::BoundaryPoints(const ContactSettings<dim>& settings,
            .friction = settings.friction,
            .penalty = method.penalty,
            .tangential_penalty = method.tangential_share * method.penalty},
-      memory_(method.memory) {
+      memory_(method.memory),
+      vertices_(settings.surface.vertices) {
   const auto rule = facet_points(settings.surface.facet_type, method.points_per_facet);
   const auto geometry = surface_.geometry();
   for (std::size_t f = 0; f < geometry.size(); ++f) {
@@ -55,6 +56,7 @@ template <int dim>
 void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
   const Mesh<dim>& mesh = soil.grid.mesh;
   touching_.clear();
+  dt_ = soil.dt;
   if (!soil.first_rank) return;
   nodes_per_cell_ = mesh.nodes_per_cell();
   ShapeValues<dim> shape;
@@ -197,7 +199,41 @@ double BoundaryPoints<dim>::approach_step(double dt, double margin) const {
 }
 
 template <int dim>
+void BoundaryPoints<dim>::mark_closed_points() {
+  marks_.clear();
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    if (!b.trial.closed) continue;
+    Vector<dim> way = b.gap_trial - b.gap;
+    way[0] = 0;
+    marks_.push_back({.facet = b.facet,
+                      .sliding = b.trial.sliding,
+                      .area = b.area,
+                      .gap = b.gap_trial[0],
+                      .x = surface_.position(b.facet, b.phi),
+                      .normal = b.frame.col(0),
+                      .force = -b.area * (b.frame * b.trial.t),
+                      .slip = b.frame * way / dt_});
+  }
+}
+
+template <int dim>
+ContactFields<dim> BoundaryPoints<dim>::fields(const MaterialPoints<dim>&, double) const {
+  ContactFields<dim> fields(vertices_, surface_.num_facets());
+  for (const ContactMark<dim>& mark : marks_) {
+    fields.add(static_cast<std::size_t>(mark.facet), 1, mark);
+  }
+  if (memory_ == GapMemory::step) return fields;
+  for (const Point& b : points_) {
+    if (b.has_soil) fields.gap[b.facet] = std::min(fields.gap[b.facet], b.gap[0]);
+  }
+  return fields;
+}
+
+template <int dim>
 void BoundaryPoints<dim>::accept() {
+  mark_closed_points();
+  vertices_ = surface_.positions();
   const auto geometry = surface_.geometry();
   for (Point& b : points_) {
     b.normal = geometry[b.facet].normal;
@@ -237,6 +273,8 @@ void BoundaryPoints<dim>::visit_state(StateVisitor& visitor, const std::string& 
   }
   visitor.integers(prefix + "cell", cells);
   visitor.integers(prefix + "has_soil", with_soil);
+  visitor.reals(prefix + "vertices", flat(vertices_));
+  visit_marks<dim>(visitor, prefix, marks_);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     points_[k].cell = cells[k];
     points_[k].has_soil = with_soil[k] != 0;

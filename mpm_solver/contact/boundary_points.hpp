@@ -40,6 +40,8 @@ class BoundaryPoints final : public Contact<dim> {
   double approach_step(double dt, double margin) const override;
 
   void accept() override;
+  /// Gaps are those that the law sees: known where a boundary point has soil.
+  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
@@ -62,14 +64,18 @@ class BoundaryPoints final : public Contact<dim> {
     ContactTraction<dim> trial{};  // in the frame
   };
 
+  void mark_closed_points();
   void evaluate_point(std::span<const double> du, Point& b, Matrix<dim>* slope) const;
   std::int32_t find_cell(const SoilSurface<dim>& soil, const Point& b) const;
 
   MovingSurface<dim> surface_;
   ContactLaw law_;
   GapMemory memory_;
+  double dt_ = 0;  // of the step under way
   std::vector<Point> points_;
-  std::vector<std::int32_t> touching_;  // points with soil; none but on the first rank
+  std::vector<ContactMark<dim>> marks_;  // of the accepted step
+  std::vector<Vector<dim>> vertices_;    // accepted
+  std::vector<std::int32_t> touching_;   // points with soil; none but on the first rank
   int nodes_per_cell_ = 0;
 };
 

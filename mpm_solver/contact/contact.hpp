@@ -11,6 +11,7 @@
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/run/state.hpp"
+#include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 
@@ -122,6 +123,10 @@ class Contact {
   virtual void accept() = 0;
   /// Of the accepted state.
   virtual ContactEnergy energy() const { return {}; }
+  /// Of the accepted state: what this rank's soil does to each facet.
+  /// @param points  of this rank, accepted
+  /// @param reach   how far to look for gaps [m]
+  virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const = 0;
   /// Save or load the accepted state. Names begin with `prefix`.
   virtual void visit_state(StateVisitor& visitor, const std::string& prefix) = 0;
 };

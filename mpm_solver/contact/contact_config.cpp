@@ -49,6 +49,7 @@ template <int dim>
 ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
   ContactSettings<dim> boundary;
   boundary.name = in.name("name");
+  boundary.where = in.where("surface");
   boundary.surface = read_surface<dim>(scene, in.object("surface"));
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},

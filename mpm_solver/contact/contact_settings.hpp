@@ -45,7 +45,8 @@ struct FacetSettings {
 /// What all methods of contact share, and one of them.
 template <int dim>
 struct ContactSettings {
-  std::string name;  ///< of the interface or the wall
+  std::string name;   ///< of the interface or the wall
+  std::string where;  ///< place of the surface in the config, for messages
   ContactSurface<dim> surface;
   ContactMode mode = ContactMode::contact;
   double friction = -1;  ///< as in ContactLaw

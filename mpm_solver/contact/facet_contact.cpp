@@ -74,6 +74,7 @@ template <int dim>
 void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
+  dt_ = soil.dt;
   watched_ = watched_distance(soil);
   candidates_.clear();
   N_.clear();

@@ -53,6 +53,7 @@ class FacetContact final : public Contact<dim> {
 
   void accept() override;
   ContactEnergy energy() const override { return energy_; }
+  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
@@ -106,6 +107,7 @@ class FacetContact final : public Contact<dim> {
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
+  ContactMark<dim> mark_of(const Touch& touch) const;
   void add_old_forces(double share, std::span<double> field) const;
   void visit_shapes(StateVisitor& visitor, const std::string& prefix);
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
@@ -131,6 +133,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
+  std::vector<ContactMark<dim>> marks_;                 // of the accepted step
   double last_motion_ = 0;                              // surface_motion_ of the accepted step
 
   // the step under way
@@ -143,6 +146,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<SurfaceFeature<dim>> features_;
   double force_weight_ = 1;
   double cell_size_ = 0;
+  double dt_ = 0;
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
   bool may_touch_ = false;

@@ -8,10 +8,39 @@
 namespace gabion::mpm {
 
 template <int dim>
+ContactMark<dim> FacetContact<dim>::mark_of(const Touch& touch) const {
+  const Vector<dim>& n = touch.feature.normal;
+  const int cuts = surface_.facet_type == CellType::quad4 ? 2 : 1;
+  return {.facet = touch.feature.simplex / cuts,
+          .sliding = touch.traction.sliding,
+          .area = touch.area,
+          .gap = touch.gap,
+          .x = touch.feature.x,
+          .normal = n,
+          .force = -touch.force,
+          .slip = (touch.relative - n.dot(touch.relative) * n) / dt_};
+}
+
+template <int dim>
+ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
+                                             double reach) const {
+  ContactFields<dim> fields(start_, surface_.facets.size() / num_nodes(surface_.facet_type));
+  spread_marks<dim>(surface_, marks_, fields);
+  const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
+    const auto shape = shape_.find(points.id[p]);
+    return shape == shape_.end() ? points.depth[p] : (shape->second * n).norm();
+  };
+  add_gaps<dim>(surface_, points, radius, reach, fields);
+  return fields;
+}
+
+template <int dim>
 void FacetContact<dim>::accept() {
   double work = 0, stored = 0, slid = 0;
   memory_.clear();
+  marks_.clear();
   for (const Touch& touch : touches_) {
+    marks_.push_back(mark_of(touch));
     const Vector<dim>& n = touch.feature.normal;
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
     Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
@@ -82,6 +111,7 @@ void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visitor.real(prefix + "last_motion", last_motion_);
   visit_memory(visitor, prefix);
   visit_shapes(visitor, prefix);
+  visit_marks<dim>(visitor, prefix, marks_);
   const std::pair<const char*, double*> energies[] = {
       {"stored", &energy_.stored}, {"friction", &energy_.friction}, {"loss", &energy_.loss}};
   for (const auto& [name, value] : energies) visitor.real(prefix + name, *value);

@@ -30,6 +30,8 @@ class MovingSurface {
   void set_displacement(std::span<const double> displacement);
 
   std::size_t num_vertices() const { return vertices_.size(); }
+  std::size_t num_facets() const { return surface_.facets.size() / vertices_per_facet_; }
+  const std::vector<Vector<dim>>& positions() const { return vertices_; }
   int vertices_per_facet() const { return vertices_per_facet_; }
   std::int32_t vertex(std::int32_t facet, int k) const {
     return surface_.facets[facet * vertices_per_facet_ + k];

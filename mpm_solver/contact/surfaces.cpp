@@ -29,6 +29,12 @@ std::vector<InterfaceMesh> Surfaces<dim>::interface_meshes() const {
 }
 
 template <int dim>
+const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t contact) const {
+  const bool wall = contact >= interfaces_.size();
+  return wall ? walls_[contact - interfaces_.size()].boundary : interfaces_[contact];
+}
+
+template <int dim>
 void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> touching;
   for (const auto& contact : contacts_) {
@@ -75,10 +81,9 @@ template <int dim>
 void Surfaces<dim>::refuse_misses(double largest) const {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     if (max_over_ranks(comm_, largest > contacts_[k]->allowed_way() ? 1 : 0) == 0) continue;
-    const bool wall = k >= interfaces_.size();
     throw ConvergenceError(
         fmt::format("soil and \"{}\" move too far in one step to know where they touch",
-                    wall ? walls_[k - interfaces_.size()].name : interfaces_[k].name),
+                    settings(k).name),
         "contact");
   }
 }
@@ -157,6 +162,20 @@ ContactEnergy Surfaces<dim>::energy() const {
   }
   sum_over_ranks(comm_, std::span<double>(sums));
   return {.stored = sums[0], .friction = sums[1], .loss = sums[2]};
+}
+
+template <int dim>
+ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoints<dim>& points,
+                                         double reach) const {
+  ContactFields<dim> fields = contacts_[contact]->fields(points, reach);
+  sum_over_ranks<dim>(comm_, std::span(fields.force));
+  sum_over_ranks<dim>(comm_, std::span(fields.slip));
+  sum_over_ranks(comm_, std::span(fields.area));
+  max_over_ranks(comm_, std::span(fields.status));
+  for (double& gap : fields.gap) gap = -gap;
+  max_over_ranks(comm_, std::span(fields.gap));
+  for (double& gap : fields.gap) gap = -gap;
+  return fields;
 }
 
 template <int dim>

@@ -17,6 +17,7 @@ class Surfaces {
 
   const Contacts<dim>& contacts() const { return contacts_; }
   std::vector<InterfaceMesh> interface_meshes() const;
+  const ContactSettings<dim>& settings(std::size_t contact) const;
 
   /// @note Collective.
   void begin_step(const SoilSurface<dim>& soil);
@@ -43,6 +44,9 @@ class Surfaces {
   double approach_step(double dt, double margin) const;
   /// Sums over the contacts.
   ContactEnergy energy() const;
+  /// Contact::fields of all ranks.
+  ContactFields<dim> fields(std::size_t contact, const MaterialPoints<dim>& points,
+                            double reach) const;
 
   void accept();
   void visit_state(StateVisitor& visitor);

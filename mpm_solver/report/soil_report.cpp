@@ -12,7 +12,13 @@ namespace gabion::mpm {
 
 template <int dim>
 SoilReport<dim>::SoilReport(const SoilModel<dim>& model, const std::string& output_folder)
-    : model_(model), output_(model.comm, output_folder) {}
+    : model_(model), output_(model.comm, output_folder), contact_output_(model, output_folder) {}
+
+template <int dim>
+void SoilReport<dim>::write_frame(double time, const SoilState<dim>& state) {
+  output_.write(time, state.points);
+  contact_output_.write(time, state);
+}
 
 template <int dim>
 void SoilReport<dim>::log_start(const SoilState<dim>& state,
@@ -117,7 +123,8 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
           {"points", num_points},
           {"grid_cells", model_.grid.mesh.num_cells()},
           {"grid_nodes", model_.grid.mesh.num_nodes_total()},
-          {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points)},
+          {"frame_bytes",
+           MpmOutput<dim>::frame_bytes(num_points) + ContactOutput<dim>::frame_bytes(settings)},
           {"capped_domains", static_cast<std::int64_t>(sums[0])},
           {"phases", settings.phases.size()},
           {"initial_displacement", step.initial_displacement()},

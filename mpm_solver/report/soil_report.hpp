@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm_solver/report/contact_output.hpp"
 #include "mpm_solver/report/mpm_output.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 
@@ -24,7 +25,7 @@ class SoilReport {
   std::vector<std::string> probe_names() const;
   std::vector<double> probes(const SoilState<dim>& state) const;
 
-  void write_frame(double time, const SoilState<dim>& state) { output_.write(time, state.points); }
+  void write_frame(double time, const SoilState<dim>& state);
   Json summary(const SoilState<dim>& state, const SoilStep<dim>& step,
                const PhaseTimes& times) const;
 
@@ -33,6 +34,7 @@ class SoilReport {
 
   const SoilModel<dim>& model_;
   MpmOutput<dim> output_;
+  ContactOutput<dim> contact_output_;
 };
 
 }  // namespace gabion::mpm

@@ -60,6 +60,7 @@ class BadInput(IntegrationCase):
     def test_normals_the_wrong_way_round(self) -> None:
         files = meeting()
         files["mpm"]["interfaces"][0]["surface"]["polyline"].reverse()
+        files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.04, 0], high=[0.12, 0.06])  # nearer, the soil sees it
         self.refused(files, "[cpl]", 'interface "wall"', "normal", "out of the structure")
 
     def test_coupler_file_missing_in_a_coupled_launch(self) -> None:

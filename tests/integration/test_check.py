@@ -35,8 +35,10 @@ class GoodScene(CheckCase):
         self.assert_says(ended.text, "soil: 48 points, 189 grid nodes, 160 grid cells")
         self.assert_says(ended.text, "structure: 33 nodes, 20 cells, 60 unknowns")
         self.assert_says(ended.text, "time: 25 steps of 0.0005 s to 0.0125 s, 6 frames")
-        # 92 bytes a point; 60 a node and 40 a cell.
-        self.assert_says(ended.text, f"frames take at most {1e-6 * 6 * (48 * 92 + 33 * 60 + 20 * 40):.3g} MB")
+        self.assert_says(ended.text, "wall: smallest gap to the soil 0.01 m, 0.5 cells")
+        # 92 bytes a point; 60 a node and 40 a cell; 24 a vertex of the line and 44 a segment.
+        size = 48 * 92 + 33 * 60 + 20 * 40 + 12 * 24 + 11 * 44
+        self.assert_says(ended.text, f"frames take at most {1e-6 * 6 * size:.3g} MB")
         self.assert_says(ended.text, f"{self.scene}: valid")
 
     def test_ranks(self) -> None:
@@ -97,6 +99,22 @@ class Soil(CheckCase):
         self.warned(files, "mpm.json: at /probes/1/point", '"out"', "m away, more than a cell of the grid (0.02 m)")
         files["mpm"]["probes"].pop()
         self.assertNotIn("warning", self.check(files).text)
+
+
+    def test_a_reversed_surface(self) -> None:
+        files = meeting()
+        files["mpm"]["interfaces"][0]["surface"]["polyline"].reverse()
+        self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "behind it", "reverse the order")
+
+    def test_soil_inside_the_structure(self) -> None:
+        files = meeting()
+        files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.17, 0], high=[0.257, 0.06])
+        self.refused(files, "mpm.json: at /interfaces/0/surface", "material points inside the structure", '"wall"')
+
+    def test_a_surface_too_coarse_for_the_grid(self) -> None:
+        files = meeting()
+        files["mpm"]["interfaces"][0]["surface"]["spacing"] = 0.05
+        self.warned(files, "mpm.json: at /interfaces/0/surface", "2 of 3 facets", "2.5 cells", "at most one cell")
 
 
 class Surfaces(CheckCase):

@@ -73,7 +73,7 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
     for number, (time, points, cells, fields) in enumerate(frames):
         file = f"{name}_{number:06d}.h5"
         write_frame(folder / file, points, cells, fields)
-        kind = "Polyvertex" if cells is None else {4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
+        kind = "Polyvertex" if cells is None else {2: "Polyline", 4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
         topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
         attributes = "".join(
             f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'
@@ -115,6 +115,24 @@ def structure_frames() -> list[tuple]:
         u = np.column_stack([4 * time * points[:, 1] ** 2, np.zeros(len(points))])
         frames.append((time, points + u, cells, {"displacement": u}))
     return frames
+
+
+def write_contact(folder: Path, name: str = "wall", first: int = 2) -> Path:
+    """Pressure 1000 (1 - y / 0.1 m) t on the upright line x = 0.25 m + t / 10.
+
+    It begins in frame `first`; before, the gap is NaN. Facets of 0.01 m, written from the top down and one of them out of order.
+    """
+    y = np.linspace(0.1, 0, 11)
+    cells = np.column_stack([np.arange(10), np.arange(1, 11)])[[1, 0, *range(2, 10)]]
+    middle = y[cells].mean(axis=1)
+    frames = []
+    for number, time in enumerate(np.linspace(0, END, 6)):
+        points = np.column_stack([np.full(11, 0.25 + time / 10), y, np.zeros(11)])
+        touched = number >= first
+        frames.append((time, points, cells, {"pressure": 1000 * (1 - middle / 0.1) * time * touched,
+                                             "gap": np.full(10, 0.0 if touched else np.nan)}))
+    write_series(folder / "mpm", f"contact_{name}", frames)
+    return folder
 
 
 def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path:

@@ -10,7 +10,7 @@ import numpy as np
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
-from plotting import history
+from plotting import contact, history
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
@@ -241,6 +241,58 @@ class Drawing(ScriptCase):
         text = "\n".join(summary_lines(Results(folder)))
         self.assertIn("z force on the structure: largest -4 N at t = 1 s, impulse -3 N s", text)
         self.assertNotIn("N/m", text)
+
+
+class Contact(ScriptCase):
+    """Pressure on interfaces and rigid walls."""
+
+    def profile(self) -> tuple[contact.Profile, Series]:
+        made_up.write_contact(self.folder)
+        series = contact.contact_series(Results(self.folder))["wall"]
+        return contact.profile_of(series.frame(0), 2, 1), series
+
+    def test_upright_line_is_drawn_by_height(self) -> None:
+        profile, series = self.profile()
+        self.assertEqual(profile.label, "y [m]")
+        np.testing.assert_allclose(profile.edges, np.linspace(0, 0.1, 11), atol=1e-12)
+        mean = profile.mean(series.frame(5).fields["pressure"])
+        np.testing.assert_allclose(mean, 500 * (1 - (np.arange(10) + 0.5) / 10), rtol=1e-6)
+
+    def test_bent_line_is_drawn_by_length(self) -> None:
+        points = np.array([[1.0, 0, 0], [1, 2, 0], [0, 2, 0], [0, 0, 0]])
+        frame = Frame(0.0, points, np.array([[1, 2], [0, 1], [2, 3]]), {})
+        profile = contact.profile_of(frame, 2, 1)
+        np.testing.assert_allclose(profile.edges, [0, 2, 3, 5])
+        np.testing.assert_array_equal(profile.mean(np.array([1.0, 2, 3])), [2, 1, 3])
+        self.assertEqual(profile.corners, (2, 3))
+
+    def test_wall_in_space_is_drawn_by_height(self) -> None:
+        y, z = np.meshgrid([0.0, 1, 3], [0.0, 1, 2], indexing="ij")
+        points = np.column_stack([np.zeros(9), y.ravel(), z.ravel()])
+        cells = np.array([[0, 3, 4, 1], [1, 4, 5, 2], [3, 6, 7, 4], [4, 7, 8, 5]])
+        profile = contact.profile_of(Frame(0.0, points, cells, {}), 3, 2)
+        self.assertEqual(profile.label, "z [m]")
+        # Areas 1 and 2 in each of the two rows.
+        np.testing.assert_allclose(profile.mean(np.array([3.0, 1, 6, 4])), [5, 3])
+
+    def test_a_closed_line_is_followed_once(self) -> None:
+        np.testing.assert_array_equal(contact.chain(np.array([[2, 0], [0, 1], [1, 2]])), [0, 1, 2])
+
+    def test_times(self) -> None:
+        profile, series = self.profile()
+        pressure = np.array([profile.mean(series.frame(k).fields["pressure"]) for k in range(6)])
+        np.testing.assert_array_equal(contact._chosen(series, pressure, None), [2, 3, 4, 5])
+        np.testing.assert_array_equal(contact._chosen(series, pressure, [0.11, 0.5]), [1, 5])
+
+    def test_pictures(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        made_up.write_contact(folder)
+        made_up.write_contact(folder, "never", first=9)
+        result = self.python_script("plot", folder, "--times", "0.3", "0.5")
+        self.assertEqual(result.stderr, "")
+        drawn = [Path(line) for line in result.stdout.splitlines() if "contact" in line]
+        self.assertEqual([path.name for path in drawn], ["contact_wall.png"])
+        self.assertGreater(drawn[0].stat().st_size, 5000)
 
 
 class Curves(ScriptCase):

@@ -41,6 +41,13 @@ void sum_over_ranks(MPI_Comm comm, std::span<Vector<dim>> values) {
   sum_over_ranks(comm, std::span<double>(values.front().data(), values.size() * dim));
 }
 
+/// Replace each value by the largest over the ranks. Collective.
+inline void max_over_ranks(MPI_Comm comm, std::span<double> values) {
+  if (num_ranks(comm) == 1) return;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX,
+                comm);
+}
+
 /// Largest value over the ranks. Collective.
 inline double max_over_ranks(MPI_Comm comm, double value) {
   if (num_ranks(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);

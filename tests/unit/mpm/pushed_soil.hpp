@@ -17,7 +17,7 @@ inline Json pushed() {
           {"bodies", {body("soil", box({0.5, 0}, {1.5, 0.5}, {8, 4}, "tri3"), 3, material)}},
           {"interfaces",
            {{{"name", "plate"},
-             {"surface", {{"polyline", {{0.51, 0}, {0.51, 0.5}}}, {"spacing", 0.25}}}}}}};
+             {"surface", {{"polyline", {{0.5, 0}, {0.5, 0.5}}}, {"spacing", 0.25}}}}}}};
 }
 
 /// The plate turned into the soil: its upper end moves by `push`, its lower end by half of it.

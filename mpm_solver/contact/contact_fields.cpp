@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/contact_fields.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm_solver/contact/facet_hash.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Facets that look within 60 degrees of a mark's normal may share it.
+constexpr double same_side = 0.5;
+
+// In 3D the square of a mark is cut into this many parts along each side.
+constexpr int parts = 4;
+
+/// The facets of a surface where they are, to be found by place.
+template <int dim>
+struct PlacedSurface {
+  PlacedSurface(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at, double margin)
+      : vertices(at),
+        cut(simplices(surface)),
+        cuts_per_facet(surface.facet_type == CellType::quad4 ? 2 : 1),
+        hash(cut, at, margin) {}
+
+  std::array<Vector<dim>, dim> corners(std::int32_t s) const {
+    return corners_of<dim>(cut[s], vertices);
+  }
+  std::size_t facet(std::int32_t s) const { return static_cast<std::size_t>(s / cuts_per_facet); }
+
+  std::span<const Vector<dim>> vertices;
+  std::vector<Simplex<dim>> cut;
+  int cuts_per_facet;
+  FacetHash<dim> hash;
+};
+
+/// Part of a mark on a facet.
+struct FacetShare {
+  std::size_t facet;
+  double size;
+};
+
+double width_of(double area, int dim) {
+  return dim == 2 ? area : std::sqrt(area);
+}
+
+// Overlap of the strip with the segments, seen along the normal.
+void shares_of(const PlacedSurface<2>& surface, const ContactMark<2>& mark,
+               std::vector<FacetShare>& shares) {
+  const double half = mark.area / 2;
+  const Vector<2> along(-mark.normal[1], mark.normal[0]);
+  for (const std::int32_t s : surface.hash.near(mark.x)) {
+    const auto c = surface.corners(s);
+    if (simplex_normal<2>(c).dot(mark.normal) <= same_side) continue;
+    const double a = along.dot(c[0] - mark.x), b = along.dot(c[1] - mark.x);
+    const double first = std::max(std::min(a, b), -half), last = std::min(std::max(a, b), half);
+    if (last <= first) continue;
+    const double at = ((first + last) / 2 - a) / (b - a);
+    const Vector<2> middle = (1 - at) * c[0] + at * c[1];
+    if (std::abs(mark.normal.dot(middle - mark.x)) > half) continue;
+    shares.push_back({surface.facet(s), last - first});
+  }
+}
+
+// Each part of the square goes to the nearest triangle, of equally near ones to the first.
+void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
+               std::vector<FacetShare>& shares) {
+  const double width = std::sqrt(mark.area);
+  const Vector<3> e1 = mark.normal.unitOrthogonal(), e2 = mark.normal.cross(e1);
+  const auto near = surface.hash.near(mark.x);
+  for (int k = 0; k < parts * parts; ++k) {
+    const double u = ((k % parts + 0.5) / parts - 0.5) * width;
+    const double v = ((k / parts + 0.5) / parts - 0.5) * width;
+    const Vector<3> y = mark.x + u * e1 + v * e2;
+    double least = width / 2;
+    std::int32_t nearest = -1;
+    for (const std::int32_t s : near) {
+      const auto corners = surface.corners(s);
+      if (simplex_normal<3>(corners).dot(mark.normal) <= same_side) continue;
+      const double distance = (closest_place<3>(corners, y).x - y).norm();
+      if (distance >= least - 1e-9 * width) continue;
+      least = distance;
+      nearest = s;
+    }
+    if (nearest >= 0) shares.push_back({surface.facet(nearest), 1});
+  }
+}
+
+// Distance between a triangle or segment and the soil around a point that it faces.
+template <int dim>
+double distance_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x,
+                        double height, double half_width) {
+  const Vector<dim> way = x - closest_place<dim>(corners, x).x;
+  const double aside = std::sqrt(std::max(0.0, way.squaredNorm() - height * height));
+  return std::hypot(height, std::max(0.0, aside - half_width));
+}
+
+}  // namespace
+
+template <int dim>
+void visit_marks(StateVisitor& visitor, const std::string& prefix,
+                 std::vector<ContactMark<dim>>& marks) {
+  constexpr Vector<dim> ContactMark<dim>::*members[] = {
+      &ContactMark<dim>::x, &ContactMark<dim>::normal, &ContactMark<dim>::force,
+      &ContactMark<dim>::slip};
+  std::vector<std::int64_t> facets;
+  std::vector<double> values;
+  for (const ContactMark<dim>& mark : marks) {
+    facets.push_back(2 * std::int64_t{mark.facet} + (mark.sliding ? 1 : 0));
+    values.insert(values.end(), {mark.area, mark.gap});
+    for (const auto member : members) {
+      values.insert(values.end(), (mark.*member).begin(), (mark.*member).end());
+    }
+  }
+  visitor.list(prefix + "mark_facets", facets);
+  visitor.list(prefix + "marks", values);
+  marks.assign(facets.size(), {});
+  auto value = values.begin();
+  for (std::size_t k = 0; k < facets.size(); ++k) {
+    marks[k].facet = static_cast<std::int32_t>(facets[k] / 2);
+    marks[k].sliding = facets[k] % 2 != 0;
+    marks[k].area = *value++;
+    marks[k].gap = *value++;
+    for (const auto member : members) {
+      std::copy_n(value, dim, (marks[k].*member).begin());
+      value += dim;
+    }
+  }
+}
+
+template <int dim>
+ContactFields<dim>::ContactFields(std::vector<Vector<dim>> vertices_, std::size_t num_facets)
+    : vertices(std::move(vertices_)),
+      force(num_facets, Vector<dim>::Zero()),
+      slip(num_facets, Vector<dim>::Zero()),
+      area(num_facets, 0.0),
+      gap(num_facets, std::numeric_limits<double>::infinity()),
+      status(num_facets, 0.0) {}
+
+template <int dim>
+void ContactFields<dim>::add(std::size_t facet, double share, const ContactMark<dim>& mark) {
+  force[facet] += share * mark.force;
+  slip[facet] += share * mark.area * mark.slip;
+  area[facet] += share * mark.area;
+  gap[facet] = std::min(gap[facet], mark.gap);
+  status[facet] = std::max(status[facet], mark.sliding ? 2.0 : 1.0);
+}
+
+template <int dim>
+void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMark<dim>> marks,
+                  ContactFields<dim>& fields) {
+  double widest = 0;
+  for (const auto& mark : marks) widest = std::max(widest, width_of(mark.area, dim));
+  if (!(widest > 0)) return;
+  const PlacedSurface<dim> placed(surface, fields.vertices, widest);
+  std::vector<FacetShare> shares;
+  for (const ContactMark<dim>& mark : marks) {
+    shares.clear();
+    shares_of(placed, mark, shares);
+    double sum = 0;
+    for (const FacetShare& share : shares) sum += share.size;
+    if (!(sum > 0)) {
+      shares.assign(1, {static_cast<std::size_t>(mark.facet), 1});
+      sum = 1;
+    }
+    for (const FacetShare& share : shares) fields.add(share.facet, share.size / sum, mark);
+  }
+}
+
+template <int dim>
+void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& points,
+              const BallRadius<dim>& radius, double reach, ContactFields<dim>& fields) {
+  double widest = 0;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    widest = std::max(widest, std::pow(points.V0[p] * points.J[p], 1.0 / dim));
+  }
+  const PlacedSurface<dim> placed(surface, fields.vertices, reach + widest);
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    const Vector<dim>& x = points.x[p];
+    for (const std::int32_t s : placed.hash.near(x)) {
+      const auto corners = placed.corners(s);
+      const Vector<dim> n = simplex_normal<dim>(corners);
+      const double height = (x - corners[0]).dot(n);
+      if (height <= 0) continue;
+      const double R = radius(p, n);
+      const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
+      const double gap = distance_to_soil<dim>(corners, x, height, half_width) - R;
+      double& least = fields.gap[placed.facet(s)];
+      if (gap <= reach) least = std::min(least, gap);
+    }
+  }
+}
+
+template void visit_marks<2>(StateVisitor&, const std::string&, std::vector<ContactMark<2>>&);
+template void visit_marks<3>(StateVisitor&, const std::string&, std::vector<ContactMark<3>>&);
+template struct ContactFields<2>;
+template struct ContactFields<3>;
+template void spread_marks<2>(const ContactSurface<2>&, std::span<const ContactMark<2>>,
+                              ContactFields<2>&);
+template void spread_marks<3>(const ContactSurface<3>&, std::span<const ContactMark<3>>,
+                              ContactFields<3>&);
+template void add_gaps<2>(const ContactSurface<2>&, const MaterialPoints<2>&, const BallRadius<2>&,
+                          double, ContactFields<2>&);
+template void add_gaps<3>(const ContactSurface<3>&, const MaterialPoints<3>&, const BallRadius<3>&,
+                          double, ContactFields<3>&);
+
+}  // namespace gabion::mpm

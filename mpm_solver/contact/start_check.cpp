@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/start_check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "common/base/log.hpp"
+#include "common/base/require.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/contact/facet_hash.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Soil within this many cells of a surface is near it.
+constexpr double near_cells = 2;
+
+// A ball may lie in the surface by this share of its radius: soil that is laid against a curved
+// surface meets it to within the bulge of its facets.
+constexpr double allowed_overlap = 0.05;
+
+// Distances that differ by less than this share are equal.
+constexpr double same_distance = 1e-9;
+
+// Neighbours that turn by more than 2 degrees are curved, by more than 60 degrees a corner.
+constexpr double flat_cosine = 0.99939, corner_cosine = 0.5;
+
+/// Edge of a triangle, or end of a segment, by its vertices in ascending order.
+template <int dim>
+using Edge = std::array<std::int32_t, dim - 1>;
+
+template <int dim>
+Edge<dim> edge_of(const Simplex<dim>& simplex, int k) {
+  if constexpr (dim == 2) {
+    return {simplex[k]};
+  } else {
+    return {std::min(simplex[k], simplex[(k + 1) % 3]), std::max(simplex[k], simplex[(k + 1) % 3])};
+  }
+}
+
+template <int dim>
+std::map<Edge<dim>, std::vector<std::int32_t>> edge_owners(
+    const std::vector<Simplex<dim>>& simplices) {
+  std::map<Edge<dim>, std::vector<std::int32_t>> owners;
+  for (std::size_t s = 0; s < simplices.size(); ++s) {
+    for (int k = 0; k < dim; ++k) {
+      owners[edge_of<dim>(simplices[s], k)].push_back(static_cast<std::int32_t>(s));
+    }
+  }
+  return owners;
+}
+
+/// Which side of a surface a point is on.
+struct Side {
+  double distance = std::numeric_limits<double>::infinity();  // [m]
+  double height = 0;                                          // above the nearest simplex [m]
+  bool beyond_rim = false;
+
+  bool known() const { return std::isfinite(distance) && (height > 0 || !beyond_rim); }
+  bool in_front() const { return height > 0; }
+};
+
+/// A surface at the start, to be asked for sides.
+template <int dim>
+class SidedSurface {
+ public:
+  SidedSurface(const StartSurface<dim>& surface, double reach)
+      : vertices_(surface.vertices),
+        simplices_(simplices(surface.settings.surface)),
+        rim_(surface.vertices.size()),
+        hash_(simplices_, vertices_, reach) {
+    for (const auto& [edge, owners] : edge_owners<dim>(simplices_)) {
+      if (owners.size() > 1) continue;
+      for (const std::int32_t v : edge) rim_[v] = 1;
+    }
+  }
+
+  /// Of the nearest simplex; of equally near ones, which meet in an edge, that whose plane the
+  /// point is farthest from: it sees the side right.
+  Side side(const Vector<dim>& x) const {
+    Side nearest;
+    for (const std::int32_t s : hash_.near(x)) {
+      const Side side = side_of(s, x);
+      const double margin = same_distance * side.distance;
+      const bool nearer = side.distance < nearest.distance - margin;
+      const bool equal = std::abs(side.distance - nearest.distance) <= margin;
+      if (nearer || (equal && std::abs(side.height) > std::abs(nearest.height))) nearest = side;
+    }
+    return nearest;
+  }
+
+ private:
+  Side side_of(std::int32_t s, const Vector<dim>& x) const {
+    const Simplex<dim>& simplex = simplices_[s];
+    const auto corners = corners_of<dim>(simplex, vertices_);
+    const auto place = closest_place<dim>(corners, x);
+    Side side;
+    side.distance = (x - place.x).norm();
+    side.height = (x - corners[0]).dot(simplex_normal<dim>(corners));
+    const bool aside = std::abs(side.height) < (1 - 1e-6) * side.distance;
+    side.beyond_rim = aside && place.num_corners() < dim;
+    for (int k = 0; k < dim; ++k) {
+      if (place.weights[k] > 0) side.beyond_rim &= rim_[simplex[k]] != 0;
+    }
+    return side;
+  }
+
+  std::vector<Vector<dim>> vertices_;
+  std::vector<Simplex<dim>> simplices_;
+  std::vector<char> rim_;  // 1 for vertices on the rim of an open surface
+  FacetHash<dim> hash_;
+};
+
+// Largest edge of a square or cube of a point's volume, which holds its ball.
+template <int dim>
+double largest_size(const MaterialPoints<dim>& points) {
+  const auto widest = std::max_element(points.V0.begin(), points.V0.end());
+  return widest == points.V0.end() ? 0 : std::pow(*widest, 1.0 / dim);
+}
+
+// The surface that a point is nearest to; of equally near ones one that it is in front of; -1:
+// none is near.
+int owner_of(const std::vector<Side>& sides) {
+  int owner = -1;
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    if (!sides[k].known()) continue;
+    if (owner >= 0) {
+      const double lead = sides[owner].distance - sides[k].distance;
+      const double margin = same_distance * sides[k].distance;
+      if (lead < -margin || (lead <= margin && !sides[k].in_front())) continue;
+    }
+    owner = static_cast<int>(k);
+  }
+  return owner;
+}
+
+/// A material point.
+template <int dim>
+struct Ball {
+  Vector<dim> x;
+  double radius;  // [m]
+  double size;    // edge of a square or cube of its volume [m]
+};
+
+template <int dim>
+void add_point(const Ball<dim>& ball, const Side& side, bool measured, double near_distance,
+               SoilAtStart<dim>& soil) {
+  double depth = ball.radius - side.distance;
+  bool inside = measured && depth > allowed_overlap * ball.radius;
+  if (side.in_front()) {
+    soil.gap = std::min(soil.gap, -depth);
+    soil.near_front += side.distance <= near_distance;
+  } else {
+    soil.near_behind += side.distance <= near_distance;
+    depth = ball.radius + side.distance;
+    inside = side.distance <= ball.size;
+  }
+  if (!inside) return;
+  ++soil.inside;
+  if (depth <= soil.deepest) return;
+  soil.deepest = depth;
+  soil.deepest_at = ball.x;
+}
+
+/// Findings of one surface on all ranks.
+template <int dim>
+struct Verdict {
+  std::int64_t near_front, near_behind, inside;
+  std::string deepest;  // "by 0.1 m at (0, 1)"
+};
+
+template <int dim>
+Verdict<dim> verdict_of(MPI_Comm comm, const SoilAtStart<dim>& own) {
+  double sums[] = {static_cast<double>(own.near_front), static_cast<double>(own.near_behind),
+                   static_cast<double>(own.inside)};
+  sum_over_ranks(comm, std::span<double>(sums));
+  const double deepest = max_over_ranks(comm, own.deepest);
+  std::string text;
+  if (own.inside > 0 && own.deepest == deepest) {
+    const double* x = own.deepest_at.data();
+    text = fmt::format("the deepest by {:.3g} m at ({:.6g})", deepest, fmt::join(x, x + dim, ", "));
+  }
+  return {.near_front = static_cast<std::int64_t>(sums[0]),
+          .near_behind = static_cast<std::int64_t>(sums[1]),
+          .inside = static_cast<std::int64_t>(sums[2]),
+          .deepest = first_text(comm, text)};
+}
+
+template <int dim>
+void refuse(const ContactSettings<dim>& settings, const Verdict<dim>& found) {
+  if (settings.law.mode == ContactMode::fixed) return;
+  require<ConfigError>(
+      found.near_behind == 0 || found.near_front > 0,
+      "{}: all material points within {} cells of the surface of \"{}\", {} of them, lie behind "
+      "it, allowed: facets whose normals point into the soil; reverse the order of a polyline (the "
+      "soil is to its right), take facets of the structure from a mesh",
+      settings.where, near_cells, settings.name, found.near_behind);
+  require<ConfigError>(found.inside == 0,
+                       "{}: found {} material points inside the structure or too deep in the "
+                       "surface of \"{}\", {}; allowed at the start: soil that touches it, or lies "
+                       "in it by {} of a point's radius with \"method\": \"facets\"",
+                       settings.where, found.inside, settings.name, found.deepest, allowed_overlap);
+}
+
+// Whether a simplex has a neighbour that goes round a curve with it.
+template <int dim>
+std::vector<char> curved_simplices(const std::vector<Simplex<dim>>& simplices,
+                                   const std::vector<Vector<dim>>& vertices) {
+  std::vector<char> curved(simplices.size(), 0);
+  for (const auto& [edge, owners] : edge_owners<dim>(simplices)) {
+    if (owners.size() != 2) continue;
+    const auto normal = [&](std::int32_t s) {
+      return simplex_normal<dim>(corners_of<dim>(simplices[s], vertices));
+    };
+    const double cosine = normal(owners[0]).dot(normal(owners[1]));
+    if (cosine >= flat_cosine || cosine < corner_cosine) continue;
+    for (const std::int32_t s : owners) curved[s] = 1;
+  }
+  return curved;
+}
+
+template <int dim>
+double longest_edge(const ContactSurface<dim>& surface, const std::vector<Vector<dim>>& vertices,
+                    std::size_t facet) {
+  const std::size_t n = num_nodes(surface.facet_type);
+  double longest = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector<dim>& a = vertices[surface.facets[facet * n + k]];
+    const Vector<dim>& b = vertices[surface.facets[facet * n + (k + 1) % n]];
+    longest = std::max(longest, (a - b).norm());
+  }
+  return longest;
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>& surfaces,
+                                            const MaterialPoints<dim>& points, double cell_size) {
+  const double near_distance = near_cells * cell_size;
+  const double reach = std::max(near_distance, largest_size(points));
+  std::vector<SidedSurface<dim>> sided;
+  for (const auto& surface : surfaces) sided.emplace_back(surface, reach);
+  std::vector<SoilAtStart<dim>> found(surfaces.size());
+  std::vector<Side> sides(surfaces.size());
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    for (std::size_t k = 0; k < sided.size(); ++k) sides[k] = sided[k].side(points.x[p]);
+    const int owner = owner_of(sides);
+    const Ball<dim> ball{points.x[p], points.depth[p], std::pow(points.V0[p], 1.0 / dim)};
+    for (std::size_t k = 0; k < sided.size(); ++k) {
+      if (!sides[k].known() || (!sides[k].in_front() && owner != static_cast<int>(k))) continue;
+      const bool measured = std::holds_alternative<FacetSettings>(surfaces[k].settings.method);
+      add_point<dim>(ball, sides[k], measured, near_distance, found[k]);
+    }
+  }
+  return found;
+}
+
+template <int dim>
+double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
+                    const MaterialPoints<dim>& points, double cell_size, double farthest) {
+  const double widest = max_over_ranks(comm, largest_size(points));
+  for (double reach = near_cells * cell_size;; reach *= 4) {
+    const SidedSurface<dim> sided(surface, reach + widest);
+    double gap = std::numeric_limits<double>::infinity();
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      const Side side = sided.side(points.x[p]);
+      if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
+    }
+    gap = -max_over_ranks(comm, -gap);
+    if (gap <= reach || reach > farthest) return gap;
+  }
+}
+
+template <int dim>
+std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, double cell_size) {
+  const ContactSurface<dim>& of = surface.settings.surface;
+  const auto cut = simplices(of);
+  const auto curved = curved_simplices<dim>(cut, surface.vertices);
+  const std::size_t num_facets = of.facets.size() / num_nodes(of.facet_type);
+  const std::size_t cuts = cut.size() / num_facets;
+  const bool any_flat =
+      surface.rigid && std::holds_alternative<FacetSettings>(surface.settings.method);
+  const double diagonal = of.facet_type == CellType::tri3 ? std::numbers::sqrt2 : 1;
+  std::size_t count = 0;
+  double longest = 0;
+  for (std::size_t f = 0; f < num_facets; ++f) {
+    const bool bent = std::any_of(curved.begin() + f * cuts, curved.begin() + (f + 1) * cuts,
+                                  [](char c) { return c != 0; });
+    if (any_flat && !bent) continue;
+    const double length = longest_edge<dim>(of, surface.vertices, f);
+    if (length <= (1 + 1e-6) * (bent ? 0.5 : 1) * diagonal * cell_size) continue;
+    ++count;
+    longest = std::max(longest, length);
+  }
+  if (count == 0) return std::nullopt;
+  return fmt::format(
+      "{}: found {} of {} facets of \"{}\" too long for the grid, up to {:.3g} m, {:.3g} cells; "
+      "advised: at most one cell, half a cell where the surface is curved{}",
+      surface.settings.where, count, num_facets, surface.settings.name, longest,
+      longest / cell_size, diagonal > 1 ? "; triangles 1.4 times as long" : "");
+}
+
+template <int dim>
+void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
+                 const MaterialPoints<dim>& points, double cell_size, double farthest) {
+  const auto found = soil_at_start(surfaces, points, cell_size);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const ContactSettings<dim>& settings = surfaces[k].settings;
+    refuse<dim>(settings, verdict_of<dim>(comm, found[k]));
+    const double gap = smallest_gap<dim>(comm, surfaces[k], points, cell_size, farthest);
+    if (std::isfinite(gap)) {
+      log::info("{}: smallest gap to the soil {:.3g} m, {:.3g} cells", settings.name, gap,
+                gap / cell_size);
+    } else {
+      log::info("{}: no soil in front of it", settings.name);
+    }
+    if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
+  }
+}
+
+template struct SoilAtStart<2>;
+template struct SoilAtStart<3>;
+template std::vector<SoilAtStart<2>> soil_at_start<2>(const std::vector<StartSurface<2>>&,
+                                                      const MaterialPoints<2>&, double);
+template std::vector<SoilAtStart<3>> soil_at_start<3>(const std::vector<StartSurface<3>>&,
+                                                      const MaterialPoints<3>&, double);
+template double smallest_gap<2>(MPI_Comm, const StartSurface<2>&, const MaterialPoints<2>&, double,
+                                double);
+template double smallest_gap<3>(MPI_Comm, const StartSurface<3>&, const MaterialPoints<3>&, double,
+                                double);
+template std::optional<std::string> coarse_surface<2>(const StartSurface<2>&, double);
+template std::optional<std::string> coarse_surface<3>(const StartSurface<3>&, double);
+template void check_start<2>(MPI_Comm, const std::vector<StartSurface<2>>&,
+                             const MaterialPoints<2>&, double, double);
+template void check_start<3>(MPI_Comm, const std::vector<StartSurface<3>>&,
+                             const MaterialPoints<3>&, double, double);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mpm_solver/contact/contact_settings.hpp"
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// A surface where it is at time 0.
+template <int dim>
+struct StartSurface {
+  const ContactSettings<dim>& settings;
+  std::vector<Vector<dim>> vertices;  ///< [m]
+  bool rigid = false;
+};
+
+/// How the soil of this rank lies to a surface at time 0. A material point is a ball of the radius
+/// MaterialPoints::depth. A point behind a surface counts for the surface that is nearest to it,
+/// and not at all beyond the rim of an open one. It is inside the structure when it is no farther
+/// from the surface than the size of a point: then the surface cuts the soil, or the structure is
+/// thinner than half a point. In front it is when its ball overlaps the surface and the method
+/// measures distances (`facets`).
+template <int dim>
+struct SoilAtStart {
+  double gap = std::numeric_limits<double>::infinity();  ///< smallest of a point in front [m]
+  std::int64_t near_front = 0, near_behind = 0;          ///< points within two cells
+  std::int64_t inside = 0;  ///< points inside the structure, or too deep in the surface
+  double deepest = -std::numeric_limits<double>::infinity();  ///< of those inside [m]
+  Vector<dim> deepest_at = Vector<dim>::Zero();
+};
+
+/// @param cell_size  mean [m]
+template <int dim>
+std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>& surfaces,
+                                            const MaterialPoints<dim>& points, double cell_size);
+
+/// Smallest gap between soil and a surface, of all ranks; infinite: none within `farthest` [m].
+/// @note Collective.
+template <int dim>
+double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
+                    const MaterialPoints<dim>& points, double cell_size, double farthest);
+
+/// What to say of a surface whose facets are too long for the grid: more than a cell, or half a
+/// cell where the surface is curved (triangles: the diagonal of such a square). Flat parts of a
+/// rigid wall that meets soil by `facets` may have any length: they do not bend and there is no
+/// integral over them.
+template <int dim>
+std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, double cell_size);
+
+/// Log the smallest gap of each surface, warn of coarse ones.
+/// @param farthest  where to end the search for gaps [m]
+/// @throws ConfigError  all soil that is near lies behind a surface: its facets look the wrong way;
+///                      soil inside the structure. Not for the mode `fixed`, which may lie in soil.
+/// @note Collective.
+template <int dim>
+void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
+                 const MaterialPoints<dim>& points, double cell_size, double farthest);
+
+}  // namespace gabion::mpm

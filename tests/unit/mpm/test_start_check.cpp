@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mpm_solver/contact/start_check.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// Soil in [0.5, 1] x [0, 0.5] on a grid of cells of 0.25 m; a wall with the soil to its left.
+Json walled(double x, const std::string& method = "facets") {
+  return {{"dimension", 2},
+          {"grid", box({0, 0}, {2, 1}, {8, 4}, "quad4")},
+          {"basis", "linear"},
+          {"bodies",
+           {body("soil", box({0.5, 0}, {1, 0.5}, {4, 4}, "quad4"), 4,
+                 elastic_soil("neo_hookean", 1e5, 0.3, 1000))}},
+          {"rigid_walls",
+           {{{"name", "ram"},
+             {"method", method},
+             {"surface", {{"polyline", {{x, 0.6}, {x, -0.1}}}, {"spacing", 0.25}}}}}}};
+}
+
+/// The same in space: soil below the bottom of a block, or the block's other sides.
+Json below_block(double z, const std::string& group = "bottom") {
+  return {
+      {"dimension", 3},
+      {"grid", box({0, 0, 0}, {1, 1, 2}, {4, 4, 8}, "hex8")},
+      {"bodies",
+       {body("soil", box({0, 0, 0}, {1, 1, 0.5}, {4, 4, 2}, "hex8"), 8,
+             elastic_soil("neo_hookean", 1e5, 0.3, 1000))}},
+      {"interfaces",
+       {{{"name", "block"},
+         {"surface",
+          {{"mesh", box({0, 0, z}, {1, 1, z + 1}, {4, 4, 4}, "tet4")}, {"groups", {group}}}}}}}};
+}
+
+void expect_refused(const Json& json, const std::vector<std::string_view>& parts) {
+  expect_error<ConfigError>([&] { make_mpm(json); }, parts);
+}
+
+template <int dim>
+std::vector<mpm::StartSurface<dim>> surfaces_of(const mpm::MpmSettings<dim>& settings) {
+  std::vector<mpm::StartSurface<dim>> all;
+  for (const auto& of : settings.interfaces) all.push_back({of, of.surface.vertices, false});
+  for (const auto& of : settings.rigid_walls) {
+    all.push_back({of.boundary, of.boundary.surface.vertices, true});
+  }
+  return all;
+}
+
+TEST(StartCheck, touching_soil_is_fine) {
+  for (const char* method : {"facets", "boundary_points"}) EXPECT_TRUE(make_mpm(walled(1, method)));
+  EXPECT_TRUE(make_mpm(below_block(0.5)));
+}
+
+TEST(StartCheck, smallest_gap) {
+  const auto check = []<int dim>(const Json& json, double cell, double expected) {
+    const auto solver = mpm_solver<dim>(json);
+    const auto settings = mpm_settings<dim>(json);
+    const auto surface = surfaces_of(settings).front();
+    const double gap = mpm::smallest_gap<dim>(comm(), surface, solver->points(), cell, 3);
+    if (std::isfinite(expected)) {
+      EXPECT_NEAR(gap, expected, 1e-12);
+    } else {
+      EXPECT_EQ(gap, expected);
+    }
+  };
+  for (const double gap : {0.0, 0.1, 0.7}) check.operator()<2>(walled(1 + gap), 0.25, gap);
+  for (const double gap : {0.0, 0.2, 1.0}) check.operator()<3>(below_block(0.5 + gap), 0.25, gap);
+  Json behind = walled(1);
+  behind["rigid_walls"][0]["surface"]["polyline"] = {{1.7, -0.1}, {1.7, 0.6}};
+  check.operator()<2>(behind, 0.25, std::numeric_limits<double>::infinity());
+}
+
+TEST(StartCheck, a_reversed_surface_is_refused) {
+  for (const char* method : {"facets", "boundary_points"}) {
+    Json json = walled(1, method);
+    auto& surface = json["rigid_walls"][0]["surface"];
+    surface["polyline"] = {{1, -0.1}, {1, 0.6}};
+    expect_refused(json,
+                   {"/rigid_walls/0/surface", "64 of them", "\"ram\"", "behind it", "reverse"});
+    surface["polyline"] = {{1.3, -0.1}, {1.3, 0.6}};
+    expect_refused(json, {"/rigid_walls/0/surface", "\"ram\"", "reverse"});
+    surface["polyline"] = {{1.6, -0.1}, {1.6, 0.6}};  // too far to be sure
+    EXPECT_TRUE(make_mpm(json));
+  }
+  // The upper side of a plate above the soil.
+  Json thin = below_block(0.6, "top");
+  thin["interfaces"][0]["surface"]["mesh"] = box({0, 0, 0.6}, {1, 1, 0.7}, {4, 4, 1}, "tet4");
+  expect_refused(thin, {"/interfaces/0/surface", "\"block\"", "behind it", "reverse"});
+}
+
+TEST(StartCheck, soil_inside_is_refused) {
+  // Points at 0.9014 and 0.9736, R = 0.0264, in 4 cells of 0.125 m with two rows each.
+  expect_refused(walled(0.92), {"/rigid_walls/0/surface", "found 16 material points", "\"ram\"",
+                                "the deepest by 0.08 m at (0.973584"});
+  expect_refused(walled(0.92, "boundary_points"), {"found 8 material points", "(0.973584"});
+  // Overlap without a centre behind it; boundary points do not measure it.
+  expect_refused(walled(0.99), {"found 8 material points", "the deepest by 0.01 m"});
+  EXPECT_TRUE(make_mpm(walled(0.99, "boundary_points")));
+  EXPECT_TRUE(make_mpm(walled(1 - 0.001)));  // 4 % of R
+  expect_refused(below_block(0.45),
+                 {"/interfaces/0/surface", "\"block\"", "material points inside"});
+}
+
+/// Soil that fills the place of a structure exactly touches it from both sides.
+TEST(StartCheck, soil_that_fills_the_structure_is_refused) {
+  Json json = walled(1);
+  json["rigid_walls"][0]["surface"]["polyline"] = {
+      {0.875, 0.001}, {0.875, 0.25}, {0.75, 0.25}, {0.75, 0.001}};
+  expect_refused(json, {"/rigid_walls/0/surface", "found 8 material points", "inside"});
+}
+
+/// Soil on both sides of a sheet, each with a surface of its own; and soil that lies lower than the
+/// end of a plate, but not behind it.
+TEST(StartCheck, soil_on_the_other_side_is_fine) {
+  Json json = walled(0.75);
+  json["rigid_walls"].push_back(json["rigid_walls"][0]);
+  json["rigid_walls"][1]["name"] = "back";
+  json["rigid_walls"][1]["surface"]["polyline"] = {{0.75, -0.1}, {0.75, 0.6}};
+  EXPECT_TRUE(make_mpm(json));
+  json = walled(1);
+  json["rigid_walls"][0]["surface"]["polyline"] = {{0.4, 0.4}, {0, 0.4}};
+  EXPECT_TRUE(make_mpm(json));
+}
+
+TEST(StartCheck, coarse_surfaces) {
+  const auto warning = [](const Json& json) {
+    const auto settings = mpm_settings<2>(json);
+    return mpm::coarse_surface<2>(surfaces_of(settings).front(), 0.25);
+  };
+  const auto interface = [](const Json& polyline, double spacing) {
+    Json json = walled(1);
+    json["interfaces"] = json["rigid_walls"];
+    json.erase("rigid_walls");
+    json["interfaces"][0]["surface"] = {{"polyline", polyline}, {"spacing", spacing}};
+    return json;
+  };
+  const Json line = {{1, 0.7}, {1, 0}};
+  EXPECT_FALSE(warning(interface(line, 0.25)));
+  const auto text = warning(interface(line, 0.4));
+  ASSERT_TRUE(text);
+  EXPECT_NE(text->find("2 of 2 facets of \"ram\""), std::string::npos) << *text;
+  EXPECT_NE(text->find("0.35 m, 1.4 cells"), std::string::npos) << *text;
+  Json arc = Json::array();  // chords of 0.196 m
+  for (int k = 0; k <= 8; ++k) {
+    const double angle = k * std::numbers::pi / 16;
+    arc.push_back({1.1 + std::sin(angle), std::cos(angle)});
+  }
+  EXPECT_TRUE(warning(interface(arc, 0.25)));
+  EXPECT_FALSE(warning(interface(arc, 0.1)));
+  Json rigid = walled(1);
+  rigid["rigid_walls"][0]["surface"]["spacing"] = 10;
+  EXPECT_FALSE(warning(rigid));
+  rigid["rigid_walls"][0]["method"] = "boundary_points";
+  EXPECT_TRUE(warning(rigid));
+}
+
+TEST(StartCheck, coarse_surface_in_space) {
+  Json json = below_block(0.5);
+  const auto warning = [&] {
+    const auto settings = mpm_settings<3>(json);
+    return mpm::coarse_surface<3>(surfaces_of(settings).front(), 0.25);
+  };
+  auto& mesh = json["interfaces"][0]["surface"]["mesh"];
+  mesh = box({0, 0, 0.5}, {1, 1, 1.5}, {4, 4, 4}, "hex8");
+  EXPECT_FALSE(warning());
+  mesh = box({0, 0, 0.5}, {1, 1, 1.5}, {2, 4, 4}, "hex8");
+  EXPECT_TRUE(warning());
+}
+
+TEST(StartCheck, a_wall_and_an_interface_of_one_name) {
+  Json json = walled(1);
+  json["interfaces"] = json["rigid_walls"];
+  expect_refused(json, {"/rigid_walls/0/name", "ram", "interface"});
+}
+
+}  // namespace
+}  // namespace gabion::test
