@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from plotting.results import Frame, Results, ResultsError, Series
 from plotting.style import STRUCTURE, new_figure, plt, save
-from plotting.view import once, view_of
+from plotting.view import once, plane_view, view_of
 
 UNITS = {
     "displacement": "m",
@@ -46,9 +46,10 @@ class ScenePlot:
     """Draws one instant at a time with the same plane, window and colours for all instants.
 
     field: soil field that gives the colour; default: displacement, else the first one there is.
+    plane: axes to the right and upwards, such as "xy"; default: of gravity and the longest horizontal extent.
     """
 
-    def __init__(self, results: Results, field: str | None = None):
+    def __init__(self, results: Results, field: str | None = None, plane: str | None = None):
         self.soil = results.soil
         self.structures = results.structures
         series = next((s for s in (self.soil, *self.structures) if s), None)
@@ -60,7 +61,7 @@ class ScenePlot:
         if self.soil:
             self.field = self._choose(last, field)
             self.size = self._point_size_m(self.soil.frame(0).points, results.dim)
-        self._window(results)
+        self._window(results, plane)
         self._colours()
 
     def _choose(self, frame: Frame, field: str | None) -> str:
@@ -83,12 +84,17 @@ class ScenePlot:
     def _sample(self, series: Series) -> list[Frame]:
         return [series.frame(i) for i in np.unique(np.linspace(0, len(series) - 1, 9).astype(int))]
 
-    def _window(self, results: Results) -> None:
+    def _window(self, results: Results, plane: str | None) -> None:
         clouds = [f.points for f in self._sample(self.soil)] if self.soil else []
         for structure in self.structures:
             clouds += [f.points for f in self._sample(structure)]
         every = np.vstack(clouds)
-        self.view = view_of(results.dim, results.gravity, np.ptp(every, axis=0))
+        if plane is None:
+            self.view = view_of(results.dim, results.gravity, np.ptp(every, axis=0))
+        elif results.dim == 2:
+            raise ResultsError(f"{results.folder}: plane {plane} of a scene in 2D; only scenes in 3D have a choice")
+        else:
+            self.view = plane_view(results.dim, plane)
         every = self.view.project(every)
         margin = 0.04 * np.ptp(every, axis=0).max()
         self.low, self.high = every.min(axis=0) - margin, every.max(axis=0) + margin
@@ -154,9 +160,8 @@ def _outline(cells: np.ndarray) -> np.ndarray:
     return once(np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])]))
 
 
-def plot_scene(results: Results, times: list[float] | None, field: str | None, out: Path) -> Path:
+def plot_scene(scene: ScenePlot, times: list[float] | None, out: Path) -> Path:
     """The scene at the given times, four evenly spaced ones by default, below each other."""
-    scene = ScenePlot(results, field)
     chosen = times or list(np.unique(np.linspace(scene.times[0], scene.times[-1], 4)))
     figure, axes = new_figure(8.5, 0.4 + (0.3 + scene.height_inch(8.5)) * len(chosen), len(chosen))
     soil = None
@@ -168,9 +173,8 @@ def plot_scene(results: Results, times: list[float] | None, field: str | None, o
     return save(figure, out / "scene.png")
 
 
-def animate_scene(results: Results, field: str | None, out: Path, max_frames: int = 120) -> Path:
+def animate_scene(scene: ScenePlot, out: Path, max_frames: int = 120) -> Path:
     """The run as a GIF of at most `max_frames` frames."""
-    scene = ScenePlot(results, field)
     picked = np.unique(np.linspace(0, len(scene.times) - 1, max_frames).astype(int))
     figure, (axes,) = new_figure(8.5, 1.1 + scene.height_inch(8.5))
     soil = scene.draw(axes, scene.times[0])

@@ -80,6 +80,11 @@ def view_of(dim: int, gravity: list[float] | None, extent: np.ndarray) -> View:
     return View(across, up, bool(g[up] > 0), dim)
 
 
+def plane_view(dim: int, plane: str) -> View:
+    """The plane of two axes, to the right and upwards, such as "xy": seen from above where z is the vertical."""
+    return View(AXES.index(plane[0]), AXES.index(plane[1]), False, dim)
+
+
 def outer_faces(cells: np.ndarray) -> np.ndarray:
     """Faces of cells in space that belong to one cell only, num_faces x corners."""
     return once(np.concatenate([cells[:, corners] for corners in FACES[cells.shape[1]]]))

@@ -156,6 +156,14 @@ class Space(ScriptCase):
             np.testing.assert_allclose(window_in_space, window)
             np.testing.assert_allclose(np.unique(wall_in_space, axis=0), np.unique(wall, axis=0))
 
+    def test_scene_is_seen_from_above(self) -> None:
+        folder = made_up.write_space_results(self.folder / "a", 2)
+        view = ScenePlot(Results(folder), plane="xy").view
+        self.assertEqual(view.labels, ("x [m]", "y [m]"))
+        self.assertEqual(list(view.order(np.array([[0.0, 0, 3], [1, 2, 1], [2, 1, 2]]))), [1, 2, 0])
+        with self.assertRaisesRegex(ResultsError, "only scenes in 3D"):
+            ScenePlot(Results(made_up.write_results(self.folder / "flat")), plane="xy")
+
     def test_without_gravity_the_last_axis_is_up(self) -> None:
         folder = made_up.write_space_results(self.folder / "a", 2, gravity=None)
         self.assertIsNone(Results(folder).gravity)
