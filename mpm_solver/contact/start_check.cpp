@@ -195,7 +195,7 @@ Verdict<dim> verdict_of(MPI_Comm comm, const SoilAtStart<dim>& own) {
 
 template <int dim>
 void refuse(const ContactSettings<dim>& settings, const Verdict<dim>& found) {
-  if (settings.law.mode == ContactMode::fixed) return;
+  if (settings.mode == ContactMode::fixed) return;
   require<ConfigError>(
       found.near_behind == 0 || found.near_front > 0,
       "{}: all material points within {} cells of the surface of \"{}\", {} of them, lie behind "

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a contact by facets may touch in a step.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm_solver/contact/facet_contact.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
+// step has to look again.
+constexpr double watched_share = 0.5;
+
+template <int dim>
+double largest_norm(const std::vector<Vector<dim>>& values) {
+  double largest = 0;
+  for (const auto& v : values) largest = std::max(largest, v.norm());
+  return largest;
+}
+
+}  // namespace
+
+template <int dim>
+double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
+  return watched_share * soil.cell_size + 2 * soil.dt * largest_norm<dim>(soil.points.v) +
+         2 * last_motion_;
+}
+
+template <int dim>
+void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
+  force_weight_ = soil.step_force_weight;
+  cell_size_ = soil.cell_size;
+  dt_ = soil.dt;
+  watched_ = watched_distance(soil);
+  candidates_.clear();
+  N_.clear();
+  grad_N_.clear();
+  nodes_.clear();
+  facing_.clear();
+  touches_.clear();
+  may_touch_ = false;
+  double widest = 0;
+  for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+    widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
+  }
+  const double margin = watched_ + std::pow(widest, 1.0 / dim);
+  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
+}
+
+template <int dim>
+void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash) {
+  for (const CellGroup& group : soil.weights.groups) {
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = soil.weights.point[e];
+      const auto near = hash.near(soil.points.x[p]);
+      const auto memory = memory_.find(soil.points.id[p]);
+      if (near.empty() && memory == memory_.end()) continue;
+      Candidate& c = candidates_.emplace_back();
+      c.id = soil.points.id[p];
+      c.x = soil.points.x[p];
+      c.deforms = soil.elastic[group.body] != 0;
+      c.modulus = soil.moduli[group.body];
+      c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
+      const auto shape = shape_.find(c.id);
+      c.shape = shape != shape_.end() ? shape->second
+                                      : Matrix<dim>(soil.points.depth[p] * Matrix<dim>::Identity());
+      if (memory != memory_.end()) c.memory = &memory->second;
+      add_values(soil, group, e);
+      list_facing(c, near);
+      const double speed = soil.points.v[p].norm() * soil.dt;
+      may_touch_ |= c.memory || c.distance < c.shape.norm() + 2 * speed + 0.05 * soil.cell_size +
+                                                 2 * last_motion_;
+    }
+  }
+}
+
+// Basis functions of the candidate added last.
+template <int dim>
+void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup& group,
+                                   std::int32_t entry) {
+  const PointWeights<dim>& weights = soil.weights;
+  const int n = weights.num_nodes(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
+  Candidate& c = candidates_.back();
+  c.first_value = static_cast<std::int32_t>(N_.size());
+  c.num_values = n;
+  N_.insert(N_.end(), weights.N_of(entry), weights.N_of(entry) + n);
+  grad_N_.insert(grad_N_.end(), grad, grad + n);
+  const auto group_nodes = weights.nodes_of(group);
+  for (int i = 0; i < n; ++i) nodes_.push_back(soil.nodes.active[group_nodes[local[i]]]);
+}
+
+// Only facets that a point is in front of can be touched by it: not those behind which it is, such
+// as the far side of a thin structure.
+template <int dim>
+void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> near) {
+  c.first_facing = static_cast<std::int32_t>(facing_.size());
+  c.distance = std::numeric_limits<double>::infinity();
+  for (const std::int32_t s : near) {
+    const auto corners = corners_of<dim>(simplices_[s], start_);
+    const double height = (c.x - corners[0]).dot(simplex_normal<dim>(corners));
+    if (height <= 0) continue;
+    facing_.push_back({s, height});
+    const auto place = closest_place<dim>(corners, c.x);
+    const double distance = (place.x - c.x).norm();
+    if (distance >= c.distance) continue;
+    c.distance = distance;
+    c.nearest = {.simplex = s, .weights = place.weights, .x = place.x};
+    c.nearest.normal = (c.x - place.x) / distance;
+  }
+  c.num_facing = static_cast<std::int32_t>(facing_.size()) - c.first_facing;
+}
+
+template <int dim>
+FacingSurface<dim> FacetContact<dim>::surface_of(const Candidate& c,
+                                                 std::span<const Vector<dim>> end) const {
+  return {.simplices = simplices_,
+          .start = start_,
+          .end = end,
+          .facing = std::span(facing_).subspan(c.first_facing, c.num_facing)};
+}
+
+template class FacetContact<2>;
+template class FacetContact<3>;
+
+}  // namespace gabion::mpm
