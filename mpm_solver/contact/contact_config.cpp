@@ -38,6 +38,9 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode) {
             "found \"fixed\" with \"method\": \"facets\", allowed: contact, slip, or "
             "\"method\": \"boundary_points\"");
   }
+  for (const char* key : {"penalty", "tangential_share", "gap", "points_per_facet"}) {
+    if (in.has(key)) in.fail(key, "allowed only with \"method\": \"boundary_points\"");
+  }
   FacetSettings facets;
   facets.penalty_factor = in.number_or("penalty_factor", facets.penalty_factor);
   facets.tangential_factor = in.number("tangential_factor");

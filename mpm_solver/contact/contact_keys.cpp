@@ -40,7 +40,8 @@ std::vector<Key> boundary_keys() {
           "body; the traction grows with the square of the depth. With `boundary_points` "
           "the penalty times the mean cell size over the largest such modulus.")
           .in(positive())
-          .or_computed("10; 0.5 with `boundary_points`"),
+          .or_computed("10; 0.5 with `boundary_points`")
+          .without("penalty"),
       key::number("friction", "", "Coefficient of friction; none: it sticks.")
           .in(non_negative())
           .or_none()

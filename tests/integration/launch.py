@@ -76,7 +76,7 @@ MPM = {
     "interfaces": [{
         "name": "wall",
         "surface": {"polyline": [[0.26, 0], [0.26, 0.05], [0.25, 0.05], [0.25, 0]], "spacing": 0.01},
-        "mode": "contact",
+        "method": "boundary_points",
         "penalty": 1e8,
     }],
 }

@@ -27,9 +27,14 @@ def alone(settings: dict, end: float, dt: float = 1e-3, **time: float) -> dict:
 
 
 def gate(**changes: object) -> dict:
-    """A rigid wall that the soil meets."""
+    """A rigid wall that the soil meets, by facets."""
     surface = {"polyline": [[0.245, 0.1], [0.245, 0]], "spacing": 0.01}
-    return {"name": "gate", "surface": surface, "mode": "contact", "friction": 0.3, "penalty": 1e7} | changes
+    return {"name": "gate", "surface": surface, "friction": 0.3} | changes
+
+
+def held_gate() -> dict:
+    """The same by boundary points."""
+    return gate(method="boundary_points", penalty=1e7)
 
 
 def soil(**changes: object) -> dict:
@@ -147,8 +152,7 @@ def coupled_3d() -> Scene:
     made = meeting()
     wall = box([0.25, 0, 0], [0.27, 0.05, 0.06], [2, 5, 3], "hex8")
     made["mpm"] = soil_3d() | {"interfaces": [{
-        "name": "wall", "surface": {"mesh": wall, "groups": ["left", "top", "right"]}, "mode": "contact",
-        "friction": 0.3, "penalty": 1e7}]}
+        "name": "wall", "surface": {"mesh": wall, "groups": ["left", "top", "right"]}, "friction": 0.3}]}
     made["fem"] |= {"dimension": 3, "gravity": [0, -9.81, 0], "mesh": wall,
                     "probes": [{"name": "A", "point": [0.25, 0.05, 0]}]}
     made["coupler"]["time"] |= {"end": 0.02, "dt": 1e-3}
@@ -173,6 +177,7 @@ TOUCHED = ("closed_points", 1)  # of the gate, or of the interface
 CUT = ("cuts", 1)
 CASES = [
     Case("linear functions, FLIP", only_soil(soil, 0.03), (0.005, 0.025), TOUCHED),
+    Case("boundary points", only_soil(lambda: soil(rigid_walls=[held_gate()]), 0.03), (0.005, 0.025), TOUCHED),
     Case("gimp, TPIC, F-bar",
          only_soil(lambda: soil(basis="gimp", transfer={"method": "tpic"}, locking={"method": "fbar"}), 0.03),
          (0.006, 0.02), TOUCHED),

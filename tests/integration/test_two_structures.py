@@ -24,7 +24,7 @@ def structure(interface: str, left: float, probe: float) -> dict:
 
 def surface(interface: str, left: float) -> dict:
     outline = [[left + WIDTH, 0], [left + WIDTH, HEIGHT], [left, HEIGHT], [left, 0]]
-    return {"name": interface, "surface": {"polyline": outline, "spacing": CELL}, "mode": "contact", "penalty": 1e7}
+    return {"name": interface, "surface": {"polyline": outline, "spacing": CELL}}
 
 
 def scene() -> dict[str, dict]:

@@ -539,7 +539,7 @@ TEST(Acceleration, columns_of_earlier_steps_go_when_the_residual_doubles) {
   const auto acceleration = make_acceleration(settings("mvqn", 1e-6, 2), {2});
   int dropped = 0;
   double longest = 0;
-  for (const Eigen::Vector2d slope : {Eigen::Vector2d(-0.02, -0.01), Eigen::Vector2d(-30, -50)}) {
+  for (const Eigen::Vector2d& slope : {Eigen::Vector2d(-0.02, -0.01), Eigen::Vector2d(-30, -50)}) {
     acceleration->begin_step();
     Eigen::VectorXd x = Eigen::Vector2d(0, 0);
     Eigen::VectorXd x_tilde;
