@@ -163,12 +163,13 @@ bool StructureStep<dim>::nothing_changes(const StructureState& state_n, const Ex
   return state_n.motion.is_still() && f.end == state_n.f_ext && f.step == state_n.f_step;
 }
 
-/// Free components go on with their velocity, constrained ones reach their prescribed value.
+/// Free components go on with their velocity, or stay; constrained ones reach their prescribed
+/// value.
 template <int dim>
-std::vector<double> StructureStep<dim>::first_guess(const StructureState& state_n,
-                                                    double dt) const {
+std::vector<double> StructureStep<dim>::first_guess(const StructureState& state_n, double dt,
+                                                    bool moving) const {
   std::vector<double> du(equilibrium_.num_dofs(), 0.0);
-  if (dynamic_) {
+  if (dynamic_ && moving) {
     for (std::size_t i = 0; i < du.size(); ++i) du[i] = dt * state_n.motion.v[i];
   }
   const auto constrained_u = conditions_.displacements(state_n.time + dt);
@@ -225,6 +226,22 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
     held_tangent_.reset();
     throw;
   }
+}
+
+/// After an impact single nodes are so fast that their motion does not go on for a step: where the
+/// guess leads nowhere, from the displacement at the start of the step.
+template <int dim>
+NewtonReport StructureStep<dim>::solve_from_guess(const StructureState& state_n,
+                                                  std::span<const double> f_ext, double dt,
+                                                  std::vector<double>& du) {
+  try {
+    return solve_balance(state_n, f_ext, dt, dynamic_, du);
+  } catch (const ConvergenceError&) {
+    if (!dynamic_ && !last_) throw;
+  }
+  last_.reset();
+  du = first_guess(state_n, dt, /*moving=*/false);
+  return solve_balance(state_n, f_ext, dt, dynamic_, du);
 }
 
 template <int dim>
@@ -313,8 +330,7 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
   }
   std::vector<double> du = last_ ? last_->du : first_guess(state_n, dt);
   try {
-    const NewtonReport newton =
-        solve_balance(state_n, balanced_forces(state_n, f), dt, dynamic_, du);
+    const NewtonReport newton = solve_from_guess(state_n, balanced_forces(state_n, f), dt, du);
     report.newton_iterations = newton.iterations;
     report.linear_iterations = newton.linear_iterations;
     report.details["matrix_assemblies"] = newton.matrices;

@@ -69,7 +69,10 @@ class StructureStep {
               std::span<const double> du) const;
   bool nothing_changes(const StructureState& state_n, const ExternalForces& f,
                        std::span<const double> constrained_u) const;
-  std::vector<double> first_guess(const StructureState& state_n, double dt) const;
+  std::vector<double> first_guess(const StructureState& state_n, double dt,
+                                  bool moving = true) const;
+  NewtonReport solve_from_guess(const StructureState& state_n, std::span<const double> f_ext,
+                                double dt, std::vector<double>& du);
   bool prepare_matrix(const StructureState& state_n, double dt, bool with_inertia);
   NewtonReport solve_balance(const StructureState& state_n, std::span<const double> f_ext,
                              double dt, bool with_inertia, std::vector<double>& du);

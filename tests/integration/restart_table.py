@@ -153,6 +153,7 @@ def coupled_3d() -> Scene:
     wall = box([0.25, 0, 0], [0.27, 0.05, 0.06], [2, 5, 3], "hex8")
     made["mpm"] = soil_3d() | {"interfaces": [{
         "name": "wall", "surface": {"mesh": wall, "groups": ["left", "top", "right"]}, "friction": 0.3}]}
+    made["mpm"]["bodies"][0]["velocity"] = [1, 0, 0]
     made["fem"] |= {"dimension": 3, "gravity": [0, -9.81, 0], "mesh": wall,
                     "probes": [{"name": "A", "point": [0.25, 0.05, 0]}]}
     made["coupler"]["time"] |= {"end": 0.02, "dt": 1e-3}

@@ -111,7 +111,7 @@ class CoupledRun(IntegrationCase):
                 multiple = math.floor(time / interval * (1 + 1e-9)) + 1
         for folder, name in (("mpm", "soil"), ("fem", "structure")):
             self.assertEqual(self.assert_frames_open(self.out / folder, name), expected)
-            self.assertEqual(len(list((self.out / folder).glob("*.h5"))), len(expected))
+            self.assertEqual(len(list((self.out / folder).glob(f"{name}_*.h5"))), len(expected))
 
     def check_settings(self) -> None:
         resolved = json.loads((self.out / "resolved_config.json").read_text())["coupler.json"]

@@ -83,7 +83,7 @@ class Beam(ScriptCase):
         run = Launch(self.command(BEAM_SCENE, "first", *self.end_at(1.0)), self.folder)
         self.addCleanup(run.end)
         table = self.folder / "first" / "steps.csv"
-        run.wait_until(lambda: table.exists() and table.read_text().count("\n") > 20, "20 steps")
+        run.wait_until(lambda: table.exists() and table.read_text().count("\n") > 25, "25 steps")
         os.killpg(run.process.pid, signal.SIGINT)  # to all processes of the group, as a terminal does
         self.assertEqual(run.wait().code, 128 + signal.SIGINT)
         del os.environ["OMPI_MCA_odls_base_sigkill_timeout"]
@@ -96,7 +96,7 @@ class Beam(ScriptCase):
         self.assert_same_rows("second", steps + 1)
         names, *rows = rows_without_seconds(self.folder / "straight" / "steps.csv")
         in_contact = [int(row[names.index("step")]) for row in rows if row[names.index("skipped")] == "none"]
-        self.assertLess(min(in_contact), 15, "the beam is not loaded before the restart")
+        self.assertLess(min(in_contact), 20, "the beam is not loaded before the restart")
         summary = json.loads((self.folder / "second" / "summary.json").read_text())
         self.assertEqual(summary["restart"]["step"], steps)
 

@@ -35,7 +35,7 @@ class TutorialCase(IntegrationCase):
     def expect_wall_moved(self) -> None:
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertIs(summary["completed"], True)
-        self.assertGreater(summary["steps_in_contact"], 20)
+        self.assertGreater(summary["steps_in_contact"], 15)
         self.assertGreater(max(float(row["structure.top.ux"]) for row in read_table(self.out / "probes.csv")), 5e-4)
 
 

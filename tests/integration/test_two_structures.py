@@ -24,7 +24,7 @@ def structure(interface: str, left: float, probe: float) -> dict:
 
 def surface(interface: str, left: float) -> dict:
     outline = [[left + WIDTH, 0], [left + WIDTH, HEIGHT], [left, HEIGHT], [left, 0]]
-    return {"name": interface, "surface": {"polyline": outline, "spacing": CELL}}
+    return {"name": interface, "surface": {"polyline": outline, "spacing": CELL}, "friction": 0.3}
 
 
 def scene() -> dict[str, dict]:
