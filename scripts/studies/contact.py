@@ -35,19 +35,24 @@ HEAD = ["", "peak of A [mm]", "rest [mm]", "peak force [N/m]", "rest [N/m]", "im
         "cuts", "run time [s]"]
 
 
+def forms(runner: Runner, size: str) -> None:
+    """Functions of the grid and its cells; size: "5" or "2.5" [mm]."""
+    fine = size == "2.5"
+    settings = {
+        "quad4, gimp": [],
+        "quad4, bspline": ["mpm.json:/basis=bspline"],
+        "quad4, linear": ["mpm.json:/basis=linear"],
+        "tri3": triangles(fine),
+    }
+    scene = f"{SCENE}_fine" if fine else SCENE
+    rows = [row_of(name, runner.run(f"{name} {size}".replace(", ", "_").replace(" ", "_"), scene, changes))
+            for name, changes in settings.items()]
+    runner.report(HEAD, rows, f"h = {size} mm")
+
+
 def contact(runner: Runner) -> None:
-    """The answer of granular_obstacle over contact, functions of the grid, its cells and their size."""
-    for size, scene in (("5", SCENE), ("2.5", f"{SCENE}_fine")):
-        fine = size == "2.5"
-        forms = {
-            "quad4, gimp": [],
-            "quad4, bspline": ["mpm.json:/basis=bspline"],
-            "quad4, linear": ["mpm.json:/basis=linear", "mpm.json:/bodies/0/point_placement=gauss"],
-            "tri3": triangles(fine),
-        }
-        rows = [row_of(name, runner.run(f"{name} {size}".replace(", ", "_").replace(" ", "_"), scene, settings))
-                for name, settings in forms.items()]
-        runner.report(HEAD, rows, f"h = {size} mm")
+    """The answer of granular_obstacle over contact, cure of locking, functions of the grid and its cells."""
+    forms(runner, "5")
     kinds = {
         "as shipped": (SCENE, []),
         "penalty_factor 5": (SCENE, [f"{INTERFACE}/penalty_factor=5"]),
@@ -62,4 +67,10 @@ def contact(runner: Runner) -> None:
     runner.remark(f"iterations: mean of the steps in contact; rest: mean of the last {REST} s")
 
 
-STUDIES = {"contact": contact}
+def contact_fine(runner: Runner) -> None:
+    """The answer of granular_obstacle_fine over functions of the grid and its cells."""
+    forms(runner, "2.5")
+    runner.remark(f"iterations: mean of the steps in contact; rest: mean of the last {REST} s")
+
+
+STUDIES = {"contact": contact, "contact_fine": contact_fine}
