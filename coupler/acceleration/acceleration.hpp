@@ -28,9 +28,8 @@ AccelerationSettings read_acceleration_settings(ConfigReader in);
 struct AccelerationCounters {
   double omega = 0;            ///< relaxation used; 0 when columns decided
   int columns = 0;             ///< in use
-  int dropped_by_filter = 0;   ///< columns, in this call, as the next three
+  int dropped_by_filter = 0;   ///< columns, in this call, as the next two
   int dropped_by_limit = 0;    ///< because there were more than max_columns
-  int dropped_by_growth = 0;   ///< of earlier steps, because the residual grew
   int dropped_by_contact = 0;  ///< by a reset before the call, because the contact changed
   bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };

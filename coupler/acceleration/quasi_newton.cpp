@@ -2,7 +2,6 @@
 #include "coupler/acceleration/quasi_newton.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "coupler/state_vectors.hpp"
 
@@ -65,9 +64,7 @@ void QuasiNewton::add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_ti
 Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
   counters_ = {};
   Eigen::VectorXd t;
-  const double before = r_last_.size() > 0 ? r_last_.norm() : HUGE_VAL;
   add_pair(x, x_tilde, t);
-  if (r_last_.norm() > 2 * before) drop_earlier_steps();
   if (watch_.fails(x_tilde, r_last_) && fall_back()) t = basis_.coordinates(r_last_);
   limit_columns();
   Eigen::VectorXd c;
@@ -103,15 +100,6 @@ Eigen::VectorXd QuasiNewton::shortened(const Eigen::VectorXd& x,
   const Eigen::VectorXd update = next_x - x;
   const double share = longest * r_last_.norm() / update.norm();
   return share < 1 ? Eigen::VectorXd(x + share * update) : next_x;
-}
-
-void QuasiNewton::drop_earlier_steps() {
-  for (Secant& secant : secants_) {
-    if (secant.dropped || secant.step == step_) continue;
-    secant.dropped = true;
-    ++counters_.dropped_by_growth;
-    factored_.reset();
-  }
 }
 
 void QuasiNewton::cover(Eigen::VectorXd& t, Eigen::VectorXd& c) {

@@ -43,10 +43,10 @@ class ProgressWatch {
 ///     c  = argmin |V c + r|      over the columns of this and of earlier steps
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// Without any column x+ = x + omega r. Where contact has changed, columns of before mislead: those
-/// of earlier steps go when the residual grows to twice its size, and no update is longer than
-/// twice the residual. This is IQN-ILS, and the multi-vector update that keeps what earlier steps
-/// found, N V_prev = W_prev: the two are the same (docs/theory/coupling.md, (C9)).
+/// Without any column x+ = x + omega r. Where contact has changed, columns of before mislead: no
+/// update is longer than twice the residual. This is IQN-ILS, and the multi-vector update that
+/// keeps what earlier steps found, N V_prev = W_prev: the two are the same
+/// (docs/theory/coupling.md, (C9)).
 /// @see Degroote, Bathe, Vierendeels (2009); Bogaers et al. (2014) for the multi-vector idea; Gay,
 ///      Schnabel (1978) for updates that keep earlier secants
 class QuasiNewton : public Acceleration {
@@ -75,7 +75,6 @@ class QuasiNewton : public Acceleration {
   /// @returns false: it is the default already
   bool fall_back();
   void limit_columns();
-  void drop_earlier_steps();
   Eigen::VectorXd shortened(const Eigen::VectorXd& x, const Eigen::VectorXd& next_x) const;
   void forget_old_steps();
   int num_in_use() const;

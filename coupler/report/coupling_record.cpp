@@ -50,7 +50,6 @@ void CouplingRecord::start(const Columns& probe_names) {
                      "columns",
                      "dropped_by_filter",
                      "dropped_by_limit",
-                     "dropped_by_growth",
                      "dropped_by_contact",
                      "fell_back"};
   append(columns, force_columns("soil_f"));
@@ -78,7 +77,6 @@ void CouplingRecord::iteration(const IterationRow& row) {
                  cell(row.acceleration.columns),
                  cell(row.acceleration.dropped_by_filter),
                  cell(row.acceleration.dropped_by_limit),
-                 cell(row.acceleration.dropped_by_growth),
                  cell(row.acceleration.dropped_by_contact),
                  cell(row.acceleration.fell_back ? 1 : 0)};
   append_force(cells, row.soil.force, dim_);

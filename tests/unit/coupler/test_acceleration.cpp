@@ -533,34 +533,6 @@ Verdict verdict_of_gauss_seidel(double m) {
   return Verdict::going_on;
 }
 
-/// A surface that answers softly in the first step and stiffly in the second, as where contact
-/// begins between them: what the first step taught makes the residual grow.
-TEST(Acceleration, columns_of_earlier_steps_go_when_the_residual_doubles) {
-  const auto acceleration = make_acceleration(settings("mvqn", 1e-6, 2), {2});
-  int dropped = 0;
-  double longest = 0;
-  for (const Eigen::Vector2d& slope : {Eigen::Vector2d(-0.02, -0.01), Eigen::Vector2d(-30, -50)}) {
-    acceleration->begin_step();
-    Eigen::VectorXd x = Eigen::Vector2d(0, 0);
-    Eigen::VectorXd x_tilde;
-    for (int k = 0; k < 20; ++k) {
-      x_tilde = Eigen::Vector2d(1, 1) + slope.cwiseProduct(x);
-      const double r = (x_tilde - x).norm();
-      if (r < 1e-10) break;
-      const Eigen::VectorXd next = acceleration->next(x, x_tilde);
-      dropped += acceleration->counters().dropped_by_growth;
-      longest = std::max(longest, (next - x).norm() / r);
-      x = next;
-    }
-    const Eigen::Vector2d exact =
-        (Eigen::Vector2d(1, 1) - slope).cwiseInverse().cwiseProduct(Eigen::Vector2d(1, 1));
-    EXPECT_LT((x - exact).norm(), 1e-9);
-    acceleration->end_step(x, x_tilde);
-  }
-  EXPECT_GT(dropped, 0);
-  EXPECT_LE(longest, 2 + 1e-12);
-}
-
 /// A fixed point that is far: the exact update is ten times the residual, and is cut to twice that.
 TEST(Acceleration, no_update_is_longer_than_twice_the_residual) {
   const auto acceleration = make_acceleration(settings("iqn_ils", 1e-6, 0), {1});
