@@ -26,6 +26,14 @@ struct GridNodes {
   void list_active(std::span<const std::int32_t> grid_nodes, std::int32_t* numbers) const {
     for (std::size_t i = 0; i < grid_nodes.size(); ++i) numbers[i] = active[grid_nodes[i]];
   }
+  /// Values of a nodal field at the given grid nodes, dim each. @param field  size() x dim
+  void gather(std::span<const std::int32_t> grid_nodes, std::span<const double> field,
+              double* values) const {
+    for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
+      const double* at_node = field.data() + static_cast<std::ptrdiff_t>(active[grid_nodes[i]]) * dim;
+      for (int d = 0; d < dim; ++d) values[i * dim + d] = at_node[d];
+    }
+  }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
 };
 

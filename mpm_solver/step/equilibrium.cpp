@@ -235,13 +235,13 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     const auto group = std::find_if(weights.groups.begin(), weights.groups.end(), [&](auto& g) {
       return worst.entry >= g.first && worst.entry < g.last;
     });
-    std::int32_t active[max_group_nodes<dim>];
-    parts_.nodes.list_active(weights.nodes_of(*group), active);
+    GroupDisplacements<dim> of_group;
+    parts_.nodes.gather(weights.nodes_of(*group), du, of_group.data());
     const std::int32_t p = weights.point[worst.entry];
     StressUpdate<dim> stress;
     const bool admissible =
         update(parts_.bodies[group->body].material.law,
-               displacement_gradient(weights, worst.entry, active, du), parts_.points.history[p],
+               displacement_gradient(weights, worst.entry, of_group.data()), parts_.points.history[p],
                stress, static_cast<Tangent<dim>*>(nullptr));
     own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,
                       admissible ? fmt::format("volume ratio of the step {:.3g}, {}", stress.J,

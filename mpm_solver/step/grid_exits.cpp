@@ -43,15 +43,15 @@ typename GridExits<dim>::Exit GridExits<dim>::first(const MaterialPoints<dim>& p
   double largest = 0;
   for (const double component : du) largest = std::max(largest, std::abs(component));
   const bool all = largest * std::sqrt(double{dim}) > safe_distance_;
-  std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
   for (const CellGroup& group : weights.groups) {
     if (!all && !at_edge_[points.cell[weights.point[group.first]]] && grid_.patches.size() == 0) {
       continue;
     }
-    nodes.list_active(weights.nodes_of(group), active);
+    nodes.gather(weights.nodes_of(group), du, of_group.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
-      const Vector<dim> x = points.x[p] + point_displacement(weights, e, active, du);
+      const Vector<dim> x = points.x[p] + point_displacement(weights, e, of_group.data());
       if (cell_of(grid_, x, points.cell[p]) < 0) return {p, x};
     }
   }

@@ -23,14 +23,14 @@ bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
                                      AveragedGroup<dim>& average, std::int32_t& worst) const {
   const auto& [bodies, points, weights, nodes, trial] = parts_;
   const CellGroup& group = weights.groups[g];
-  std::int32_t active[max_group_nodes<dim>];
-  nodes.list_active(weights.nodes_of(group), active);
+  GroupDisplacements<dim> of_group;
+  nodes.gather(weights.nodes_of(group), du, of_group.data());
   average.start();
   for (std::int32_t e = group.first; e < group.last; ++e) {
     const std::int32_t p = weights.point[e];
     const double V = points.V0[p] * points.J[p];
-    if (average.add_point(displacement_gradient(weights, e, active, du), V) >= min_J_ratio)
-      continue;
+    const Matrix<dim> H = displacement_gradient(weights, e, of_group.data());
+    if (average.add_point(H, V) >= min_J_ratio) continue;
     worst = p;
     return false;
   }
@@ -63,10 +63,10 @@ void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
   std::int32_t active[max_group_nodes<dim>];
   parts_.nodes.list_active(parts_.weights.nodes_of(group), active);
   CellForces<dim> sum;
-  sum.set_zero(group.num_nodes, K != nullptr);
+  sum.set_zero(group.num_nodes, false);
   average.add_forces(parts_.weights, group, gradient, sum);
   sum.scatter(group.num_nodes, active, f.data());
-  if (K) K->add_cell(g, sum.K);
+  if (K) K->add_cell_blocks(g, sum.K);
 }
 
 template <int dim>

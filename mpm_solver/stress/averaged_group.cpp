@@ -8,32 +8,6 @@
 namespace gabion::mpm {
 
 template <int dim>
-typename AveragedGroup<dim>::Flat AveragedGroup<dim>::flat(const Matrix<dim>& m) {
-  Flat f;
-  for (int aJ = 0; aJ < dim * dim; ++aJ) f[aJ] = m(aJ / dim, aJ % dim);
-  return f;
-}
-
-template <int dim>
-Matrix<dim> AveragedGroup<dim>::unflat(const Flat& f) {
-  Matrix<dim> m;
-  for (int aJ = 0; aJ < dim * dim; ++aJ) m(aJ / dim, aJ % dim) = f[aJ];
-  return m;
-}
-
-// T_(aJ)(bL) = G_aL G_bJ, which is -dG/dF.
-template <int dim>
-Tangent<dim> AveragedGroup<dim>::inverse_product(const Matrix<dim>& G) {
-  Tangent<dim> T;
-  for (int aJ = 0; aJ < dim * dim; ++aJ) {
-    for (int bL = 0; bL < dim * dim; ++bL) {
-      T(aJ, bL) = G(aJ / dim, bL % dim) * G(bL / dim, aJ % dim);
-    }
-  }
-  return T;
-}
-
-template <int dim>
 double AveragedGroup<dim>::add_point(const Matrix<dim>& H, double V) {
   Point& point = points_.emplace_back();
   point.H = H;
@@ -58,23 +32,20 @@ void AveragedGroup<dim>::set_stress(std::size_t k, double V0, const Matrix<dim>&
   Point& point = points_[k];
   const double s = 1 + point.stretch;
   const Matrix<dim> F = Matrix<dim>::Identity() + point.H;
-  point.G = F.inverse().transpose();
-  point.Q = V0 * s * P_bar;
-  point.p = point.Q.cwiseProduct(F).sum() / dim;
+  const Flat<dim> mean_F = row_by_row<dim>(F) / dim;
+  point.G = row_by_row<dim>(F.inverse().transpose());
+  point.Q = V0 * s * row_by_row<dim>(P_bar);
+  point.p = point.Q.dot(mean_F);
   pressure += point.p;
   if (!A) return;
   // The variation of H_bar is s dH + F_bar (d ln J_bar - G : dH) / dim.
-  const Flat F_bar = flat(s * F), G = flat(point.G), Q = flat(point.Q);
-  const Flat by_stretch = *A * F_bar;
-  const Flat of_stretch = A->transpose() * F_bar;
-  const Flat y = (V0 * s * by_stretch + Q) / dim;
-  const Flat z = (V0 * s * of_stretch + Q) / dim;
-  const double q = V0 * F_bar.dot(by_stretch) / (dim * dim) + point.p / dim;
-  point.M = V0 * s * s * *A - G * z.transpose() + (q * G - y) * G.transpose() +
-            point.p * inverse_product(point.G);
-  point.left = unflat(y - q * G);
-  point.right = unflat(z - q * G);
-  coupling_ += q;
+  point.A = V0 * s * s * *A;
+  const Flat<dim> y = point.A * mean_F + point.Q / dim;
+  const Flat<dim> z = point.A.transpose() * mean_F + point.Q / dim;
+  point.q = mean_F.dot(y);
+  point.left = y - point.q * point.G;
+  point.right = z - point.q * point.G;
+  coupling_ += point.q;
 }
 
 template <int dim>
@@ -89,35 +60,56 @@ void AveragedGroup<dim>::add_volume_gradient(const PointWeights<dim>& weights,
 
 template <int dim>
 void AveragedGroup<dim>::add_forces(const PointWeights<dim>& weights, const CellGroup& group,
-                                    const double* gradient, CellForces<dim>& sum) {
-  double left[CellForces<dim>::max_dofs], right[CellForces<dim>::max_dofs];
-  const int num_dofs = group.num_nodes * dim;
-  double own_pressure = 0;
-  if (gradient) {
-    for (const Point& point : points_) own_pressure += point.p;
-    for (int i = 0; i < num_dofs; ++i) {
-      left[i] = 0;
-      right[i] = (coupling_ - own_pressure) * gradient[i];
+                                    const double* gradient, CellForces<dim>& sum) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const auto e = group.first + static_cast<std::int32_t>(k);
+    const Point& point = points_[k];
+    const Flat<dim> stress = point.Q + (pressure * share(point) - point.p) * point.G;
+    add_gradients<dim>(weights.num_nodes(e), weights.local_of(e), stress, weights.grad_of(e),
+                       sum.f);
+  }
+  if (gradient) add_stiffness(weights, group, gradient, sum);
+}
+
+// Of Q + (mean_pressure - p) G by H, at constant J_bar and mean pressure of the group; and what the
+// point's share of it changes. G_aL G_bJ is -dG/dF.
+template <int dim>
+Tangent<dim> AveragedGroup<dim>::tangent(const Point& point, double mean_pressure) {
+  const Flat<dim>& G = point.G;
+  const Flat<dim> with_G = (mean_pressure - point.q) * G - point.right;
+  const double excess = point.p - mean_pressure;
+  Tangent<dim> M = point.A;
+  for (int aJ = 0; aJ < dim * dim; ++aJ) {
+    for (int bL = 0; bL < dim * dim; ++bL) {
+      const double crossed = G[aJ / dim * dim + bL % dim] * G[bL / dim * dim + aJ % dim];
+      M(aJ, bL) += G[aJ] * with_G[bL] - point.left[aJ] * G[bL] + excess * crossed;
     }
+  }
+  return M;
+}
+
+template <int dim>
+void AveragedGroup<dim>::add_stiffness(const PointWeights<dim>& weights, const CellGroup& group,
+                                       const double* gradient, CellForces<dim>& sum) const {
+  double left[CellForces<dim>::max_dofs], right[CellForces<dim>::max_dofs];
+  double own_pressure = 0;
+  for (const Point& point : points_) own_pressure += point.p;
+  for (int i = 0; i < group.num_nodes * dim; ++i) {
+    left[i] = 0;
+    right[i] = (coupling_ - own_pressure) * gradient[i];
   }
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const auto e = group.first + static_cast<std::int32_t>(k);
     const int n = weights.num_nodes(e);
-    const std::uint8_t* local = weights.local_of(e);
-    const Vector<dim>* grad = weights.grad_of(e);
-    Point& point = points_[k];
-    const double mean_pressure = pressure * share(point);
-    sum.add_stress(n, local, point.Q + (mean_pressure - point.p) * point.G, grad);
-    if (!gradient) continue;
-    const Flat G = flat(point.G);
-    point.M += mean_pressure * (G * G.transpose() - inverse_product(point.G));
-    sum.add_tangent(n, local, group.num_nodes, point.M, grad);
-    add_gradients<dim>(n, local, point.left, grad, left);
-    add_gradients<dim>(n, local, point.right, grad, right);
+    add_gradients<dim>(n, weights.local_of(e), points_[k].left, weights.grad_of(e), left);
+    add_gradients<dim>(n, weights.local_of(e), points_[k].right, weights.grad_of(e), right);
   }
-  if (!gradient) return;
-  sum.add_product(num_dofs, left, gradient);
-  sum.add_product(num_dofs, gradient, right);
+  sum.set_products(group.num_nodes, left, gradient, right);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const auto e = group.first + static_cast<std::int32_t>(k);
+    sum.add_tangent(weights.num_nodes(e), weights.local_of(e), group.num_nodes,
+                    tangent(points_[k], pressure * share(points_[k])), weights.grad_of(e));
+  }
 }
 
 template class AveragedGroup<2>;

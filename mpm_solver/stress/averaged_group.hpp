@@ -54,28 +54,28 @@ class AveragedGroup {
   void add_volume_gradient(const PointWeights<dim>& weights, const CellGroup& group,
                            double* gradient) const;
 
-  /// Third pass: forces and, unless `gradient` is null, their derivative.
+  /// Third pass: add the forces and, unless `gradient` is null, set their derivative.
   /// @param gradient  that of add_volume_gradient, of all ranks
   void add_forces(const PointWeights<dim>& weights, const CellGroup& group, const double* gradient,
-                  CellForces<dim>& sum);
+                  CellForces<dim>& sum) const;
 
  private:
-  using Flat = Vector<dim * dim>;  // of a second-order tensor, row by row
   struct Point {
     Matrix<dim> H;
-    Matrix<dim> G;       // (1 + H)^-T
     double change;       // J - 1
     double V;            // at the start of the step
     double stretch = 0;  // s - 1
-    Matrix<dim> Q;       // V0 s P_bar
+    Flat<dim> G;         // (1 + H)^-T
+    Flat<dim> Q;         // V0 s P_bar
     double p;            // Q : F / dim
-    Tangent<dim> M;      // of Q by H, at constant J_bar and without the group's pressure
-    Matrix<dim> left;    // derivative of Q - p G by ln J_bar
-    Matrix<dim> right;   // of p by H
+    Tangent<dim> A;      // V0 s^2 dP_bar/dH_bar
+    double q;            // derivative of p by ln J_bar
+    Flat<dim> left;      // of Q - p G by ln J_bar
+    Flat<dim> right;     // of p by H
   };
-  static Flat flat(const Matrix<dim>& m);
-  static Matrix<dim> unflat(const Flat& f);
-  static Tangent<dim> inverse_product(const Matrix<dim>& G);
+  static Tangent<dim> tangent(const Point& point, double mean_pressure);
+  void add_stiffness(const PointWeights<dim>& weights, const CellGroup& group,
+                     const double* gradient, CellForces<dim>& sum) const;
   double share(const Point& point) const {
     return point.V * (1 + point.change) / (volumes.before + volumes.change);
   }

@@ -1,22 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
-#include "common/mechanics/tensor.hpp"
+#include "common/mechanics/petsc/node_block.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
 
+/// A second-order tensor, row by row.
+template <int dim>
+using Flat = Vector<dim * dim>;
+
+template <int dim>
+Flat<dim> row_by_row(const Matrix<dim>& m) {
+  Flat<dim> f;
+  for (int aJ = 0; aJ < dim * dim; ++aJ) f[aJ] = m(aJ / dim, aJ % dim);
+  return f;
+}
+
 /// f_ia += P_aJ grad_iJ
 /// @param n, local, grad  values of a point: their number, each one's node and gradient
 template <int dim>
-void add_gradients(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad,
+void add_gradients(int n, const std::uint8_t* local, const Flat<dim>& P, const Vector<dim>* grad,
                    double* f) {
   for (int i = 0; i < n; ++i) {
     double* f_i = f + local[i] * dim;
     for (int a = 0; a < dim; ++a) {
-      for (int J = 0; J < dim; ++J) f_i[a] += P(a, J) * grad[i][J];
+      double sum = f_i[a];
+      for (int J = 0; J < dim; ++J) sum += P[a * dim + J] * grad[i][J];
+      f_i[a] = sum;
     }
   }
 }
@@ -25,17 +39,18 @@ void add_gradients(int n, const std::uint8_t* local, const Matrix<dim>& P, const
 template <int dim>
 struct CellForces {
   static constexpr int max_dofs = max_group_nodes<dim> * dim;
+  static constexpr int block_size = dim * dim;
   double f[max_dofs];
-  double K[max_dofs * max_dofs];  // row-major, (n dim) x (n dim)
+  /// Node blocks as BlockMatrix wants them, that of nodes i and k of n at (i n + k) block_size.
+  double K[max_dofs * max_dofs];
 
   void set_zero(int n, bool with_K) {
-    for (int i = 0; i < n * dim; ++i) f[i] = 0;
-    if (!with_K) return;
-    for (int i = 0; i < n * dim * n * dim; ++i) K[i] = 0;
+    std::fill_n(f, n * dim, 0.0);
+    if (with_K) std::fill_n(K, n * n * block_size, 0.0);
   }
 
   void add_stress(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad) {
-    add_gradients<dim>(n, local, P, grad, f);
+    add_gradients<dim>(n, local, row_by_row<dim>(P), grad, f);
   }
 
   /// Add the n nodes' forces to a nodal field. @param active  numbers of the nodes in the field
@@ -46,10 +61,18 @@ struct CellForces {
     }
   }
 
-  /// K_xy += x y
-  void add_product(int num_dofs, const double* x, const double* y) {
-    for (int i = 0; i < num_dofs; ++i) {
-      for (int k = 0; k < num_dofs; ++k) K[i * num_dofs + k] += x[i] * y[k];
+  /// K_(ia)(kb) = left_ia g_kb + g_ia right_kb
+  /// @param n  number of nodes of the cell
+  void set_products(int n, const double* left, const double* g, const double* right) {
+    for (int i = 0; i < n; ++i) {
+      const auto left_i = BlockVector<dim>::rows(left + i * dim);
+      const auto g_i = BlockVector<dim>::rows(g + i * dim);
+      double* row = K + static_cast<std::ptrdiff_t>(i) * n * block_size;
+      for (int k = 0; k < n; ++k) {
+        auto block = left_i * BlockVector<dim>::columns(g + k * dim);
+        block += g_i * BlockVector<dim>::columns(right + k * dim);
+        block.store(row + k * block_size);
+      }
     }
   }
 
@@ -57,24 +80,29 @@ struct CellForces {
   /// @param width  number of nodes of the cell
   void add_tangent(int n, const std::uint8_t* local, int width, const Tangent<dim>& A,
                    const Vector<dim>* grad) {
-    for (int i = 0; i < n; ++i) {
-      double left[dim][dim * dim];  // grad_iJ A_(aJ)(bL)
-      for (int a = 0; a < dim; ++a) {
-        for (int bL = 0; bL < dim * dim; ++bL) {
-          double sum = 0;
-          for (int J = 0; J < dim; ++J) sum += grad[i][J] * A(a * dim + J, bL);
-          left[a][bL] = sum;
+    BlockVector<dim> A_JL[dim][dim];
+    for (int J = 0; J < dim; ++J) {
+      for (int L = 0; L < dim; ++L) {
+        double entries[block_size];
+        for (int b = 0; b < dim; ++b) {
+          for (int a = 0; a < dim; ++a) entries[b * dim + a] = A(a * dim + J, b * dim + L);
         }
+        A_JL[J][L].load(entries);
       }
-      for (int a = 0; a < dim; ++a) {
-        double* row = K + static_cast<std::ptrdiff_t>(local[i] * dim + a) * width * dim;
-        for (int k = 0; k < n; ++k) {
-          for (int b = 0; b < dim; ++b) {
-            double sum = 0;
-            for (int L = 0; L < dim; ++L) sum += left[a][b * dim + L] * grad[k][L];
-            row[local[k] * dim + b] += sum;
-          }
-        }
+    }
+    for (int i = 0; i < n; ++i) {
+      BlockVector<dim> left[dim];  // grad_iJ A_(aJ)(bL)
+      for (int L = 0; L < dim; ++L) {
+        left[L] = A_JL[0][L] * grad[i][0];
+        for (int J = 1; J < dim; ++J) left[L] += A_JL[J][L] * grad[i][J];
+      }
+      double* row = K + static_cast<std::ptrdiff_t>(local[i]) * width * block_size;
+      for (int k = 0; k < n; ++k) {
+        double* at = row + local[k] * block_size;
+        BlockVector<dim> block;
+        block.load(at);
+        for (int L = 0; L < dim; ++L) block += left[L] * grad[k][L];
+        block.store(at);
       }
     }
   }

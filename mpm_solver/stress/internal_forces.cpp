@@ -130,13 +130,14 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
   const auto& weights = parts_.weights;
   CellForces<dim> sum;
   std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
   for (std::int32_t g = weights.body_groups[body]; g < weights.body_groups[body + 1]; ++g) {
     const CellGroup& group = weights.groups[g];
     parts_.nodes.list_active(weights.nodes_of(group), active);
+    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
     sum.set_zero(group.num_nodes, K != nullptr);
     const GroupRequest request{.number = g,
-                               .active = active,
-                               .du = du,
+                               .du = of_group.data(),
                                .with_K = K != nullptr,
                                .sum = sum,
                                .worst = worst};
@@ -144,7 +145,7 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
         weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
     if (!admissible) return false;
     sum.scatter(group.num_nodes, active, f_int_.data());
-    if (K) K->add_cell(g, sum.K);
+    if (K) K->add_cell_blocks(g, sum.K);
   }
   return true;
 }

@@ -69,9 +69,8 @@ class InternalForces {
 
   /// A group of points under evaluation.
   struct GroupRequest {
-    std::int32_t number;         // of the group
-    const std::int32_t* active;  // active numbers of its nodes
-    std::span<const double> du;
+    std::int32_t number;  // of the group
+    const double* du;     // of its nodes
     bool with_K;
     CellForces<dim>& sum;
     std::int32_t& worst;
@@ -88,7 +87,7 @@ class InternalForces {
   template <class Law>
   bool group_stress(const Law& law, const GroupRequest& request, const Matrix<dim>& H);
   Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
-    return displacement_gradient(parts_.weights, entry, request.active, request.du);
+    return displacement_gradient(parts_.weights, entry, request.du);
   }
 
   StressParts<dim> parts_;

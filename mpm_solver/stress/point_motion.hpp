@@ -8,17 +8,15 @@
 namespace gabion::mpm {
 
 /// Displacement of a point in the step, sum_i N_ip du_i [m].
-/// @param active  active numbers of the group's nodes
-/// @param du      increment of the active nodes [m], num_nodes x dim
+/// @param du  of the group's nodes [m], dim each
 template <int dim>
 Vector<dim> point_displacement(const PointWeights<dim>& weights, std::int32_t entry,
-                               const std::int32_t* active, std::span<const double> du) {
+                               const double* du) {
   const double* N = weights.N_of(entry);
   const std::uint8_t* local = weights.local_of(entry);
   Vector<dim> sum = Vector<dim>::Zero();
   for (int i = 0; i < weights.num_nodes(entry); ++i) {
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(active[local[i]]) * dim;
-    sum += N[i] * Eigen::Map<const Vector<dim>>(du.data() + row);
+    sum += N[i] * Eigen::Map<const Vector<dim>>(du + local[i] * dim);
   }
   return sum;
 }
@@ -28,11 +26,11 @@ template <int dim>
 double largest_displacement(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                             std::span<const double> du) {
   double largest = 0;
-  std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
   for (const CellGroup& group : weights.groups) {
-    nodes.list_active(weights.nodes_of(group), active);
+    nodes.gather(weights.nodes_of(group), du, of_group.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      largest = std::max(largest, point_displacement(weights, e, active, du).norm());
+      largest = std::max(largest, point_displacement(weights, e, of_group.data()).norm());
     }
   }
   return largest;
@@ -49,13 +47,13 @@ template <int dim>
 MostStrained most_strained(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                            std::span<const double> du) {
   MostStrained worst;
-  std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
   for (const CellGroup& group : weights.groups) {
-    nodes.list_active(weights.nodes_of(group), active);
+    nodes.gather(weights.nodes_of(group), du, of_group.data());
     // One gradient holds for the whole group, and stands at its first entry.
     const std::int32_t last = weights.constant_gradient ? group.first + 1 : group.last;
     for (std::int32_t e = group.first; e < last; ++e) {
-      const Matrix<dim> H = displacement_gradient(weights, e, active, du);
+      const Matrix<dim> H = displacement_gradient(weights, e, of_group.data());
       const double strain = (0.5 * (H + H.transpose() + H.transpose() * H)).norm();
       if (worst.entry >= 0 && !(strain > worst.strain)) continue;
       worst = {e, strain};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,18 +43,21 @@ struct StressParts {
   TrialPoints<dim>& trial;
 };
 
+/// Room for the displacements of a group's nodes.
+template <int dim>
+using GroupDisplacements = std::array<double, max_group_nodes<dim> * dim>;
+
 /// H of one entry of a group, sum_i du_i (x) grad N_ip.
-/// @param active  active numbers of the group's nodes
+/// @param du  of the group's nodes [m], dim each
 template <int dim>
 Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t entry,
-                                  const std::int32_t* active, std::span<const double> du) {
+                                  const double* du) {
   const int n = weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
   const Vector<dim>* grad = weights.grad_of(entry);
   Matrix<dim> H = Matrix<dim>::Zero();
   for (int i = 0; i < n; ++i) {
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(active[local[i]]) * dim;
-    H += Eigen::Map<const Vector<dim>>(du.data() + row) * grad[i].transpose();
+    H += Eigen::Map<const Vector<dim>>(du + local[i] * dim) * grad[i].transpose();
   }
   return H;
 }

@@ -60,7 +60,7 @@ void YieldingPoints<dim>::add_stiffness(double share, const StressParts<dim>& pa
       sum.add_tangent(weights.num_nodes(row), weights.local_of(row), group.num_nodes,
                       parts.points.V0[weights.point[e]] * A, weights.grad_of(row));
     }
-    K.add_cell(static_cast<std::int32_t>(g), sum.K);
+    K.add_cell_blocks(static_cast<std::int32_t>(g), sum.K);
   }
 }
 

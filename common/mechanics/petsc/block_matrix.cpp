@@ -40,6 +40,10 @@ void BlockMatrix<block_size>::set_pattern(std::int32_t num_nodes,
                                           std::span<const std::int32_t> offsets,
                                           std::span<const std::int32_t> cell_nodes) {
   assert(!offsets.empty() && static_cast<std::size_t>(offsets.back()) == cell_nodes.size());
+  const bool same = pattern_id_ > 0 && num_nodes == num_nodes_ &&
+                    std::ranges::equal(offsets, offsets_) &&
+                    std::ranges::equal(cell_nodes, cell_nodes_);
+  if (same) return set_zero();
   num_nodes_ = num_nodes;
   pattern_id_ = next_pattern_id();
   offsets_.assign(offsets.begin(), offsets.end());
@@ -137,6 +141,21 @@ void BlockMatrix<block_size>::add_cell(std::int32_t c, const double* K) {
       return scatter<block_size>(8, slots, K, values_.data());
     default:
       return scatter<block_size>(n, slots, K, values_.data());
+  }
+}
+
+template <int block_size>
+void BlockMatrix<block_size>::add_cell_blocks(std::int32_t c, const double* blocks) {
+  const std::int64_t n = offsets_[c + 1] - offsets_[c];
+  const std::int32_t* slots = slots_.data() + slot_starts_[c];
+  constexpr int size = block_size * block_size;
+  for (std::int64_t k = 0; k < n * n; ++k) {
+    double* target = block(slots[k]);
+    BlockVector<block_size> sum, added;
+    sum.load(target);
+    added.load(blocks + k * size);
+    sum += added;
+    sum.store(target);
   }
 }
 

@@ -5,13 +5,9 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include "common/mechanics/petsc/node_block.hpp"
 
 namespace gabion {
-
-/// What couples the unknowns of one node to those of another, column-major.
-template <int block_size>
-using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
 
 /// Sparse matrix of blocks between nodes (block compressed rows; blocks column-major, as PETSc's
 /// BAIJ wants them). On several ranks each rank adds the cells it owns; the sum over the ranks is
@@ -22,18 +18,22 @@ class BlockMatrix {
  public:
   /// New pattern with all blocks zero: nodes that share a cell are coupled; every diagonal block
   /// exists. Cell c has the nodes cell_nodes[offsets[c] .. offsets[c + 1]), numbered
-  /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused.
+  /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused, and
+  /// the same cells as before cost no more than a comparison.
   void set_pattern(std::int32_t num_nodes, std::span<const std::int32_t> offsets,
                    std::span<const std::int32_t> cell_nodes);
 
   std::int32_t num_nodes() const { return num_nodes_; }
-  /// Number of the pattern, different after every set_pattern in this process; 0 before the first.
+  /// Number of the pattern, another one for each pattern in this process; 0 before the first. Setting
+  /// the same cells again keeps it.
   std::int64_t pattern_id() const { return pattern_id_; }
   void set_zero();
 
   /// Add the dense matrix of cell c (as numbered in set_pattern), (n block_size) x (n block_size),
   /// row-major.
   void add_cell(std::int32_t c, const double* K);
+  /// The same from the n x n node blocks of the cell, row by row, each column-major.
+  void add_cell_blocks(std::int32_t c, const double* blocks);
   /// Add one block. @pre i and j share a cell of the pattern
   void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block

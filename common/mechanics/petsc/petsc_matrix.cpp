@@ -21,7 +21,7 @@ bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K) {
   if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &renew, 1, MPI_INT, MPI_MAX, comm_);
   pattern_id_ = K.pattern_id();
   if (renew) create(K);
-  if (size_ == 1 && !renew) {
+  if (size_ == 1) {
     copy_values(K);
   } else {
     if (!renew) check_petsc(MatZeroEntries(matrix_.get()), "MatZeroEntries");
@@ -48,6 +48,28 @@ template <int block_size>
 void PetscMatrix<block_size>::create(const BlockMatrix<block_size>& K) {
   num_nodes_ = K.num_nodes();
   share_out_rows();
+  size_ == 1 ? create_alone(K) : create_shared(K);
+  check_petsc(MatCreateVecs(matrix_.get(), x_.receive(), b_.receive()), "MatCreateVecs");
+  check_petsc(VecDuplicate(b_.get(), r_.receive()), "VecDuplicate");
+}
+
+// The blocks of PETSc's sequential matrix are in the same order as those of K: nothing is inserted.
+template <int block_size>
+void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
+  std::vector<PetscInt> counts(num_nodes_);
+  for (std::int32_t i = 0; i < num_nodes_; ++i) {
+    counts[i] = K.row_starts()[i + 1] - K.row_starts()[i];
+  }
+  const PetscInt size = num_nodes_ * block_size;
+  check_petsc(MatCreateSeqBAIJ(comm_, block_size, size, size, 0, counts.data(), matrix_.receive()),
+              "MatCreateSeqBAIJ");
+  columns_.assign(K.columns().begin(), K.columns().end());
+  check_petsc(MatSeqBAIJSetColumnIndices(matrix_.get(), columns_.data()),
+              "MatSeqBAIJSetColumnIndices");
+}
+
+template <int block_size>
+void PetscMatrix<block_size>::create_shared(const BlockMatrix<block_size>& K) {
   std::vector<PetscInt> inside(num_nodes_, 0), outside(num_nodes_, 0);  // blocks in each row
   for (int r = 0; r < size_; ++r) {
     const std::int32_t first = starts_[r] / block_size, last = first + counts_[r] / block_size;
@@ -58,22 +80,18 @@ void PetscMatrix<block_size>::create(const BlockMatrix<block_size>& K) {
       }
   }
   const std::int32_t own = starts_[rank_] / block_size, own_count = counts_[rank_] / block_size;
-  if (size_ > 1) {
-    // An upper bound: blocks that several ranks hold are counted several times.
-    MPI_Allreduce(MPI_IN_PLACE, inside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
-    MPI_Allreduce(MPI_IN_PLACE, outside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
-    for (std::int32_t i = own; i < own + own_count; ++i) {
-      inside[i] = std::min<PetscInt>(inside[i], own_count);
-      outside[i] = std::min<PetscInt>(outside[i], num_nodes_ - own_count);
-    }
+  // An upper bound: blocks that several ranks hold are counted several times.
+  MPI_Allreduce(MPI_IN_PLACE, inside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, outside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
+  for (std::int32_t i = own; i < own + own_count; ++i) {
+    inside[i] = std::min<PetscInt>(inside[i], own_count);
+    outside[i] = std::min<PetscInt>(outside[i], num_nodes_ - own_count);
   }
   const PetscInt local = counts_[rank_], global = num_nodes_ * block_size;
   check_petsc(MatCreateBAIJ(comm_, block_size, local, local, global, global, 0, inside.data() + own,
                             0, outside.data() + own, matrix_.receive()),
               "MatCreateBAIJ");
   check_petsc(MatSetOption(matrix_.get(), MAT_ROW_ORIENTED, PETSC_FALSE), "MatSetOption");
-  check_petsc(MatCreateVecs(matrix_.get(), x_.receive(), b_.receive()), "MatCreateVecs");
-  check_petsc(VecDuplicate(b_.get(), r_.receive()), "VecDuplicate");
 }
 
 template <int block_size>
@@ -107,7 +125,6 @@ void PetscMatrix<block_size>::insert_row(const BlockMatrix<block_size>& K, std::
         "MatSetValuesBlocked");
 }
 
-// The blocks of PETSc's sequential matrix are in the same order as those of K.
 template <int block_size>
 void PetscMatrix<block_size>::copy_values(const BlockMatrix<block_size>& K) {
   double* values = nullptr;

@@ -34,6 +34,8 @@ class PetscMatrix {
 
  private:
   void create(const BlockMatrix<block_size>& K);
+  void create_alone(const BlockMatrix<block_size>& K);
+  void create_shared(const BlockMatrix<block_size>& K);
   void share_out_rows();
   void insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks);
   void insert_row(const BlockMatrix<block_size>& K, std::int32_t i, bool is_own);
@@ -46,6 +48,7 @@ class PetscMatrix {
   std::int32_t num_nodes_ = 0;
   std::int64_t pattern_id_ = 0;
   std::vector<int> counts_, starts_;  // dofs of each rank
+  std::vector<PetscInt> columns_;     // of the blocks, on one rank
   MatHandle matrix_;
   VecHandle b_, x_, r_;
 };

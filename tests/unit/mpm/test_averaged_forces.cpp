@@ -88,10 +88,11 @@ struct AveragedSoil {
 template <int dim>
 Matrix<dim> gradient_at(const AveragedSoil<dim>& averaged, const mpm::CellGroup& group,
                         std::int32_t entry, const VectorXd& du) {
-  std::int32_t active[mpm::max_group_nodes<dim>];
-  averaged.soil.nodes.list_active(averaged.soil.weights.nodes_of(group), active);
-  return mpm::displacement_gradient(averaged.soil.weights, entry, active,
-                                    {du.data(), static_cast<std::size_t>(du.size())});
+  const auto& [weights, nodes] = std::tie(averaged.soil.weights, averaged.soil.nodes);
+  mpm::GroupDisplacements<dim> of_group;
+  nodes.gather(weights.nodes_of(group), {du.data(), static_cast<std::size_t>(du.size())},
+               of_group.data());
+  return mpm::displacement_gradient(weights, entry, of_group.data());
 }
 
 TEST(AveragedForces, tangent_of_elastic_soil_is_exact_and_symmetric) {

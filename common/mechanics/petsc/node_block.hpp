@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstring>
+
+#include <Eigen/Core>
+
+namespace gabion {
+
+/// What couples the unknowns of one node to those of another, column-major.
+template <int block_size>
+using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
+
+/// The entries of a NodeBlock as one vector of the machine where it has such: sums of blocks are
+/// most of an assembly.
+template <int block_size>
+class BlockVector {
+ public:
+  static constexpr int num_entries = block_size * block_size;
+
+  void load(const double* entries) {
+    for (int c = 0; c < num_entries; ++c) v_[c] = entries[c];
+  }
+  void store(double* entries) const {
+    for (int c = 0; c < num_entries; ++c) entries[c] = v_[c];
+  }
+  /// Entry (a, b) is x_a.
+  static BlockVector rows(const double* x) {
+    BlockVector r;
+    for (int c = 0; c < num_entries; ++c) r.v_[c] = x[c % block_size];
+    return r;
+  }
+  /// Entry (a, b) is x_b.
+  static BlockVector columns(const double* x) {
+    BlockVector r;
+    for (int c = 0; c < num_entries; ++c) r.v_[c] = x[c / block_size];
+    return r;
+  }
+  BlockVector operator*(double s) const {
+    BlockVector r;
+    for (int c = 0; c < num_entries; ++c) r.v_[c] = v_[c] * s;
+    return r;
+  }
+  /// Entry by entry.
+  BlockVector operator*(const BlockVector& y) const {
+    BlockVector r;
+    for (int c = 0; c < num_entries; ++c) r.v_[c] = v_[c] * y.v_[c];
+    return r;
+  }
+  BlockVector& operator+=(const BlockVector& y) {
+    for (int c = 0; c < num_entries; ++c) v_[c] += y.v_[c];
+    return *this;
+  }
+
+ private:
+  double v_[num_entries];
+};
+
+/// Four doubles, which the compiler spreads over what registers there are.
+template <>
+class BlockVector<2> {
+ public:
+  void load(const double* entries) { std::memcpy(&v_, entries, sizeof v_); }
+  void store(double* entries) const { std::memcpy(entries, &v_, sizeof v_); }
+  static BlockVector rows(const double* x) { return BlockVector(Four{x[0], x[1], x[0], x[1]}); }
+  static BlockVector columns(const double* x) { return BlockVector(Four{x[0], x[0], x[1], x[1]}); }
+  BlockVector operator*(double s) const { return BlockVector(v_ * s); }
+  BlockVector operator*(const BlockVector& y) const { return BlockVector(v_ * y.v_); }
+  BlockVector& operator+=(const BlockVector& y) {
+    v_ += y.v_;
+    return *this;
+  }
+  BlockVector() = default;
+
+ private:
+  using Four = double __attribute__((vector_size(4 * sizeof(double))));
+  explicit BlockVector(Four v) : v_(v) {}
+  Four v_;
+};
+
+}  // namespace gabion
