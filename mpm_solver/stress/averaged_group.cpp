@@ -7,6 +7,21 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+// (1 + x)^(1/dim) - 1 to rounding for every size of x.
+template <int dim>
+double root_minus_one(double x) {
+  if constexpr (dim == 2) {
+    return x / (1 + std::sqrt(1 + x));
+  } else {
+    const double root = std::cbrt(1 + x);
+    return x / (1 + root + root * root);
+  }
+}
+
+}  // namespace
+
 template <int dim>
 double AveragedGroup<dim>::add_point(const Matrix<dim>& H, double V) {
   Point& point = points_.emplace_back();
@@ -22,7 +37,7 @@ template <int dim>
 Matrix<dim> AveragedGroup<dim>::averaged_gradient(std::size_t k) {
   Point& point = points_[k];
   const double mean_change = volumes.change / volumes.before;
-  point.stretch = std::expm1((std::log1p(mean_change) - std::log1p(point.change)) / dim);
+  point.stretch = root_minus_one<dim>((mean_change - point.change) / (1 + point.change));
   return point.H + point.stretch * (Matrix<dim>::Identity() + point.H);
 }
 

@@ -200,12 +200,17 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
           "BlockMatrix::constrain: " + std::to_string(constrained.size()) + " nodes, but " +
               std::to_string(projectors.size()) + " projectors");
   if (constrained.empty()) return;
-  const double fallback_scale = owned ? mean_diagonal() : 0;
+  const auto own_scale_of = [this](std::int32_t i) {
+    return Eigen::Map<NodeBlock<block_size>>(block(slot(i, i))).diagonal().cwiseAbs().mean();
+  };
+  const bool any_empty =
+      std::ranges::any_of(constrained, [&](auto i) { return !(own_scale_of(i) > 0); });
+  const double fallback_scale = owned && any_empty ? mean_diagonal() : 0;
   for (std::size_t k = 0; k < constrained.size(); ++k) {
     const std::int32_t i = constrained[k];
     const NodeBlock<block_size>& Q = projectors[k];
     Eigen::Map<NodeBlock<block_size>> diagonal(block(slot(i, i)));
-    const double own_scale = diagonal.diagonal().cwiseAbs().mean();
+    const double own_scale = own_scale_of(i);
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) {
       Eigen::Map<NodeBlock<block_size>> row_block(block(s));
       row_block = (Q * row_block).eval();

@@ -74,7 +74,7 @@ class BlockVector<2> {
 
  private:
   using Four = double __attribute__((vector_size(4 * sizeof(double))));
-  explicit BlockVector(Four v) : v_(v) {}
+  explicit BlockVector(const Four& v) : v_(v) {}
   Four v_;
 };
 
