@@ -74,7 +74,7 @@ double earth_pressure(const Json& json) {
   return probe(*solver, "wall.fx") / (0.5 * density * g);
 }
 
-/// Limits of default F-bar and gimp, by the place of the wall in its cell: active, passive.
+/// Bounds of the relative error of K; wider than 2 %: a limit.
 struct Limit {
   double active = 0.02, passive = 0.02;
 };
@@ -88,9 +88,10 @@ void check_rankine(const Way& way, double in_cell, const Limit& limit) {
             .exact = active ? (1 - sine) / (1 + sine) : (1 + sine) / (1 - sine),
             .computed = earth_pressure(between_walls(way, 1 + 0.1 * in_cell, active ? 1.0 : -1.0)),
             .bound = bound,
-            .limitation = bound > 0.02 ? "F-bar where a cell holds a hairline or a single "
-                                         "column of the points at a wall by facets"
-                                       : ""});
+            .limitation = bound > 0.02
+                              ? "F-bar with gimp where soil reaches over a line of the grid by up "
+                                "to a quarter of a cell; 1 % elsewhere and without F-bar"
+                              : ""});
   }
 }
 
