@@ -99,19 +99,37 @@ void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
   touch.slip = touch.slip_share * way;
 }
 
+// The functions of the point at its surface in the direction -n.
+template <int dim>
+void FacetContact<dim>::surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const {
+  const double R = radius(c, n);
+  Vector<dim> d = -R * n;
+  const double* N = N_.data() + c.first_value;
+  if (c.surface) {
+    d -= c.surface->at(n, R, w);
+    N = w;
+  }
+  for (std::int32_t k = 0; k < c.num_values; ++k) w[k] = N[k] + grad_N_[c.first_value + k].dot(d);
+}
+
 template <int dim>
 typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c,
                                                               const SurfaceFeature<dim>& feature,
-                                                              const Vector<dim>& du,
-                                                              const Matrix<dim>& H) const {
+                                                              std::span<const double> du) {
   const Vector<dim>& n = feature.normal;
   Touch touch;
   touch.feature = feature;
   touch.radius = radius(c, n);
   touch.area = c.volume / (2 * touch.radius);
-  const Vector<dim> stretch = -touch.radius * (H * n);
-  touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(stretch) : 0);
-  touch.motion = du + stretch;
+  touch.first_weight = static_cast<std::int32_t>(w_.size());
+  w_.resize(w_.size() + c.num_values);
+  double* w = w_.data() + touch.first_weight;
+  surface_weights(c, n, w);
+  for (std::int32_t k = 0; k < c.num_values; ++k) {
+    const std::ptrdiff_t node = nodes_[c.first_value + k];
+    touch.motion += w[k] * Eigen::Map<const Vector<dim>>(du.data() + node * dim);
+  }
+  touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(touch.motion - c.motion) : 0);
   touch.relative = touch.motion - surface_motion(feature);
   set_slip(c, touch);
   touch.frame = frame_of<dim>(n);
@@ -135,8 +153,11 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
   const std::size_t first = touches_.size();
   for (const auto& feature : features_) {
-    Touch touch = touch_at(c, feature, motion, H);
-    if (touch.gap >= 0) continue;
+    Touch touch = touch_at(c, feature, du);
+    if (touch.gap >= 0) {
+      w_.resize(touch.first_weight);
+      continue;
+    }
     touch.candidate = candidate;
     touches_.push_back(touch);
   }
@@ -180,19 +201,19 @@ void FacetContact<dim>::share_depths(std::size_t first) {
 }
 
 template <int dim>
-void FacetContact<dim>::scatter(const Candidate& c, const Vector<dim>& d, const Vector<dim>& f,
+void FacetContact<dim>::scatter(const Candidate& c, const double* w, const Vector<dim>& f,
                                 std::span<double> field) const {
-  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
-    Eigen::Map<Vector<dim>>(field.data() + std::ptrdiff_t{nodes_[k]} * dim) += weight(k, d) * f;
+  for (std::int32_t k = 0; k < c.num_values; ++k) {
+    const std::ptrdiff_t node = nodes_[c.first_value + k];
+    Eigen::Map<Vector<dim>>(field.data() + node * dim) += w[k] * f;
   }
 }
 
-// Change of the gap with the displacement of a node.
+// Change of the gap with the displacement of a node. @param value  of the candidate's
 template <int dim>
 Vector<dim> FacetContact<dim>::gap_slope(const Touch& touch, std::int32_t value) const {
-  const Vector<dim>& n = touch.feature.normal;
-  const bool deforms = candidates_[touch.candidate].deforms;
-  return (deforms ? weight(value, -touch.radius * n) : N_[value]) * n;
+  const Candidate& c = candidates_[touch.candidate];
+  return (c.deforms ? weights_of(touch)[value] : N_[c.first_value + value]) * touch.feature.normal;
 }
 
 template <int dim>
@@ -200,22 +221,23 @@ void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slo
                                       BlockMatrix<dim>& K) const {
   const Candidate& c = candidates_[touch.candidate];
   const Vector<dim>& n = touch.feature.normal;
-  const Vector<dim> d = -touch.radius * n;
+  const double* w = weights_of(touch);
+  const std::int32_t* nodes = nodes_.data() + c.first_value;
   const double scale = force_weight_ * touch.area;
   const Vector<dim> by_depth = scale * (touch.frame * slope.col(0));
   const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
   const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
-  for (std::int32_t j = c.first_value; j < c.first_value + c.num_values; ++j) {
+  for (std::int32_t j = 0; j < c.num_values; ++j) {
     Vector<dim> depth_slope = Vector<dim>::Zero();
     for (int l = 0; l < touch.num_others; ++l) {
       depth_slope += touch.shares[l] * gap_slope(touches_[touch.others[l]], j);
     }
-    const Matrix<dim> column = touch.slip_share * weight(j, d) * by_slip +
+    const Matrix<dim> column = touch.slip_share * w[j] * by_slip +
                                by_depth * depth_slope.transpose() +
                                by_begin * gap_slope(touch, j).transpose();
-    for (std::int32_t i = c.first_value; i < c.first_value + c.num_values; ++i) {
-      K.add_block(nodes_[i], nodes_[j], weight(i, d) * column);
+    for (std::int32_t i = 0; i < c.num_values; ++i) {
+      K.add_block(nodes[i], nodes[j], w[i] * column);
     }
   }
 }
@@ -224,6 +246,7 @@ template <int dim>
 void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K) {
   touches_.clear();
+  w_.clear();
   Matrix<dim> slope;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     find_touches(static_cast<std::int32_t>(k), du);
@@ -234,7 +257,7 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
     gap[0] = -touch.depth;
     touch.traction = law_of(c).template traction<dim>(gap, K ? &slope : nullptr);
     touch.force = touch.area * (touch.frame * touch.traction.t);
-    scatter(c, -touch.radius * touch.feature.normal, force_weight_ * touch.force, r);
+    scatter(c, weights_of(touch), force_weight_ * touch.force, r);
     if (K) add_stiffness(touch, slope, *K);
   }
   if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
@@ -242,10 +265,13 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
 
 template <int dim>
 void FacetContact<dim>::add_old_forces(double share, std::span<double> field) const {
+  std::vector<double> w;
   for (const Candidate& c : candidates_) {
     if (!c.memory) continue;
+    w.resize(c.num_values);
     for (const Memory& memory : *c.memory) {
-      scatter(c, -radius(c, memory.normal) * memory.normal, share * memory.force, field);
+      surface_weights(c, memory.normal, w.data());
+      scatter(c, w.data(), share * memory.force, field);
     }
   }
 }
@@ -253,7 +279,7 @@ void FacetContact<dim>::add_old_forces(double share, std::span<double> field) co
 template <int dim>
 void FacetContact<dim>::add_step_force_change(std::span<double> f) const {
   for (const Touch& touch : touches_) {
-    scatter(candidates_[touch.candidate], -touch.radius * touch.feature.normal, touch.force, f);
+    scatter(candidates_[touch.candidate], weights_of(touch), touch.force, f);
   }
   add_old_forces(-1, f);
 }

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <map>
+#include <optional>
 
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
 #include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/grid/surface_values.hpp"
 
 namespace gabion::mpm {
 
@@ -18,8 +20,9 @@ namespace gabion::mpm {
 ///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
 ///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
-/// w continues the functions of the point to its surface, whatever the basis: linear fields are
-/// met exactly, and force and place are those of both sides. Penetration and friction follow
+/// w continues the functions of the point to its surface: linear fields are met exactly, and force
+/// and place are those of both sides. Rigid balls under gimp and bspline take those of
+/// SurfaceValues. Penetration and friction follow
 /// ContactLaw; in inside corners depths are those of WayOut. A point that was open slips from the
 /// moment when it touches, the way of the step being straight. The force F of a step is constant in
 /// it (NewmarkBossak::step_force_weight): contact of elastic bodies then takes energy or keeps it,
@@ -77,6 +80,7 @@ class FacetContact final : public Contact<dim> {
     SurfaceFeature<dim> nearest{};             // at the start
     Vector<dim> motion = Vector<dim>::Zero();  // in the step
     Matrix<dim> H = Matrix<dim>::Zero();       // its gradient
+    std::optional<SurfaceValues<dim>> surface;  // none: functions are continued
     const std::vector<Memory>* memory = nullptr;
   };
   /// A place where a point touches.
@@ -85,6 +89,7 @@ class FacetContact final : public Contact<dim> {
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
     double gap = 0;
+    std::int32_t first_weight = 0;  // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // touches of the point, itself too
     std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
     int num_others = 0;
@@ -112,18 +117,17 @@ class FacetContact final : public Contact<dim> {
   void visit_shapes(StateVisitor& visitor, const std::string& prefix);
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
-  Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature, const Vector<dim>& du,
-                 const Matrix<dim>& H) const;
+  Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
+                 std::span<const double> du);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
   void set_slip(const Candidate& c, Touch& touch) const;
   void share_depths(std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
-  double weight(std::int32_t value, const Vector<dim>& d) const {
-    return N_[value] + grad_N_[value].dot(d);
-  }
-  void scatter(const Candidate& c, const Vector<dim>& d, const Vector<dim>& f,
+  void surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const;
+  void scatter(const Candidate& c, const double* w, const Vector<dim>& f,
                std::span<double> field) const;
+  const double* weights_of(const Touch& touch) const { return w_.data() + touch.first_weight; }
 
   ContactMode mode_;
   double friction_;
@@ -143,6 +147,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
   std::vector<Touch> touches_;
+  std::vector<double> w_;  // of the touches
   std::vector<SurfaceFeature<dim>> features_;
   double force_weight_ = 1;
   double cell_size_ = 0;

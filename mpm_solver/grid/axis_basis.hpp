@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gabion::mpm {
@@ -18,7 +19,7 @@ struct AxisValues {
 
 /// What reaches beyond a node by less than this, by the spacing, does so by rounding: the next node
 /// is left out, whose value would be below 1e-24.
-inline constexpr double touch = 1e-12;
+inline constexpr double reach_by_rounding = 1e-12;
 
 /// Linear functions.
 /// @param t     position by the spacing, in the cell
@@ -26,6 +27,11 @@ inline constexpr double touch = 1e-12;
 inline AxisValues linear_values(double t, int cell) {
   const double s = t - cell;
   return {cell, 2, {1 - s, s}, {-1, 1}};
+}
+
+/// Half length of the domain that gimp_values takes, by the spacing: it stays inside the grid.
+inline double gimp_half_length(double t, double l, int num_cells) {
+  return std::min({l, t, num_cells - t});
 }
 
 /// Linear functions averaged over the domain t - l .. t + l of a point, and the averages'
@@ -38,9 +44,9 @@ inline AxisValues linear_values(double t, int cell) {
 /// @param num_cells  of the axis
 /// @see   Bardenhagen, Kober (2004)
 inline AxisValues gimp_values(double t, double l, int cell, int num_cells) {
-  l = std::min({l, t, num_cells - t});
-  const bool reaches_before = cell > 0 && t - l < cell - touch;
-  const bool reaches_after = cell + 1 < num_cells && t + l > cell + 1 + touch;
+  l = gimp_half_length(t, l, num_cells);
+  const bool reaches_before = cell > 0 && t - l < cell - reach_by_rounding;
+  const bool reaches_after = cell + 1 < num_cells && t + l > cell + 1 + reach_by_rounding;
   if (!reaches_before && !reaches_after) return linear_values(t, cell);
   const int node = reaches_before ? cell : cell + 1;  // between the two cells
   const double a = t - l - node, b = t + l - node;    // the domain's ends, from there
@@ -59,7 +65,7 @@ inline AxisValues bspline_values(double t, int cell, int num_cells) {
   const double z = t - node;
   if (node == 0) return linear_values(t, 0);
   if (node == num_cells) return linear_values(t, num_cells - 1);
-  if (std::abs(z) > 0.5 - touch) return linear_values(t, cell);
+  if (std::abs(z) > 0.5 - reach_by_rounding) return linear_values(t, cell);
   return {node - 1,
           3,
           {0.5 * (0.5 - z) * (0.5 - z), 0.75 - z * z, 0.5 * (0.5 + z) * (0.5 + z)},

@@ -26,15 +26,12 @@ struct Neighbourhood {
   }
 };
 
-// Half lengths of the point's domain by the spacing, cut to one cell.
 template <int dim>
-Vector<dim> domain_of(const BoxGrid<dim>& box, const MaterialPoints<dim>& points, std::int32_t p,
-                      std::int32_t& num_capped) {
-  const Vector<dim> length = points.half_length[p]
-                                 .cwiseProduct(axis_stretches<dim>(points.F[p]))
-                                 .cwiseQuotient(box.spacing);
-  if (length.maxCoeff() > widest_domain * (1 + rounding)) ++num_capped;
-  return length.cwiseMin(widest_domain);
+Vector<dim> uncut_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points,
+                         std::int32_t p) {
+  return points.half_length[p]
+      .cwiseProduct(axis_stretches<dim>(points.F[p]))
+      .cwiseQuotient(box.spacing);
 }
 
 // Append the products of the values along the axes; `local` gets numbers in the neighbourhood.
@@ -89,6 +86,12 @@ void number_nodes(const BoxGrid<dim>& box, Neighbourhood<dim>& around, CellGroup
 }  // namespace
 
 template <int dim>
+Vector<dim> gimp_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points,
+                        std::int32_t p) {
+  return uncut_domain(box, points, p).cwiseMin(widest_domain);
+}
+
+template <int dim>
 void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                         PointWeights<dim>& weights) {
   const BoxGrid<dim>& box = *grid.box;
@@ -107,8 +110,9 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
       const Vector<dim> t = box.lattice_position(points.x[p]);
       AxisValues axes[dim];
       if (grid.basis == Basis::gimp) {
-        const Vector<dim> l = domain_of(box, points, p, weights.num_capped);
-        for (int d = 0; d < dim; ++d) axes[d] = gimp_values(t[d], l[d], cell[d], box.num_cells[d]);
+        const Vector<dim> l = uncut_domain(box, points, p);
+        weights.num_capped += l.maxCoeff() > widest_domain * (1 + rounding);
+        for (int d = 0; d < dim; ++d) axes[d] = gimp_values(t[d], std::min(l[d], widest_domain), cell[d], box.num_cells[d]);
       } else {
         for (int d = 0; d < dim; ++d) axes[d] = bspline_values(t[d], cell[d], box.num_cells[d]);
       }
@@ -119,6 +123,8 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
   }
 }
 
+template Vector<2> gimp_domain<2>(const BoxGrid<2>&, const MaterialPoints<2>&, std::int32_t);
+template Vector<3> gimp_domain<3>(const BoxGrid<3>&, const MaterialPoints<3>&, std::int32_t);
 template void evaluate_box_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
                                     PointWeights<2>&);
 template void evaluate_box_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,

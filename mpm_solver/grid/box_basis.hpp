@@ -13,4 +13,8 @@ template <int dim>
 void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                         PointWeights<dim>& weights);
 
+/// Half lengths of the domain of a point by the spacing, cut to one cell.
+template <int dim>
+Vector<dim> gimp_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points, std::int32_t p);
+
 }  // namespace gabion::mpm
