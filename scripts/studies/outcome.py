@@ -82,7 +82,7 @@ def far_face(results: Results, throw: Throw) -> np.ndarray:
     series = results.structures[0]
     frame = series.frame(len(series) - 1)
     start = frame.points - frame.fields["displacement"]
-    far = np.flatnonzero(start[:, 0] > start[:, 0].max() - 1e-9)
+    far = np.flatnonzero(start[:, 0] > FACE + 0.75 * throw.thickness)
     return frame.points[far[np.argsort(start[far, 1])], :2]
 
 
