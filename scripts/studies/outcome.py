@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is asked of every run of the stability sweep: its end, energy, momentum and points."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,7 +47,8 @@ def verdict(summary: dict) -> str:
         return "end"
     if not summary.get("reason"):
         raise ResultsError("a run ended without a reason")
-    return f"{summary['end_time']:.3g} s: {' '.join(summary['reason'].split())}"
+    reason = re.sub(r"^.*\(dt_min = [^)]*\): ", "", " ".join(summary["reason"].split()))
+    return f"{summary['end_time']:.3g} s: {reason.partition(';')[0]}"
 
 
 def largest_rise(values: np.ndarray) -> float:
@@ -64,7 +66,8 @@ def total_energy(results: Results) -> np.ndarray:
     """Kinetic, elastic, of gravity and of contact, of soil and structure [J/m]."""
     table = results.table("probes.csv")
     soil = sum(column(results, f"{kind}_energy") for kind in ("kinetic", "elastic", "contact"))
-    structure = sum(table[name] for name in ("structure.kinetic_energy", "structure.elastic_energy") if name in table)
+    names = ("structure.kinetic_energy", "structure.elastic_energy")
+    structure = sum(table[name] for name in names if name in table)
     return soil + structure - column(results, "gravity_work")
 
 
@@ -99,7 +102,8 @@ def points_behind(results: Results, throw: Throw | None) -> int:
 def outcome(attempt: Attempt, throw: Throw | None) -> Outcome:
     """throw: None for soil alone, which starts at rest."""
     if attempt.results is None:
-        return Outcome("no end" if attempt.code is None else f"exit code {attempt.code}, nothing written", False)
+        ended = "no end" if attempt.code is None else f"exit code {attempt.code}, nothing written"
+        return Outcome(ended, named=False)
     results, summary = attempt.results, attempt.results.summary
     try:
         ended, named = verdict(summary), attempt.code in (0, 3)

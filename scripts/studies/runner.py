@@ -64,10 +64,6 @@ class Runner:
         write_table(self.folder / f"{name or 'table'}.csv", head, rows)
         self.page.add_table(head, rows, name)
 
-    def keep(self, head: list[str], rows: list[list], name: str) -> None:
-        """Write a table as NAME.csv only."""
-        write_table(self.folder / f"{name}.csv", head, rows)
-
     def remark(self, text: str) -> None:
         print(text)
         self.page.blocks.append(text[0].upper() + text[1:] + ".")
@@ -104,7 +100,9 @@ class Runner:
     def _command(self, output: Path, scene: str, settings: list[str]) -> list[str]:
         command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
                    "--no-plots", "--log-level", "warn"]
-        return command + [word for setting in [*self._settings_for(scene), *settings] for word in ("--set", setting)]
+        for setting in [*self._settings_for(scene), *settings]:
+            command += ["--set", setting]
+        return command
 
     def _settings_for(self, scene: str) -> list[str]:
         """The common settings; those of files that the scene lacks do not concern it."""

@@ -37,7 +37,8 @@ class Throw:
         return float(np.clip(min(SIDE / self.speed, SECONDS), 8 * self.dt, STEPS * self.dt))
 
 
-SOIL = {"law": "mohr_coulomb", "density": 2650, "young_modulus": 840e3, "poisson_ratio": 0.3, "friction_angle": 19.8}
+SOIL = {"law": "mohr_coulomb", "density": 2650, "young_modulus": 840e3, "poisson_ratio": 0.3,
+        "friction_angle": 19.8}
 
 # Of each factor what it is varied to by itself; the sample takes the same ranges.
 LEVELS = {
@@ -85,7 +86,8 @@ def throws(count: int) -> dict[str, dict[str, Throw]]:
     result = {}
     for wall, density in (("elastic", Throw.density), ("rigid", None)):
         forms = [Throw(form=form, density=density) for form in FORMS]
-        result[f"{wall} wall, one factor"] = {**{f"base_{base.form}": base for base in forms}, **one_at_a_time(forms[0])}
+        bases = {f"base_{base.form}": base for base in forms}
+        result[f"{wall} wall, one factor"] = {**bases, **one_at_a_time(forms[0])}
         for base in (forms[0], forms[-1])[: 1 if density is None else 2]:
             result[f"{wall} wall, pairs, {base.form}"] = corners(base)
         for k, base in enumerate(forms):
@@ -96,10 +98,12 @@ def throws(count: int) -> dict[str, dict[str, Throw]]:
 
 def described(throw: Throw) -> str:
     """What differs from the base."""
-    base = Throw()
-    return ", ".join(f"{field.name} {getattr(throw, field.name):g}" for field in fields(Throw)
-                     if field.name not in ("form", "density") and getattr(throw, field.name) != getattr(base, field.name)
-                     or field.name == "density" and throw.density not in (None, base.density)) or "as it is"
+    base = Throw(form=throw.form, density=None if throw.density is None else Throw.density)
+    changed = {field.name: getattr(throw, field.name) for field in fields(Throw)
+               if getattr(throw, field.name) != getattr(base, field.name)}
+    if "points" in changed:
+        changed["points"] = POINTS[FORMS[throw.form]][throw.points]
+    return ", ".join(f"{name} {value:g}" for name, value in changed.items())
 
 
 def box(low: tuple, high: tuple, cells: tuple, cell: str) -> dict:
@@ -110,7 +114,8 @@ def settings_of(throw: Throw) -> list[str]:
     """Everything that counts; the scene gives the frame only."""
     cell = FORMS[throw.form]
     low = -throw.shift * H
-    wall = box((FACE, -H), (FACE + throw.thickness, 0.16 + H), (2, 36), "quad4")  # beyond the grid: nothing gets round it
+    # Beyond the grid: nothing gets round it.
+    wall = box((FACE, -H), (FACE + throw.thickness, 0.16 + H), (2, 36), "quad4")
     left = FACE - GAP - SIDE
     time = {"end": throw.end, "dt": throw.dt, "dt_min": throw.dt / 256}
     surface = {"name": "wall", "surface": {"mesh": wall, "groups": ["left", "right"]}, "friction": throw.friction,
@@ -119,7 +124,7 @@ def settings_of(throw: Throw) -> list[str]:
         "grid": box((low, low), (0.24 + low, 0.16 + low), (24, 16), cell),
         "basis": throw.form if cell == "quad4" else "linear",
         "locking": {}, "gravity": [0, -9.81],
-        "walls": [{"group": group, "condition": "slip"} for group in ("left", "right", "bottom", "top")],
+        "walls": [{"group": side, "condition": "slip"} for side in ("left", "right", "bottom", "top")],
         "bodies": [{"name": "soil", "mesh": box((left, 0.02), (left + SIDE, 0.02 + SIDE), (10, 10), cell),
                     "points_per_cell": POINTS[cell][throw.points], "velocity": [throw.speed, 0], "material": SOIL}],
     }
@@ -127,7 +132,8 @@ def settings_of(throw: Throw) -> list[str]:
         return _set("mpm", {**mpm, "rigid_walls": [surface], "time": time, "output": {"interval": throw.end}})
     fem = {
         "mesh": wall, "gravity": [0, 0], "initial_equilibrium": False, "time_integration": {},
-        "material": {"law": "neo_hookean", "density": throw.density, "young_modulus": throw.young, "poisson_ratio": 0.3},
+        "material": {"law": "neo_hookean", "density": throw.density, "young_modulus": throw.young,
+                     "poisson_ratio": 0.3},
         "supports": [{"group": "bottom"}, {"group": "top"}], "probes": [],
         "interfaces": [{"name": "wall", "groups": ["left", "right"]}],
     }
