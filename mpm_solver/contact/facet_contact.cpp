@@ -10,9 +10,6 @@ namespace gabion::mpm {
 
 namespace {
 
-// A touch goes on in the next step where its normal turned by less than 60 degrees.
-constexpr double same_normal = 0.5;
-
 template <int dim>
 Matrix<dim> frame_of(const Vector<dim>& n) {
   Matrix<dim> frame;

@@ -60,6 +60,9 @@ class FacetContact final : public Contact<dim> {
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
+  /// A touch goes on in the next step where its normal turned by less than 60 degrees.
+  static constexpr double same_normal = 0.5;
+
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
     Vector<dim> normal = Vector<dim>::Zero();
@@ -74,7 +77,7 @@ class FacetContact final : public Contact<dim> {
     double volume = 0;
     double modulus = 0;
     bool deforms = false;  // the ball is strained like the soil; else it is rigid
-    double distance = 0;   // to the nearest facet at the start
+    double distance = 0;   // to the nearest facet at the start, 0 behind one
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
     SurfaceFeature<dim> nearest{};             // at the start
@@ -109,6 +112,7 @@ class FacetContact final : public Contact<dim> {
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
   void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
+  void drop_far_side(const Candidate& candidate, const Vector<dim>& normal);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
@@ -139,6 +143,7 @@ class FacetContact final : public Contact<dim> {
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   std::vector<ContactMark<dim>> marks_;                 // of the accepted step
   double last_motion_ = 0;                              // surface_motion_ of the accepted step
+  double deepest_ = 0;  // touch of the accepted step, of this rank [m]
 
   // the step under way
   std::vector<Candidate> candidates_;

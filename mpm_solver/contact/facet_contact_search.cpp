@@ -46,7 +46,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
   }
-  const double margin = watched_ + std::pow(widest, 1.0 / dim);
+  const double margin = watched_ + deepest_ + std::pow(widest, 1.0 / dim);
   add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
 }
 
@@ -98,24 +98,47 @@ void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup
 }
 
 // Only facets that a point is in front of can be touched by it: not those behind which it is, such
-// as the far side of a thin structure.
+// as the far side of a thin structure. A point whose centre went through the side that it touched
+// belongs to that side still.
 template <int dim>
 void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> near) {
   c.first_facing = static_cast<std::int32_t>(facing_.size());
   c.distance = std::numeric_limits<double>::infinity();
+  double nearest_touched = c.distance;
+  Vector<dim> through = Vector<dim>::Zero();  // normal of the touched facet that it is behind
   for (const std::int32_t s : near) {
     const auto corners = corners_of<dim>(simplices_[s], start_);
-    const double height = (c.x - corners[0]).dot(simplex_normal<dim>(corners));
-    if (height <= 0) continue;
-    facing_.push_back({s, height});
+    const Vector<dim> normal = simplex_normal<dim>(corners);
+    const double height = (c.x - corners[0]).dot(normal);
+    const bool touched = remembered(c, normal) != nullptr;
+    if (height <= 0 && !touched) continue;
+    facing_.push_back({s, height, touched});
     const auto place = closest_place<dim>(corners, c.x);
     const double distance = (place.x - c.x).norm();
+    if (touched && distance < nearest_touched) {
+      nearest_touched = distance;
+      through = height <= 0 ? normal : Vector<dim>(Vector<dim>::Zero());
+    }
     if (distance >= c.distance) continue;
     c.distance = distance;
     c.nearest = {.simplex = s, .weights = place.weights, .x = place.x};
-    c.nearest.normal = (c.x - place.x) / distance;
+    c.nearest.normal = height > 0 ? Vector<dim>((c.x - place.x) / distance) : normal;
+  }
+  if (!through.isZero()) {
+    c.distance = 0;
+    drop_far_side(c, through);
   }
   c.num_facing = static_cast<std::int32_t>(facing_.size()) - c.first_facing;
+}
+
+template <int dim>
+void FacetContact<dim>::drop_far_side(const Candidate& c, const Vector<dim>& normal) {
+  const auto is_far = [&](const FacingSimplex& facing) {
+    const auto corners = corners_of<dim>(simplices_[facing.simplex], start_);
+    return simplex_normal<dim>(corners).dot(normal) < -same_normal;
+  };
+  facing_.erase(std::remove_if(facing_.begin() + c.first_facing, facing_.end(), is_far),
+                facing_.end());
 }
 
 template <int dim>

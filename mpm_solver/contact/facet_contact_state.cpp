@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accepted state of a contact by facets.
+#include <algorithm>
 #include <utility>
 
 #include "mpm_solver/contact/facet_contact.hpp"
@@ -39,7 +40,9 @@ void FacetContact<dim>::accept() {
   double work = 0, stored = 0, slid = 0;
   memory_.clear();
   marks_.clear();
+  deepest_ = 0;
   for (const Touch& touch : touches_) {
+    deepest_ = std::max(deepest_, -touch.gap);
     marks_.push_back(mark_of(touch));
     const Vector<dim>& n = touch.feature.normal;
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
@@ -109,6 +112,7 @@ template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
   visitor.real(prefix + "last_motion", last_motion_);
+  visitor.real(prefix + "deepest", deepest_);
   visit_memory(visitor, prefix);
   visit_shapes(visitor, prefix);
   visit_marks<dim>(visitor, prefix, marks_);

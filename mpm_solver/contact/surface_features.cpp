@@ -21,6 +21,8 @@ struct Sight {
   double height = 0;    // of the point above the plane
   double distance = 0;  // of the closest place
   bool crossed = false;
+  bool was_behind = false;  // when the step began
+  bool touched = false;
 };
 
 template <int dim>
@@ -68,7 +70,9 @@ Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& faci
   sight.normal = simplex_normal<dim>(corners);
   sight.height = (y - corners[0]).dot(sight.normal);
   sight.distance = (y - sight.place.x).norm();
-  if (sight.height <= 0) {
+  sight.was_behind = facing.height <= 0;
+  sight.touched = facing.touched;
+  if (sight.height <= 0 && !sight.was_behind) {
     const Way<dim> way{.x = x, .y = y, .start_height = facing.height, .end_height = sight.height};
     sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, way);
   }
@@ -84,6 +88,14 @@ bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
     return other.distance < (1 - same_distance) * sight.distance &&
            shares_place<dim>(own, sight.place, surface.simplices[other.simplex]);
   });
+}
+
+// Whether a simplex tells better than another one on which side of the surface the point is: the
+// nearer one does; at a corner that they share, the one that has the point in front.
+template <int dim>
+bool tells_side(const Sight<dim>& a, const Sight<dim>& b) {
+  if (a.distance < (1 - same_distance) * b.distance) return true;
+  return a.distance <= (1 + same_distance) * b.distance && a.height > b.height;
 }
 
 template <int dim>
@@ -191,25 +203,67 @@ ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, con
   return place;
 }
 
+namespace {
+
+// The nearest one of the simplices that the point touched when the step before ended.
+template <int dim>
+const Sight<dim>* nearest_touched(const std::vector<Sight<dim>>& sights) {
+  const Sight<dim>* best = nullptr;
+  for (const Sight<dim>& sight : sights) {
+    if (sight.touched && (!best || tells_side<dim>(sight, *best))) best = &sight;
+  }
+  return best;
+}
+
+// Whether the point is behind a simplex: its way led through, or it was and has not come back.
+template <int dim>
+bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
+  if (sight.height > 0) return false;
+  const bool above_inside = sight.place.num_corners() == dim;
+  if (!sight.was_behind) return sight.crossed || above_inside;
+  if (touched->height > 0 || !touched->was_behind) return false;
+  return above_inside || sight.distance <= (1 + same_distance) * touched->distance;
+}
+
+// Whether each of two simplices has a part in front of the other one.
+template <int dim>
+bool inside_corner(const FacingSurface<dim>& surface, const Sight<dim>& a, const Sight<dim>& b) {
+  const auto reaches_in_front = [&](const Sight<dim>& other, const Sight<dim>& of) {
+    const Vector<dim> origin = surface.end[surface.simplices[of.simplex][0]];
+    const auto corners = corners_of<dim>(surface.simplices[other.simplex], surface.end);
+    const double size = (corners[1] - corners[0]).norm();
+    return std::any_of(corners.begin(), corners.end(), [&](const Vector<dim>& corner) {
+      return (corner - origin).dot(of.normal) > 1e-6 * size;
+    });
+  };
+  return reaches_in_front(a, b) && reaches_in_front(b, a);
+}
+
+}  // namespace
+
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
                    double reach, std::vector<SurfaceFeature<dim>>& features) {
   features.clear();
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
-  const Sight<dim>* behind = nullptr;
   for (const FacingSimplex& facing : surface.facing) {
     sights.push_back(sight_of<dim>(surface, facing, x, y));
   }
+  const Sight<dim>* touched = nearest_touched<dim>(sights);
+  const Sight<dim>* behind = nullptr;  // the least deep
+  for (const Sight<dim>& sight : sights) {
+    if (!is_under<dim>(sight, touched)) continue;
+    if (!behind || sight.height > behind->height) behind = &sight;
+  }
+  if (behind) features.push_back(feature_of<dim>(*behind, y));
   for (const Sight<dim>& sight : sights) {
     const bool over = sight.height > 0 && sight.distance < reach;
-    const bool under = sight.height <= 0 && (sight.crossed || sight.place.num_corners() == dim);
-    if (under && (!behind || sight.height > behind->height)) behind = &sight;
-    if (!over || !is_minimum<dim>(surface, sight, sights)) continue;
+    if (!(over ? is_minimum<dim>(surface, sight, sights) : is_under<dim>(sight, touched))) continue;
+    if (behind && (&sight == behind || !inside_corner<dim>(surface, *behind, sight))) continue;
     const auto feature = feature_of<dim>(sight, y);
     if (is_new<dim>(feature, features, reach)) features.push_back(feature);
   }
-  if (behind) features.assign(1, feature_of<dim>(*behind, y));
 }
 
 template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);

@@ -58,7 +58,8 @@ struct SurfaceFeature {
 /// A simplex that a point may touch in a step, seen from the point at the start of the step.
 struct FacingSimplex {
   std::int32_t simplex = 0;
-  double height = 0;  ///< of the point above its plane [m], > 0
+  double height = 0;     ///< of the point above its plane [m]; > 0 unless touched
+  bool touched = false;  ///< the point touched the surface with about this normal
 };
 
 /// Positions of the surface and the simplices that faced a point when a step began.
@@ -71,8 +72,9 @@ struct FacingSurface {
 };
 
 /// The features of a surface that are nearer than `reach` to a point that came from x to y, or that
-/// its way went through. Inside corners have several; of features behind which the point is, the
-/// least deep one counts.
+/// its way went through. Inside corners have several. Of features behind which the point is the
+/// least deep one counts, with those that form inside corners with it. A point that touched and
+/// whose centre went through stays behind.
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,

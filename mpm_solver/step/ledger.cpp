@@ -34,11 +34,16 @@ std::vector<double> body_forces(const Equilibrium<dim>& equilibrium) {
   return f;
 }
 
+/// Of contacts whose force is constant in a step; num_nodes x dim, on the nodes of this step.
+struct StepForces {
+  std::vector<double> now, before;  // of this step and of the one before
+};
+
 // What the contacts of this rank do. `forces` loses the forces of those that balance at the end of
-// the step, `constant` gets those that are constant in it.
+// the step, `constant` gets the others.
 template <int dim>
 void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalance<dim>& step,
-                       std::vector<double>& forces, std::vector<double>& constant) {
+                       std::vector<double>& forces, StepForces& constant) {
   const auto& parts = equilibrium.parts();
   const double extra = parts.with_inertia ? parts.scheme.step_force_weight() - 1 : 0;
   std::vector<double> f(du.size()), change(du.size());
@@ -59,7 +64,10 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
     step.step_force -= contact->resultant().force;
     std::fill(change.begin(), change.end(), 0.0);
     contact->add_step_force_change(change);
-    for (std::size_t k = 0; k < du.size(); ++k) constant[k] += f[k] - extra * change[k];
+    for (std::size_t k = 0; k < du.size(); ++k) {
+      constant.now[k] += f[k] - extra * change[k];
+      constant.before[k] += f[k] - (extra + 1) * change[k];
+    }
   }
 }
 
@@ -101,9 +109,9 @@ template <int dim>
 void sum_parts(MPI_Comm comm, StepBalance<dim>& step) {
   double* const scalars[] = {&step.kinetic_before, &step.kinetic_after, &step.wall_loss,
                              &step.time_damping,   &step.body_work,     &step.boundary_work};
-  Vector<dim>* const vectors[] = {&step.body_force,     &step.boundary_force, &step.step_force,
-                                  &step.wall_force,     &step.wall_kick,      &step.wall_hold,
-                                  &step.wall_step_force};
+  Vector<dim>* const vectors[] = {
+      &step.body_force, &step.boundary_force, &step.step_force,      &step.wall_force,
+      &step.wall_kick,  &step.wall_hold,      &step.wall_step_force, &step.wall_step_force_start};
   std::vector<double> all;
   for (const double* value : scalars) all.push_back(*value);
   for (const Vector<dim>* value : vectors) all.insert(all.end(), value->begin(), value->end());
@@ -123,7 +131,8 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
                               const NodalMotion<dim>& motion) {
   const auto& parts = equilibrium.parts();
   StepBalance<dim> step;
-  std::vector<double> forces(du.size(), 0.0), constant(du.size(), 0.0);
+  std::vector<double> forces(du.size(), 0.0);
+  StepForces constant{.now = forces, .before = forces};
   if (rank_of(parts.comm) == 0) add_shared_terms(equilibrium, du, motion, step, forces);
   add_contact_terms(equilibrium, du, step, forces, constant);
 
@@ -146,9 +155,10 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     const std::int32_t i = parts.walls.constrained()[c];
     const Matrix<dim> held = Matrix<dim>::Identity() - parts.walls.projectors()[c];
     const Vector<dim> force = held * at<dim>(forces, i);
-    const Vector<dim> constant_force = -held * at<dim>(constant, i);
+    const Vector<dim> constant_force = -held * at<dim>(constant.now, i);
     step.wall_force += force;
     step.wall_step_force += constant_force;
+    step.wall_step_force_start -= held * at<dim>(constant.before, i);
     step.boundary_work += (force + constant_force).dot(at<dim>(du, i));
   }
   sum_parts(parts.comm, step);
@@ -190,7 +200,10 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
                     (totals_.kinetic_energy - step.kinetic_after) + step.sharing_loss;
   body_work_ += step.body_work;
   boundary_work_ += step.boundary_work;
-  walls_.inertia += step.wall_hold;
+  // The mapped acceleration has of the last step's contact force what its walls left; the scheme
+  // takes off what the walls leave of it on the nodes of this step.
+  walls_.inertia += step.wall_hold + wall_step_force_ - step.wall_step_force_start;
+  wall_step_force_ = step.wall_step_force;
   walls_.impulse += step.wall_kick;
   boundary_.impulse += dt * step.step_force;
   walls_.impulse += dt * step.wall_step_force;
@@ -259,6 +272,7 @@ void Ledger<dim>::visit_state(StateVisitor& visitor) {
     visitor.reals(std::string(name) + "inertia", {force->inertia.data(), dim});
     visitor.reals(std::string(name) + "impulse", {force->impulse.data(), dim});
   }
+  visitor.reals("ledger.walls.step_force", {wall_step_force_.data(), dim});
   const std::pair<const char*, double*> sums[] = {{"plastic", &plastic_},
                                                   {"time_damping", &time_damping_},
                                                   {"transfer_loss", &transfer_loss_},

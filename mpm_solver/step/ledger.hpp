@@ -32,6 +32,8 @@ struct StepBalance {
   Vector<dim> wall_kick = Vector<dim>::Zero();  ///< impulse that stops the mapped velocity [kg m/s]
   Vector<dim> wall_hold = Vector<dim>::Zero();  ///< force that stops the mapped acceleration [N]
   Vector<dim> wall_step_force = Vector<dim>::Zero();  ///< that stops step_force [N]
+  /// The same for the step_force of the step before, on the nodes of this one [N].
+  Vector<dim> wall_step_force_start = Vector<dim>::Zero();
 };
 
 /// @param equilibrium  with the stresses of exactly this du (InternalForces::finish)
@@ -89,7 +91,8 @@ class Ledger {
   MPI_Comm comm_;
   PointTotals<dim> totals_, totals_start_;
   Force body_, boundary_, walls_;
-  PointTotals<dim> removed_;  // front has no meaning
+  Vector<dim> wall_step_force_ = Vector<dim>::Zero();  // of the last step [N]
+  PointTotals<dim> removed_;                           // front has no meaning
   ContactEnergy contact_;
   double contact_created_ = 0;  // sum of the steps in which its loss fell
   double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;

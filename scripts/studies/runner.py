@@ -2,7 +2,11 @@
 """Run scenes for a study and write what came out."""
 
 import csv
+import os
+import shutil
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 from measured import Page, text_of
@@ -11,6 +15,15 @@ from plotting.style import Figure, save
 from studies.measures import Measured
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+PATIENCE = 300  # [s] that an attempt may take
+
+
+@dataclass
+class Attempt:
+    """A run that may have ended anyhow."""
+
+    code: int | None  #: exit code; None: no end within PATIENCE
+    results: Results | None  #: None without a summary
 
 
 class Runner:
@@ -36,15 +49,13 @@ class Runner:
             raise ResultsError(f"{label}: the run failed with exit code {code}")
         return Measured(Results(output))
 
-    def attempt(self, label: str, scene: str, settings: list[str]) -> Results:
-        """Run one scene that may end early: with a step that cannot be solved (exit code 3).
+    def attempts(self, runs: list[tuple[str, str, list[str]]]) -> list[Attempt]:
+        """Runs (label, scene, settings) that may end early, as many at a time as there are cores.
 
-        @raises ResultsError  it ended for any other reason
+        What they print goes to LABEL.log.
         """
-        code, output = self._launch(label, scene, settings)
-        if code not in (0, 3) or not (output / "summary.json").exists():
-            raise ResultsError(f"{label}: the run failed with exit code {code}")
-        return Results(output)
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            return list(pool.map(lambda run: self._attempt(*run), runs))
 
     def report(self, head: list[str], rows: list[list], name: str = "") -> None:
         """Print a table, write it as NAME.csv (table.csv without a name) and put it on the page."""
@@ -68,12 +79,30 @@ class Runner:
         output = self.folder / label
         if self.reuse and _completed(output):
             return 0, output
+        print(f"{label}: running", flush=True)
+        return subprocess.run(self._command(output, scene, settings), check=False).returncode, output
+
+    def _attempt(self, label: str, scene: str, settings: list[str]) -> Attempt:
+        output = self.folder / label
+        if self.reuse and _ended(output):
+            return Attempt(0 if _completed(output) else 3, Results(output))
+        shutil.rmtree(output, ignore_errors=True)  # else a run that fails would stand beside it
+        self.folder.mkdir(parents=True, exist_ok=True)
+        print(f"{label}: running", flush=True)
+        with (self.folder / f"{label}.log").open("w", encoding="utf-8") as log:
+            try:
+                code = subprocess.run(self._command(output, scene, settings), check=False, stdout=log,
+                                      stderr=subprocess.STDOUT, timeout=PATIENCE).returncode
+            except subprocess.TimeoutExpired:
+                code = None
+        return Attempt(code, Results(output) if (output / "summary.json").exists() else None)
+
+    def _command(self, output: Path, scene: str, settings: list[str]) -> list[str]:
         command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
                    "--no-plots", "--log-level", "warn"]
         for setting in [*self._settings_for(scene), *settings]:
             command += ["--set", setting]
-        print(f"{label}: running", flush=True)
-        return subprocess.run(command, check=False).returncode, output
+        return command
 
     def _settings_for(self, scene: str) -> list[str]:
         """The common settings; those of files that the scene lacks do not concern it."""
@@ -84,6 +113,11 @@ def _completed(folder: Path) -> bool:
     if not (folder / "summary.json").exists():
         return False
     return bool(Results(folder).summary.get("completed", True))
+
+
+def _ended(folder: Path) -> bool:
+    """Completed, or with a reason."""
+    return _completed(folder) or (folder / "summary.json").exists() and "reason" in Results(folder).summary
 
 
 def print_table(head: list[str], rows: list[list]) -> None:

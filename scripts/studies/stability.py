@@ -1,27 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the soil solver comes to an end, and makes no energy, far from the usual settings."""
+"""Whether runs come to an end, keep their points and make no energy, far from the usual settings."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from plotting.column import front_of, surface_of
-from plotting.results import Results, ResultsError
+from studies.outcome import MAX_GAIN, MAX_MOMENTUM, Outcome, outcome
 from studies.runner import Runner
+from studies.throw import Throw, described, settings_of, throws
 
-SCENE = "column_collapse"
+SCENE = "column_collapse"  # of soil alone, and at a rigid wall
+COUPLED = "granular_obstacle"
 H, END, DT = 0.01, 0.3, 1e-3  # [m], [s], [s]: coarse and short, so that all runs take minutes
-SPACING = 0.005  # [m] mean distance of points, 3 in a triangle of H
 YOUNG = 840e3  # [Pa]
 MATERIAL = "mpm.json:/bodies/0/material"
+SAMPLE = 16  # runs of the sample, each form of the grid
 
 
 @dataclass
 class Case:
-    """One run: its name and what it changes."""
+    """One run: its name and what it changes; throw: None for soil alone."""
 
     name: str
     settings: list[str]
+    throw: Throw | None = None
+
+    @property
+    def scene(self) -> str:
+        return SCENE if self.throw is None or self.throw.density is None else COUPLED
 
 
 def grid(shift: float) -> str:
@@ -41,7 +45,7 @@ def step(factor: float) -> list[str]:
 
 
 def cases() -> list[Case]:
-    """The base first; then each quantity by itself, and stiffness with step size."""
+    """Soil alone. The base first; then each quantity by itself, and stiffness with step size."""
     young = [f"{MATERIAL}/young_modulus={factor * YOUNG:g}" for factor in (0.1, 1, 10, 100)]
     result = [Case("base", [])]
     for e, setting in zip((0.1, 1, 10, 100), young):
@@ -55,43 +59,49 @@ def cases() -> list[Case]:
     return result
 
 
-def verdict(summary: dict) -> str:
-    """"end", or why and when the run stopped: the causes of its failed steps."""
-    if summary.get("completed", False):
-        return "end"
-    causes = ", ".join(f"{n} x {cause}" for cause, n in summary["solver"]["newton"]["failures"].items())
-    if not summary.get("reason") or not causes:
-        raise ResultsError("a run ended without a reason")
-    return f"{summary['end_time']:.3g} s: {causes}"
+def families() -> dict[str, list[Case]]:
+    result = {"soil alone": [Case(case.name, [*base(), *case.settings]) for case in cases()]}
+    for family, runs in throws(SAMPLE).items():
+        result[family] = [Case(name, settings_of(run), run) for name, run in runs.items()]
+    return result
 
 
-def last_points(results: Results) -> np.ndarray:
-    soil = results.soil
-    if soil is None:
-        raise ResultsError(f"{results.folder}: no mpm/soil.xdmf")
-    return soil.frame(len(soil) - 1).points
+def folder(family: str, case: Case) -> str:
+    return f"{family}_{case.name}".replace(",", "").replace(" ", "_")
+
+
+def family_row(family: str, outcomes: list[Outcome]) -> list:
+    def largest(name: str) -> float:
+        return float(max(getattr(one, name) for one in outcomes))
+
+    return [family, len(outcomes), sum(one.ended == "end" for one in outcomes),
+            sum(not one.named for one in outcomes), sum(one.cuts for one in outcomes), int(largest("iterations")),
+            100 * largest("gained"), 100 * largest("contact"), sum(one.behind for one in outcomes),
+            largest("momentum")]
+
+
+HEAD = ["family", "runs", "to the end", "without reason", "cut steps", "most iterations", "energy gained [%]",
+        "made by contact [%]", "points lost", "momentum error"]
 
 
 def stability(runner: Runner) -> None:
-    """Soil alone with stiffness, step size, points, grid and strength far off: every run ends, named."""
-    rows, reference = [], None
-    for case in cases():
-        results = runner.attempt(case.name, SCENE, [*base(), *case.settings])
-        summary, points = results.summary, last_points(results)
-        if reference is None:
-            reference = surface_of(points, SPACING)
-        ended = summary["completed"]
-        height = np.interp(reference[0], *surface_of(points, SPACING), right=0)
-        difference = 1e3 * float(np.mean(np.abs(height - reference[1]))) if ended else ""
-        mean = summary["solver"]["newton"]["mean"]
-        rows.append([case.name, verdict(summary), summary["steps"], summary["cuts"],
-                     "" if mean is None else float(mean), front_of(points, SPACING), difference,
-                     float(results.table("probes.csv")["created_energy"][-1]),
-                     float(summary["wall_seconds"]["total"])])
-    head = ["case", "ended", "steps", "cuts", "Newton mean", "front [m]", "height against base [mm]",
-            "energy created [J/m]", "run time [s]"]
-    runner.report(head, rows)
-    runner.remark(f"{sum(row[1] == 'end' for row in rows)} of {len(rows)} runs came to their end")
+    """Soil alone and thrown at walls, every setting far off: each run ends, named, with its energy and points."""
+    everything = [(family, case) for family, listed in families().items() for case in listed]
+    attempts = runner.attempts([(folder(family, case), case.scene, case.settings) for family, case in everything])
+    outcomes = [outcome(attempt, case.throw) for attempt, (_, case) in zip(attempts, everything)]
+    rows = {}
+    for (family, _), one in zip(everything, outcomes):
+        rows.setdefault(family, []).append(one)
+    runner.report(HEAD, [family_row(family, listed) for family, listed in rows.items()])
+    runner.remark(f"{sum(one.ended == 'end' for one in outcomes)} of {len(outcomes)} runs came to their end")
+    runner.remark("gained: largest rise of kinetic, elastic, contact's and gravity's energy together, over the "
+                  f"energy of throw and fall, limit {100 * MAX_GAIN:g} %; made by contact: `contact_created` over the "
+                  "same; points lost: or on the far side of the wall at the end; momentum: error over what throw and "
+                  f"gravity gave, limit {MAX_MOMENTUM:g}")
+    faulty = [[family, case.name, described(case.throw) if case.throw else "", "; ".join(one.faults)]
+              for (family, case), one in zip(everything, outcomes) if one.faults]
+    if faulty:
+        runner.report(["family", "case", "settings", "what"], faulty, "not to the end, or beyond a limit")
 
 
 STUDIES = {stability.__name__: stability}

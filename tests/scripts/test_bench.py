@@ -21,9 +21,11 @@ from studies import coupling
 from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import STUDIES, acceleration, error_vs_time, speed
 from studies.measures import Curve, Measured, relative_rms
+from studies.outcome import beyond, largest_rise, outcome, verdict
 from studies.run_out import height_law, run_out, run_out_law
-from studies.runner import Runner
-from studies.stability import cases, stability, verdict
+from studies.runner import Attempt, Runner
+from studies.stability import cases, families, folder, stability
+from studies.throw import LEVELS, Throw, sample
 
 
 class ProgramTest(ScriptCase):
@@ -153,13 +155,38 @@ class Stability(ScriptCase):
         self.assertEqual(len(set(names)), len(names))
         self.assertEqual(sum(name.startswith("E_x") for name in names), 15)
 
+    def test_the_sweep_has_two_hundred_runs_in_folders_of_their_own(self) -> None:
+        folders = [folder(family, case) for family, listed in families().items() for case in listed]
+        self.assertGreaterEqual(len(folders), 200)
+        self.assertEqual(len(set(folders)), len(folders))
+
+    def test_samples_are_the_same_each_time_and_within_the_levels(self) -> None:
+        drawn = sample(Throw(), 16, seed=3)
+        self.assertEqual(drawn, sample(Throw(), 16, seed=3))
+        for name, levels in LEVELS.items():
+            values = [getattr(throw, name) for throw in drawn.values()]
+            self.assertTrue(all(levels[0] <= value <= levels[-1] for value in values), name)
+            self.assertGreater(len(set(values)), 3, name)
+
     def test_verdict_names_causes_and_refuses_an_end_without_one(self) -> None:
         self.assertEqual(verdict({"completed": True}), "end")
-        failed = {"completed": False, "reason": "x", "end_time": 0.25,
-                  "solver": {"newton": {"failures": {"line_search": 3}}}}
-        self.assertEqual(verdict(failed), "0.25 s: 3 x line_search")
+        reason = "step 3 at time 0.25 s failed with dt = 1 s and no smaller dt is allowed (dt_min = 1 s): x; y"
+        self.assertEqual(verdict({"completed": False, "reason": reason, "end_time": 0.25}), "0.25 s: x")
         with self.assertRaisesRegex(ResultsError, "without a reason"):
-            verdict({**failed, "solver": {"newton": {"failures": {}}}})
+            verdict({"completed": False, "end_time": 0.25})
+
+    def test_points_beyond_a_bent_wall(self) -> None:
+        face = np.array([[1, 0], [1.5, 0.5], [1, 1]])
+        points = np.array([[1.2, 0.5], [1.2, 0.1], [0.9, 0.9], [1.6, 0.5], [1.01, -0.5], [0.9, -0.5]])
+        self.assertEqual(beyond(face, points).tolist(), [False, True, False, True, True, False])
+
+    def test_largest_rise_counts_from_the_lowest_value_before(self) -> None:
+        self.assertEqual(largest_rise(np.array([5.0, 2.0, 3.0, 1.0, 2.5, 2.0])), 1.5)
+
+    def test_a_run_that_left_nothing_is_not_named(self) -> None:
+        found = outcome(Attempt(134, None), None)
+        self.assertFalse(found.named)
+        self.assertEqual(found.faults, ["exit code 134, nothing written"])
 
 
 class Studies(ScriptCase):

@@ -60,6 +60,24 @@ TEST(Ledger, momentum_is_the_impulse_of_gravity_and_walls) {
   }
 }
 
+/// Friction on a surface pulls at nodes that the floor holds, in other shares in each step.
+TEST(Ledger, momentum_where_the_floor_holds_what_a_contact_pulls) {
+  for (const Json& scheme : {trapezoid, bossak}) {
+    Json json = falling(2, "quad4", scheme, "flip");
+    json["rigid_walls"] = {
+        {{"name", "face"},
+         {"surface", {{"polyline", {{1.01, 2}, {1.01, -0.1}}}, {"spacing", 0.1}}},
+         {"method", "facets"},
+         {"friction", 0.5}}};
+    const auto solver = make_mpm(json);
+    const double start = std::abs(probe(*solver, "momentum_y"));
+    run_steps(*solver, 0.01, 12);
+    EXPECT_GT(probe(*solver, "contact_friction"), 0);
+    EXPECT_GT(probe(*solver, "wall_loss"), 0);
+    EXPECT_LT(momentum_error(*solver, 2), 1e-12 * start) << scheme;
+  }
+}
+
 /// Without walls and gravity the plate's force is all there is: p' - p = dt (F + F') / 2.
 TEST(Ledger, impulse_and_work_of_an_interface) {
   Json json = pushed();

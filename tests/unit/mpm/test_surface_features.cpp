@@ -93,6 +93,38 @@ TEST(SurfaceFeatures, a_face_gives_its_normal_and_height) {
   EXPECT_LT((found[0].x - Vector<2>(1, 0.4)).norm(), 1e-15);
 }
 
+/// The other side of an inside corner does not let go when the centre goes through one side.
+TEST(SurfaceFeatures, an_inside_corner_touches_twice_behind_one_side_too) {
+  const ContactSurface<2> corner{.vertices = {{0, 1}, {0, 0}, {0.5, 0}, {-1, 0}},
+                                 .facet_type = CellType::line2,
+                                 .facets = {0, 1, 2, 3}};
+  for (const double x : {-1e-6, 0.02}) {  // of the centre, before and behind the upright side
+    const auto found = features<2>(corner, {-0.1, 0.1}, {x, 0.05}, 0.1);
+    ASSERT_EQ(found.size(), 2U) << x;
+    const int upright = std::abs(found[0].normal[0]) > 0.5 ? 0 : 1;
+    EXPECT_NEAR(found[upright].distance, -x, 1e-15);
+    EXPECT_NEAR(found[1 - upright].distance, 0.05, 1e-15);
+  }
+}
+
+/// It is held by the side that it touched, not by the far one, until it has come back.
+TEST(SurfaceFeatures, a_centre_that_went_through_stays_behind) {
+  const ContactSurface<2> wall = thin_wall();
+  const Sighted<2> seen(wall, {1.3, 0.5});
+  std::vector<FacingSimplex> facing = {{.simplex = 2, .height = -0.3, .touched = true}};
+  for (const double x : {1.25, 1.1, 1.02, 0.95}) {
+    std::vector<SurfaceFeature<2>> found;
+    mpm::find_features<2>({.simplices = seen.simplices,
+                           .start = seen.vertices,
+                           .end = seen.vertices,
+                           .facing = facing},
+                          {1.3, 0.5}, {x, 0.5}, 0.1, found);
+    ASSERT_EQ(found.size(), 1U) << x;
+    EXPECT_NEAR(found[0].distance, 1 - x, 1e-15);
+    EXPECT_LT((found[0].normal - Vector<2>(-1, 0)).norm(), 1e-15);
+  }
+}
+
 TEST(SurfaceFeatures, at_a_convex_corner_the_normal_turns_smoothly) {
   const Vector<2> corner(1, 1);
   for (const double angle : {0.51, 0.6, 0.75, 0.9, 0.99}) {  // of pi: from the top to the left

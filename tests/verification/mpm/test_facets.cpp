@@ -197,5 +197,42 @@ TEST(Facets, nothing_passes_through_a_thin_wall) {
   }
 }
 
+/// Springs so soft that they stop soil only when the centres of its points are half a cell or more
+/// behind the surface, and through the far side of the wall: they throw it back all the same.
+TEST(Facets, soil_that_goes_through_a_soft_surface_comes_back) {
+  for (const double factor : {0.01, 0.1}) {
+    for (const double dt : {0.0005, 0.002}) {
+      const auto solver = mpm_solver<2>(
+          {{"dimension", 2},
+           {"grid", box({0, 0}, {4, 2}, {40, 20}, "quad4")},
+           {"basis", "linear"},
+           {"bodies",
+            {body("shot", box({0.4, 0.8}, {0.7, 1.1}, {3, 3}, "quad4"), 4,
+                  elastic_soil("neo_hookean", 1e7, 0.2, 1000), {10, 0})}},
+           {"time_integration", trapezoid},
+           {"newton", {{"max_iterations", 50}}},
+           {"rigid_walls",
+            {{{"name", "wall"},
+              {"method", "facets"},
+              {"surface",
+               {{"polyline", {{0.74, 0}, {0.74, 2}, {0.72, 2}, {0.72, 0}}}, {"spacing", 0.1}}},
+              {"mode", "slip"},
+              {"penalty_factor", factor}}}}});
+      const double start = energy(*solver);
+      double front = 0, farthest = 0;
+      const auto done = [&] { return probe(*solver, "momentum_x") < 0 && front < 0.72; };
+      for (int n = 1; n <= std::lround(0.1 / dt) && !done(); ++n) {
+        run_steps(*solver, dt, 1, n);
+        front = 0;
+        for (const auto& x : solver->points().x) front = std::max(front, x[0]);
+        farthest = std::max(farthest, front);
+        EXPECT_LT(energy(*solver), (1 + 1e-6) * start) << factor << " " << dt << " " << n;
+      }
+      EXPECT_GT(farthest, 0.74) << factor << " " << dt;  // behind the far side
+      EXPECT_TRUE(done()) << factor << " " << dt << " " << front;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gabion::test
