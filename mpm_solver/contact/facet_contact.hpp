@@ -80,9 +80,9 @@ class FacetContact final : public Contact<dim> {
     double distance = 0;   // to the nearest facet at the start, 0 behind one
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
-    SurfaceFeature<dim> nearest{};             // at the start
-    Vector<dim> motion = Vector<dim>::Zero();  // in the step
-    Matrix<dim> H = Matrix<dim>::Zero();       // its gradient
+    SurfaceFeature<dim> nearest{};              // at the start
+    Vector<dim> motion = Vector<dim>::Zero();   // in the step
+    Matrix<dim> H = Matrix<dim>::Zero();        // its gradient
     std::optional<SurfaceValues<dim>> surface;  // none: functions are continued
     const std::vector<Memory>* memory = nullptr;
   };
@@ -92,7 +92,7 @@ class FacetContact final : public Contact<dim> {
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
     double gap = 0;
-    std::int32_t first_weight = 0;  // of w, one for each value of the candidate
+    std::int32_t first_weight = 0;           // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // touches of the point, itself too
     std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
     int num_others = 0;

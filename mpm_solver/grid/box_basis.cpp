@@ -112,7 +112,8 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
       if (grid.basis == Basis::gimp) {
         const Vector<dim> l = uncut_domain(box, points, p);
         weights.num_capped += l.maxCoeff() > widest_domain * (1 + rounding);
-        for (int d = 0; d < dim; ++d) axes[d] = gimp_values(t[d], std::min(l[d], widest_domain), cell[d], box.num_cells[d]);
+        for (int d = 0; d < dim; ++d)
+          axes[d] = gimp_values(t[d], std::min(l[d], widest_domain), cell[d], box.num_cells[d]);
       } else {
         for (int d = 0; d < dim; ++d) axes[d] = bspline_values(t[d], cell[d], box.num_cells[d]);
       }

@@ -30,7 +30,8 @@ struct GridNodes {
   void gather(std::span<const std::int32_t> grid_nodes, std::span<const double> field,
               double* values) const {
     for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
-      const double* at_node = field.data() + static_cast<std::ptrdiff_t>(active[grid_nodes[i]]) * dim;
+      const double* at_node =
+          field.data() + static_cast<std::ptrdiff_t>(active[grid_nodes[i]]) * dim;
       for (int d = 0; d < dim; ++d) values[i * dim + d] = at_node[d];
     }
   }

@@ -7,8 +7,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Linear functions averaged over the part t + e - rest .. t + e + rest of a domain, for the nodes of
-// `domain`. @pre the part lies in the domain
+// Linear functions averaged over the part t + e - rest .. t + e + rest of a domain, for the nodes
+// of `domain`. @pre the part lies in the domain
 std::array<double, 3> gimp_part(const AxisValues& domain, double at, double rest, int cell,
                                 int num_cells) {
   if (at < cell && domain.first < cell) --cell;
@@ -57,9 +57,8 @@ SurfaceValues<dim>::SurfaceValues(const BackgroundGrid<dim>& grid,
 
 template <int dim>
 std::array<double, 3> SurfaceValues<dim>::along(int d, double e, double rest) const {
-  return basis_ == Basis::gimp
-             ? gimp_part(axes_[d], t_[d] + e, rest, cell_[d], num_cells_[d])
-             : bspline_shifted(axes_[d], t_[d], e);
+  return basis_ == Basis::gimp ? gimp_part(axes_[d], t_[d] + e, rest, cell_[d], num_cells_[d])
+                               : bspline_shifted(axes_[d], t_[d], e);
 }
 
 template <int dim>

@@ -241,8 +241,8 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     StressUpdate<dim> stress;
     const bool admissible =
         update(parts_.bodies[group->body].material.law,
-               displacement_gradient(weights, worst.entry, of_group.data()), parts_.points.history[p],
-               stress, static_cast<Tangent<dim>*>(nullptr));
+               displacement_gradient(weights, worst.entry, of_group.data()),
+               parts_.points.history[p], stress, static_cast<Tangent<dim>*>(nullptr));
     own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,
                       admissible ? fmt::format("volume ratio of the step {:.3g}, {}", stress.J,
                                                region_name(stress.region))

@@ -136,11 +136,8 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
     parts_.nodes.list_active(weights.nodes_of(group), active);
     parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
     sum.set_zero(group.num_nodes, K != nullptr);
-    const GroupRequest request{.number = g,
-                               .du = of_group.data(),
-                               .with_K = K != nullptr,
-                               .sum = sum,
-                               .worst = worst};
+    const GroupRequest request{
+        .number = g, .du = of_group.data(), .with_K = K != nullptr, .sum = sum, .worst = worst};
     const bool admissible =
         weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
     if (!admissible) return false;

@@ -18,14 +18,14 @@ class BlockMatrix {
  public:
   /// New pattern with all blocks zero: nodes that share a cell are coupled; every diagonal block
   /// exists. Cell c has the nodes cell_nodes[offsets[c] .. offsets[c + 1]), numbered
-  /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused, and
-  /// the same cells as before cost no more than a comparison.
+  /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused,
+  /// and the same cells as before cost no more than a comparison.
   void set_pattern(std::int32_t num_nodes, std::span<const std::int32_t> offsets,
                    std::span<const std::int32_t> cell_nodes);
 
   std::int32_t num_nodes() const { return num_nodes_; }
-  /// Number of the pattern, another one for each pattern in this process; 0 before the first. Setting
-  /// the same cells again keeps it.
+  /// Number of the pattern, another one for each pattern in this process; 0 before the first.
+  /// Setting the same cells again keeps it.
   std::int64_t pattern_id() const { return pattern_id_; }
   void set_zero();
 

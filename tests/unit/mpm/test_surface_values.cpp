@@ -82,11 +82,13 @@ void check_moments(mpm::Basis basis) {
       const std::int32_t p = soil.weights.point[e];
       const Vector<dim> n = soil.random.template vector<dim>().normalized();
       std::vector<double> w(soil.weights.num_nodes(e));
-      Vector<dim> place = mpm::SurfaceValues<dim>(soil.grid, soil.points, p).at(n, 0.2 * h, w.data());
+      Vector<dim> place =
+          mpm::SurfaceValues<dim>(soil.grid, soil.points, p).at(n, 0.2 * h, w.data());
       double sum = 0;
       for (std::size_t i = 0; i < w.size(); ++i) {
         sum += w[i];
-        place -= w[i] * (soil.grid.mesh.nodes[nodes[soil.weights.local_of(e)[i]]] - soil.points.x[p]);
+        place -=
+            w[i] * (soil.grid.mesh.nodes[nodes[soil.weights.local_of(e)[i]]] - soil.points.x[p]);
       }
       EXPECT_NEAR(sum, 1, 1e-13);
       EXPECT_LT(place.norm(), 1e-13) << mpm::basis_name(basis) << ", point " << p;
