@@ -88,8 +88,7 @@ struct NewtonReport {
 ///     K step = r(du) ,   du <- du + s step ,   s = 1, 1/2, ..., 1/256
 ///
 /// s is the first for which the trial state is admissible and |step . r(s)| <= 0.8 |step . r(0)| or
-/// |r| falls (or |r| is within the tolerance), or the active set changes: a full step then finds
-/// the next set, as a primal-dual active set method does. Converged when |r| <= residual_tolerance
+/// |r| falls (or |r| is within the tolerance). Converged when |r| <= residual_tolerance
 /// * force_scale and the largest |s step| of a node in the last iteration <= increment_tolerance *
 /// increment_scale; a guess that satisfies the first is a solution already, with 0 iterations. With
 /// force_scale 0 only r = 0 converges.
@@ -113,7 +112,7 @@ struct NewtonReport {
 ///                           the last iterate.
 /// @note Collective.
 /// @see Dembo, Eisenstat, Steihaug (1982) for inexact steps; Matthies, Strang (1979) for the energy
-///      criterion of the line search; Hintermueller, Ito, Kunisch (2002) for active sets
+///      criterion of the line search
 template <int block_size>
 NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,
                           const NewtonSettings& settings, std::span<double> du, PhaseTimes& times);
