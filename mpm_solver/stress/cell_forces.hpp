@@ -39,14 +39,14 @@ void add_gradients(int n, const std::uint8_t* local, const Flat<dim>& P, const V
 template <int dim>
 struct CellForces {
   static constexpr int max_dofs = max_group_nodes<dim> * dim;
-  static constexpr int block_size = dim * dim;
+  static constexpr int num_entries = BlockVector<dim>::num_entries;  // of a block
   double f[max_dofs];
-  /// Node blocks as BlockMatrix wants them, that of nodes i and k of n at (i n + k) block_size.
+  /// Node blocks as BlockMatrix wants them, that of nodes i and k of n at (i n + k) num_entries.
   double K[max_dofs * max_dofs];
 
   void set_zero(int n, bool with_K) {
     std::fill_n(f, n * dim, 0.0);
-    if (with_K) std::fill_n(K, n * n * block_size, 0.0);
+    if (with_K) std::fill_n(K, n * n * num_entries, 0.0);
   }
 
   void add_stress(int n, const std::uint8_t* local, const Matrix<dim>& P, const Vector<dim>* grad) {
@@ -67,11 +67,11 @@ struct CellForces {
     for (int i = 0; i < n; ++i) {
       const auto left_i = BlockVector<dim>::rows(left + i * dim);
       const auto g_i = BlockVector<dim>::rows(g + i * dim);
-      double* row = K + static_cast<std::ptrdiff_t>(i) * n * block_size;
+      double* row = K + static_cast<std::ptrdiff_t>(i) * n * num_entries;
       for (int k = 0; k < n; ++k) {
         auto block = left_i * BlockVector<dim>::columns(g + k * dim);
         block += g_i * BlockVector<dim>::columns(right + k * dim);
-        block.store(row + k * block_size);
+        block.store(row + k * num_entries);
       }
     }
   }
@@ -83,7 +83,7 @@ struct CellForces {
     BlockVector<dim> A_JL[dim][dim];
     for (int J = 0; J < dim; ++J) {
       for (int L = 0; L < dim; ++L) {
-        double entries[block_size];
+        double entries[num_entries];
         for (int b = 0; b < dim; ++b) {
           for (int a = 0; a < dim; ++a) entries[b * dim + a] = A(a * dim + J, b * dim + L);
         }
@@ -96,9 +96,9 @@ struct CellForces {
         left[L] = A_JL[0][L] * grad[i][0];
         for (int J = 1; J < dim; ++J) left[L] += A_JL[J][L] * grad[i][J];
       }
-      double* row = K + static_cast<std::ptrdiff_t>(local[i]) * width * block_size;
+      double* row = K + static_cast<std::ptrdiff_t>(local[i]) * width * num_entries;
       for (int k = 0; k < n; ++k) {
-        double* at = row + local[k] * block_size;
+        double* at = row + local[k] * num_entries;
         BlockVector<dim> block;
         block.load(at);
         for (int L = 0; L < dim; ++L) block += left[L] * grad[k][L];

@@ -148,12 +148,11 @@ template <int block_size>
 void BlockMatrix<block_size>::add_cell_blocks(std::int32_t c, const double* blocks) {
   const std::int64_t n = offsets_[c + 1] - offsets_[c];
   const std::int32_t* slots = slots_.data() + slot_starts_[c];
-  constexpr int size = block_size * block_size;
   for (std::int64_t k = 0; k < n * n; ++k) {
     double* target = block(slots[k]);
     BlockVector<block_size> sum, added;
     sum.load(target);
-    added.load(blocks + k * size);
+    added.load(blocks + k * BlockVector<block_size>::num_entries);
     sum += added;
     sum.store(target);
   }

@@ -60,6 +60,8 @@ class BlockVector {
 template <>
 class BlockVector<2> {
  public:
+  static constexpr int num_entries = 4;
+
   void load(const double* entries) { std::memcpy(&v_, entries, sizeof v_); }
   void store(double* entries) const { std::memcpy(entries, &v_, sizeof v_); }
   static BlockVector rows(const double* x) { return BlockVector(Four{x[0], x[1], x[0], x[1]}); }
@@ -73,7 +75,7 @@ class BlockVector<2> {
   BlockVector() = default;
 
  private:
-  using Four = double __attribute__((vector_size(4 * sizeof(double))));
+  using Four = double __attribute__((vector_size(num_entries * sizeof(double))));
   explicit BlockVector(const Four& v) : v_(v) {}
   Four v_;
 };

@@ -63,8 +63,8 @@ void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
   const PetscInt size = num_nodes_ * block_size;
   check_petsc(MatCreateSeqBAIJ(comm_, block_size, size, size, 0, counts.data(), matrix_.receive()),
               "MatCreateSeqBAIJ");
-  columns_.assign(K.columns().begin(), K.columns().end());
-  check_petsc(MatSeqBAIJSetColumnIndices(matrix_.get(), columns_.data()),
+  std::vector<PetscInt> columns(K.columns().begin(), K.columns().end());  // PETSc copies them
+  check_petsc(MatSeqBAIJSetColumnIndices(matrix_.get(), columns.data()),
               "MatSeqBAIJSetColumnIndices");
 }
 

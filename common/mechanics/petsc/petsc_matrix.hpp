@@ -48,7 +48,6 @@ class PetscMatrix {
   std::int32_t num_nodes_ = 0;
   std::int64_t pattern_id_ = 0;
   std::vector<int> counts_, starts_;  // dofs of each rank
-  std::vector<PetscInt> columns_;     // of the blocks, on one rank
   MatHandle matrix_;
   VecHandle b_, x_, r_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "common/run/time_steps.hpp"
+#include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -143,19 +143,7 @@ void check_rankine(double phi, double direction) {
   json["walls"][2]["motion"] = {{"velocity", {direction * 0.005 * H, 0}}};
   json["bodies"][0]["initial_stress"]["k0"] = 0.7;
   const auto solver = mpm_solver<2>(json);
-  TimeSteps steps({.end = 1, .dt = 0.05, .dt_min = 1e-3});
-  InterfaceValues sent;
-  while (!steps.finished()) {
-    const StepRequest request{steps.step(), 0, steps.time(), steps.dt()};
-    try {
-      solver->solve_step(request, {}, sent);
-      solver->accept_step(request, true);
-      steps.accept();
-    } catch (const ConvergenceError& error) {
-      solver->reject_step();
-      steps.cut(error.what());
-    }
-  }
+  run_with_cuts(*solver, {.end = 1, .dt = 0.05, .dt_min = 1e-3});
   const double sine = std::sin(phi * M_PI / 180);
   const double K = direction > 0 ? (1 - sine) / (1 + sine) : (1 + sine) / (1 - sine);
   const double force = K * density * g * H * H / 2;

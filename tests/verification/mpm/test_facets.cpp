@@ -187,24 +187,30 @@ TEST(Facets, a_block_above_a_plane_comes_down_to_it) {
   }
 }
 
+/// A block of soil that flies at a wall of a fifth of a cell, whose near face is at x.
+Json shot_at_wall(const Vector<2>& velocity, double x) {
+  const double far = x + 0.02;
+  return {
+      {"dimension", 2},
+      {"grid", box({0, 0}, {4, 2}, {40, 20}, "quad4")},
+      {"basis", "linear"},
+      {"bodies",
+       {body("shot", box({0.4, 0.8}, {0.7, 1.1}, {3, 3}, "quad4"), 4,
+             elastic_soil("neo_hookean", 1e7, 0.2, 1000), {velocity[0], velocity[1]})}},
+      {"newton", {{"max_iterations", 50}}},
+      {"rigid_walls",
+       {{{"name", "wall"},
+         {"method", "facets"},
+         {"surface", {{"polyline", {{far, 0}, {far, 2}, {x, 2}, {x, 0}}}, {"spacing", 0.1}}}}}}};
+}
+
 /// Soil that flies at 20 m/s at a wall of a fifth of a cell, half a cell or two in a step.
 TEST(Facets, nothing_passes_through_a_thin_wall) {
   for (const double dt : {0.0025, 0.01}) {
-    const auto solver = mpm_solver<2>(
-        {{"dimension", 2},
-         {"grid", box({0, 0}, {4, 2}, {40, 20}, "quad4")},
-         {"basis", "linear"},
-         {"bodies",
-          {body("shot", box({0.4, 0.8}, {0.7, 1.1}, {3, 3}, "quad4"), 4,
-                elastic_soil("neo_hookean", 1e7, 0.2, 1000), {20, 3})}},
-         {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
-         {"newton", {{"max_iterations", 50}}},
-         {"rigid_walls",
-          {{{"name", "wall"},
-            {"method", "facets"},
-            {"surface",
-             {{"polyline", {{1.52, 0}, {1.52, 2}, {1.5, 2}, {1.5, 0}}}, {"spacing", 0.1}}},
-            {"friction", 0.3}}}}});
+    Json json = shot_at_wall({20, 3}, 1.5);
+    json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.3}};
+    json["rigid_walls"][0]["friction"] = 0.3;
+    const auto solver = mpm_solver<2>(json);
     run_steps(*solver, dt, static_cast<int>(std::lround(0.06 / dt)));
     double farthest = 0;
     for (const auto& x : solver->points().x) farthest = std::max(farthest, x[0]);
@@ -228,22 +234,11 @@ TEST(Facets, soil_that_goes_through_a_soft_surface_comes_back) {
   double gained = 0;
   for (const double factor : {0.01, 0.1}) {
     for (const double dt : {0.0005, 0.002}) {
-      const auto solver = mpm_solver<2>(
-          {{"dimension", 2},
-           {"grid", box({0, 0}, {4, 2}, {40, 20}, "quad4")},
-           {"basis", "linear"},
-           {"bodies",
-            {body("shot", box({0.4, 0.8}, {0.7, 1.1}, {3, 3}, "quad4"), 4,
-                  elastic_soil("neo_hookean", 1e7, 0.2, 1000), {10, 0})}},
-           {"time_integration", trapezoid},
-           {"newton", {{"max_iterations", 50}}},
-           {"rigid_walls",
-            {{{"name", "wall"},
-              {"method", "facets"},
-              {"surface",
-               {{"polyline", {{0.74, 0}, {0.74, 2}, {0.72, 2}, {0.72, 0}}}, {"spacing", 0.1}}},
-              {"mode", "slip"},
-              {"penalty_factor", factor}}}}});
+      Json json = shot_at_wall({10, 0}, 0.72);
+      json["time_integration"] = trapezoid;
+      json["rigid_walls"][0]["mode"] = "slip";
+      json["rigid_walls"][0]["penalty_factor"] = factor;
+      const auto solver = mpm_solver<2>(json);
       const double start = energy(*solver);
       double front = 0, farthest = 0;
       const auto done = [&] { return probe(*solver, "momentum_x") < 0 && front < 0.72; };

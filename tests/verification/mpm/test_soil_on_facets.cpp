@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/run/time_steps.hpp"
+#include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -58,19 +58,7 @@ Json between_walls(const Way& way, double W, double direction) {
 /// K of the force after 1 s.
 double earth_pressure(const Json& json) {
   const auto solver = make_mpm(json);
-  TimeSteps steps({.end = 1, .dt = 0.05, .dt_min = 1e-3});
-  InterfaceValues sent;
-  while (!steps.finished()) {
-    const StepRequest request{steps.step(), 0, steps.time(), steps.dt()};
-    try {
-      solver->solve_step(request, {}, sent);
-      solver->accept_step(request, true);
-      steps.accept();
-    } catch (const ConvergenceError& error) {
-      solver->reject_step();
-      steps.cut(error.what());
-    }
-  }
+  run_with_cuts(*solver, {.end = 1, .dt = 0.05, .dt_min = 1e-3});
   return probe(*solver, "wall.fx") / (0.5 * density * g);
 }
 
