@@ -41,12 +41,12 @@ FacetContact<dim>::FacetContact(const ContactSettings<dim>& settings, const Face
       end_(surface_.vertices) {}
 
 template <int dim>
-ContactLaw FacetContact<dim>::law_of(const Candidate& c) const {
+ContactLaw FacetContact<dim>::law_of(const Candidate& c, double part) const {
   const double M = c.modulus, h = cell_size_;
   return {.mode = mode_,
           .friction = friction_,
           .penalty = method_.penalty_factor * M / (h * h),
-          .tangential_penalty = method_.tangential_factor * M / h,
+          .tangential_penalty = part * method_.tangential_factor * M / h,
           .normal = NormalLaw::quadratic};
 }
 
@@ -85,9 +85,7 @@ void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
     if (size > 0) touch.slip += turned * (memory->slip.norm() / size);
     return;
   }
-  const Vector<dim> against =
-      c.deforms ? touch.relative : Vector<dim>(c.motion - surface_motion(touch.feature));
-  const double closing = -n.dot(against);
+  const double closing = -n.dot(touch.relative);
   const double gap_before = touch.gap + closing;
   if (gap_before > 0) {
     touch.slip_share = -touch.gap / closing;
@@ -126,7 +124,7 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
     const std::ptrdiff_t node = nodes_[c.first_value + k];
     touch.motion += w[k] * Eigen::Map<const Vector<dim>>(du.data() + node * dim);
   }
-  touch.gap = feature.distance - touch.radius + (c.deforms ? n.dot(touch.motion - c.motion) : 0);
+  touch.gap = feature.distance - touch.radius + n.dot(touch.motion - c.motion);
   touch.relative = touch.motion - surface_motion(feature);
   set_slip(c, touch);
   touch.frame = frame_of<dim>(n);
@@ -145,24 +143,40 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   }
   c.motion = motion;
   c.H = H;
-  const double reach = c.shape.norm() * (1 + H.norm());
+  double surface_motion = H.norm() * c.shape.norm();
+  for (std::int32_t k = c.first_value; !c.deforms && k < c.first_value + c.num_values; ++k) {
+    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
+    surface_motion = std::max(surface_motion, (du_k - motion).norm());
+  }
+  const double reach = c.shape.norm() + surface_motion + c.offset.norm();
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
   const std::size_t first = touches_.size();
   for (const auto& feature : features_) {
     Touch touch = touch_at(c, feature, du);
+    touch.candidate = candidate;
     if (touch.gap >= 0) {
       w_.resize(touch.first_weight);
+      if (offset_after(touch) > 0) opened_.push_back(touch);
       continue;
     }
-    touch.candidate = candidate;
     touches_.push_back(touch);
   }
   share_depths(first);
 }
 
+// Along the normal of a touch, after the step: the gap stays what it was, or closed.
+template <int dim>
+double FacetContact<dim>::offset_after(const Touch& touch) const {
+  const Candidate& c = candidates_[touch.candidate];
+  if (c.deforms) return 0;
+  const Vector<dim>& n = touch.feature.normal;
+  return n.dot(c.offset + touch.motion - c.motion) - std::max(touch.gap, 0.0);
+}
+
 // Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of
-// which each has its part: penalty |u| lambda_k, u = sum_k lambda_k n_k the shortest way out.
+// which each has its part: penalty |u| lambda_k, u = sum_k lambda_k n_k the shortest way out. The
+// tangential stiffness of all is that of one, too: parts lambda_k delta_k / |u|^2 add up to 1.
 template <int dim>
 void FacetContact<dim>::share_depths(std::size_t first) {
   if (touches_.size() == first) return;
@@ -186,7 +200,12 @@ void FacetContact<dim>::share_depths(std::size_t first) {
     touch.depth = std::sqrt(out.depths[k] * out.length);
     touch.stored_depth = std::cbrt(out.length * out.depths[k] * -touch.gap);
     touch.num_others = out.size;
+    const double square = out.length * out.length;
+    touch.part = out.depths[k] * -touch.gap / square;
     for (int l = 0; l < out.size; ++l) {
+      touch.part_slopes[l] = (out.inverse(k, l) * -touch.gap + (k == l ? out.depths[k] : 0) -
+                              2 * touch.part * out.depths[l]) /
+                             square;
       touch.others[l] = static_cast<std::int32_t>(first) + l;
       touch.shares[l] =
           (out.length * out.inverse(k, l) + out.depths[k] * out.depths[l] / out.length) /
@@ -209,8 +228,7 @@ void FacetContact<dim>::scatter(const Candidate& c, const double* w, const Vecto
 // Change of the gap with the displacement of a node. @param value  of the candidate's
 template <int dim>
 Vector<dim> FacetContact<dim>::gap_slope(const Touch& touch, std::int32_t value) const {
-  const Candidate& c = candidates_[touch.candidate];
-  return (c.deforms ? weights_of(touch)[value] : N_[c.first_value + value]) * touch.feature.normal;
+  return weights_of(touch)[value] * touch.feature.normal;
 }
 
 template <int dim>
@@ -224,15 +242,20 @@ void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slo
   const Vector<dim> by_depth = scale * (touch.frame * slope.col(0));
   const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
+  const bool sticks = !touch.traction.sliding;
+  const Vector<dim> by_part =
+      force_weight_ / touch.part * (sticks ? tangential<dim>(touch.force, n) : Vector<dim>::Zero());
   const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
   for (std::int32_t j = 0; j < c.num_values; ++j) {
-    Vector<dim> depth_slope = Vector<dim>::Zero();
+    Vector<dim> depth_slope = Vector<dim>::Zero(), part_slope = Vector<dim>::Zero();
     for (int l = 0; l < touch.num_others; ++l) {
-      depth_slope += touch.shares[l] * gap_slope(touches_[touch.others[l]], j);
+      const Vector<dim> other = gap_slope(touches_[touch.others[l]], j);
+      depth_slope += touch.shares[l] * other;
+      part_slope += touch.part_slopes[l] * other;
     }
-    const Matrix<dim> column = touch.slip_share * w[j] * by_slip +
-                               by_depth * depth_slope.transpose() +
-                               by_begin * gap_slope(touch, j).transpose();
+    const Matrix<dim> column =
+        touch.slip_share * w[j] * by_slip + by_depth * depth_slope.transpose() +
+        by_part * part_slope.transpose() + by_begin * gap_slope(touch, j).transpose();
     for (std::int32_t i = 0; i < c.num_values; ++i) {
       K.add_block(nodes[i], nodes[j], w[i] * column);
     }
@@ -243,6 +266,7 @@ template <int dim>
 void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K) {
   touches_.clear();
+  opened_.clear();
   w_.clear();
   Matrix<dim> slope;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
@@ -252,7 +276,7 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
     const Candidate& c = candidates_[touch.candidate];
     Vector<dim> gap = touch.frame.transpose() * touch.slip;
     gap[0] = -touch.depth;
-    touch.traction = law_of(c).template traction<dim>(gap, K ? &slope : nullptr);
+    touch.traction = law_of(c, touch.part).template traction<dim>(gap, K ? &slope : nullptr);
     touch.force = touch.area * (touch.frame * touch.traction.t);
     scatter(c, weights_of(touch), force_weight_ * touch.force, r);
     if (K) add_stiffness(touch, slope, *K);

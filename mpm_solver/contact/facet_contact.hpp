@@ -16,16 +16,17 @@ namespace gabion::mpm {
 /// radius R, as deep as the point lies in the cell that it was laid in; it touches the surface
 /// where the distance of its centre y has a local minimum x_m below R:
 ///
-///     g = (y - x_m) . n - R ,  y = x_p + sum_i N_i du_i (+ H d where the body is elastic) ,
+///     g = (y - x_m) . n - R + n . sum_i (w_i - N_i) du_i ,  y = x_p + o + sum_i N_i du_i ,
 ///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
 ///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
 /// w continues the functions of the point to its surface: linear fields are met exactly, and force
 /// and place are those of both sides. Rigid balls under gimp and bspline take those of
-/// SurfaceValues. Penetration and friction follow
+/// SurfaceValues. Their offset o carries the way of the surface against the centre from step to
+/// step, as its strain does for an elastic body. Penetration and friction follow
 /// ContactLaw; in inside corners depths are those of WayOut. A point that was open slips from the
 /// moment when it touches, the way of the step being straight. The force F of a step is constant in
-/// it (NewmarkBossak::step_force_weight): contact of elastic bodies then takes energy or keeps it,
+/// it (NewmarkBossak::step_force_weight): contact then takes energy or keeps it,
 /// at any stiffness and dt.
 ///
 /// Each rank carries its own material points.
@@ -72,7 +73,8 @@ class FacetContact final : public Contact<dim> {
   /// A point that may touch in the step.
   struct Candidate {
     std::int64_t id = 0;
-    Vector<dim> x = Vector<dim>::Zero();
+    Vector<dim> x = Vector<dim>::Zero();          // of the ball
+    Vector<dim> offset = Vector<dim>::Zero();     // of the ball from its point
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
     double volume = 0;
     double modulus = 0;
@@ -96,6 +98,8 @@ class FacetContact final : public Contact<dim> {
     std::array<std::int32_t, dim> others{};  // touches of the point, itself too
     std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
     int num_others = 0;
+    double part = 1;                              // of the tangential stiffness
+    std::array<double, dim> part_slopes{};        // d part / d the gaps of others, < 0 turned
     double depth = 0;                             // that the traction follows
     double stored_depth = 0;                      // that the stored energy follows
     double slip_share = 1, slip_share_slope = 0;  // of the step after it touched; over gap [1/m]
@@ -107,7 +111,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
 
-  ContactLaw law_of(const Candidate& c) const;
+  ContactLaw law_of(const Candidate& c, double part) const;
   double watched_distance(const SoilSurface<dim>& soil) const;
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
@@ -118,12 +122,13 @@ class FacetContact final : public Contact<dim> {
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
   ContactMark<dim> mark_of(const Touch& touch) const;
   void add_old_forces(double share, std::span<double> field) const;
-  void visit_shapes(StateVisitor& visitor, const std::string& prefix);
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  double offset_after(const Touch& touch) const;
+  void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;
   void share_depths(std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
@@ -140,6 +145,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
+  std::map<std::int64_t, Vector<dim>> offset_;          // of rigid balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   std::vector<ContactMark<dim>> marks_;                 // of the accepted step
   double last_motion_ = 0;                              // surface_motion_ of the accepted step
@@ -152,7 +158,8 @@ class FacetContact final : public Contact<dim> {
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
   std::vector<Touch> touches_;
-  std::vector<double> w_;  // of the touches
+  std::vector<Touch> opened_;  // places where balls that do not touch keep an offset
+  std::vector<double> w_;      // of the touches
   std::vector<SurfaceFeature<dim>> features_;
   double force_weight_ = 1;
   double cell_size_ = 0;

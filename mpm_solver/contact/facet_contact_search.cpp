@@ -55,12 +55,16 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
   for (const CellGroup& group : soil.weights.groups) {
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = soil.weights.point[e];
-      const auto near = hash.near(soil.points.x[p]);
       const auto memory = memory_.find(soil.points.id[p]);
+      const auto offset = offset_.find(soil.points.id[p]);
+      const bool is_offset = offset != offset_.end();
+      const Vector<dim> x = soil.points.x[p] + (is_offset ? offset->second : Vector<dim>::Zero());
+      const auto near = hash.near(x);
       if (near.empty() && memory == memory_.end()) continue;
       Candidate& c = candidates_.emplace_back();
       c.id = soil.points.id[p];
-      c.x = soil.points.x[p];
+      c.x = x;
+      if (is_offset) c.offset = offset->second;
       c.deforms = soil.elastic[group.body] != 0;
       c.modulus = soil.moduli[group.body];
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
@@ -74,8 +78,9 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       add_values(soil, group, e);
       list_facing(c, near);
       const double speed = soil.points.v[p].norm() * soil.dt;
-      may_touch_ |= c.memory || c.distance < c.shape.norm() + 2 * speed + 0.05 * soil.cell_size +
-                                                 2 * last_motion_;
+      const double reach =
+          c.shape.norm() + c.offset.norm() + 2 * speed + 0.05 * soil.cell_size + 2 * last_motion_;
+      may_touch_ |= c.memory || c.distance < reach;
     }
   }
 }

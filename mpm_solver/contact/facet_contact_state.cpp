@@ -8,6 +8,29 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+// Lists `name`_ids and `name`s.
+template <typename Value>
+void visit_by_id(StateVisitor& visitor, const std::string& name,
+                 std::map<std::int64_t, Value>& by_id) {
+  constexpr int size = Value::SizeAtCompileTime;
+  std::vector<std::int64_t> ids;
+  std::vector<double> values;
+  for (const auto& [id, value] : by_id) {
+    ids.push_back(id);
+    values.insert(values.end(), value.data(), value.data() + size);
+  }
+  visitor.list(name + "_ids", ids);
+  visitor.list(name + "s", values);
+  by_id.clear();
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    by_id[ids[k]] = Eigen::Map<const Value>(values.data() + k * size);
+  }
+}
+
+}  // namespace
+
 template <int dim>
 ContactMark<dim> FacetContact<dim>::mark_of(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
@@ -29,10 +52,37 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
   spread_marks<dim>(surface_, marks_, fields);
   const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
     const auto shape = shape_.find(points.id[p]);
-    return shape == shape_.end() ? points.depth[p] : (shape->second * n).norm();
+    if (shape != shape_.end()) return (shape->second * n).norm();
+    const auto offset = offset_.find(points.id[p]);
+    return points.depth[p] - (offset == offset_.end() ? 0 : offset->second.dot(n));
   };
   add_gaps<dim>(surface_, points, radius, reach, fields);
   return fields;
+}
+
+// A ball that has several is set off by the shortest way that does for each.
+template <int dim>
+void FacetContact<dim>::accept_offsets() {
+  struct Offsets {
+    std::vector<Vector<dim>> normals;
+    std::vector<double> sizes;
+  };
+  std::map<std::int32_t, Offsets> of_candidates;
+  for (const auto* touches : {&touches_, &opened_}) {
+    for (const Touch& touch : *touches) {
+      const double size = offset_after(touch);
+      if (!(size > 0)) continue;
+      Offsets& offsets = of_candidates[touch.candidate];
+      offsets.normals.push_back(touch.feature.normal);
+      offsets.sizes.push_back(size);
+    }
+  }
+  offset_.clear();
+  for (const auto& [candidate, offsets] : of_candidates) {
+    const WayOut<dim> out = way_out<dim>(offsets.normals, offsets.sizes);
+    Vector<dim>& offset = offset_[candidates_[candidate].id] = Vector<dim>::Zero();
+    for (int k = 0; k < out.size; ++k) offset += out.depths[k] * offsets.normals[out.planes[k]];
+  }
 }
 
 template <int dim>
@@ -47,7 +97,7 @@ void FacetContact<dim>::accept() {
     const Vector<dim>& n = touch.feature.normal;
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
     Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
-    const ContactLaw law = law_of(candidates_[touch.candidate]);
+    const ContactLaw law = law_of(candidates_[touch.candidate], touch.part);
     if (law.mode == ContactMode::contact) {
       memory.slip = -pull / (touch.area * law.tangential_penalty);
       slid -= pull.dot(touch.slip - memory.slip);
@@ -58,6 +108,7 @@ void FacetContact<dim>::accept() {
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
   energy_.add_step(work, stored, slid);
+  accept_offsets();
   shape_.clear();
   for (const Candidate& c : candidates_) {
     if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
@@ -93,28 +144,13 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
 }
 
 template <int dim>
-void FacetContact<dim>::visit_shapes(StateVisitor& visitor, const std::string& prefix) {
-  std::vector<std::int64_t> ids;
-  std::vector<double> values;
-  for (const auto& [id, shape] : shape_) {
-    ids.push_back(id);
-    values.insert(values.end(), shape.data(), shape.data() + shape.size());
-  }
-  visitor.list(prefix + "shape_ids", ids);
-  visitor.list(prefix + "shapes", values);
-  shape_.clear();
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    shape_[ids[k]] = Eigen::Map<const Matrix<dim>>(values.data() + k * dim * dim);
-  }
-}
-
-template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
   visitor.real(prefix + "last_motion", last_motion_);
   visitor.real(prefix + "deepest", deepest_);
   visit_memory(visitor, prefix);
-  visit_shapes(visitor, prefix);
+  visit_by_id(visitor, prefix + "offset", offset_);
+  visit_by_id(visitor, prefix + "shape", shape_);
   visit_marks<dim>(visitor, prefix, marks_);
   const std::pair<const char*, double*> energies[] = {
       {"stored", &energy_.stored}, {"friction", &energy_.friction}, {"loss", &energy_.loss}};

@@ -12,6 +12,9 @@ namespace {
 // Two places whose distances from a point differ by less than this share are equally near.
 constexpr double same_distance = 1e-9;
 
+// Of the reach: how far beyond the end of a simplex.
+constexpr double fading_share = 0.1;
+
 /// A simplex at the end of the step, with what a point sees of it.
 template <int dim>
 struct Sight {
@@ -157,9 +160,23 @@ int ClosestPlace<dim>::num_corners() const {
 
 namespace {
 
-std::array<double, 2> weights_on_segment(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
+// Of the foot of y on the line or plane of a simplex; < 0 beyond its sides.
+std::array<double, 2> weights_of_foot(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
   const Vector<2> edge = c[1] - c[0];
-  const double t = std::clamp((y - c[0]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+  const double t = (y - c[0]).dot(edge) / edge.squaredNorm();
+  return {1 - t, t};
+}
+
+std::array<double, 3> weights_of_foot(const std::array<Vector<3>, 3>& c, const Vector<3>& y) {
+  const Vector<3> normal = (c[1] - c[0]).cross(c[2] - c[0]);
+  const auto share = [&](int i, int j) {
+    return normal.dot((c[i] - y).cross(c[j] - y)) / normal.squaredNorm();
+  };
+  return {share(1, 2), share(2, 0), share(0, 1)};
+}
+
+std::array<double, 2> weights_on_segment(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
+  const double t = std::clamp(weights_of_foot(c, y)[1], 0.0, 1.0);
   return {1 - t, t};
 }
 
@@ -239,6 +256,33 @@ bool inside_corner(const FacingSurface<dim>& surface, const Sight<dim>& a, const
   return reaches_in_front(a, b) && reaches_in_front(b, a);
 }
 
+// At an inside corner the depth below a plane fades out a little beyond the end of its simplex: the
+// soil's motion at its surface, which depends on the normal, decides where the other one takes
+// over. Whether a simplex, whose place is no minimum, still counts so.
+template <int dim>
+bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight, const Vector<dim>& y,
+               const std::vector<Sight<dim>>& all, double margin) {
+  const Vector<dim> foot = y - sight.height * sight.normal;
+  if ((foot - sight.place.x).norm() > margin) return false;
+  const Simplex<dim>& own = surface.simplices[sight.simplex];
+  return std::all_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
+    return other.distance >= (1 - same_distance) * sight.distance ||
+           !shares_place<dim>(own, sight.place, surface.simplices[other.simplex]) ||
+           inside_corner<dim>(surface, sight, other);
+  });
+}
+
+template <int dim>
+SurfaceFeature<dim> foot_of(const FacingSurface<dim>& surface, const Sight<dim>& sight,
+                            const Vector<dim>& y) {
+  const auto corners = corners_of<dim>(surface.simplices[sight.simplex], surface.end);
+  return {.simplex = sight.simplex,
+          .weights = weights_of_foot(corners, y),
+          .x = y - sight.height * sight.normal,
+          .normal = sight.normal,
+          .distance = sight.height};
+}
+
 }  // namespace
 
 template <int dim>
@@ -259,7 +303,13 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   if (behind) features.push_back(feature_of<dim>(*behind, y));
   for (const Sight<dim>& sight : sights) {
     const bool over = sight.height > 0 && sight.distance < reach;
-    if (!(over ? is_minimum<dim>(surface, sight, sights) : is_under<dim>(sight, touched))) continue;
+    if (over && !is_minimum<dim>(surface, sight, sights)) {
+      if (!behind && fades_out<dim>(surface, sight, y, sights, fading_share * reach)) {
+        features.push_back(foot_of<dim>(surface, sight, y));
+      }
+      continue;
+    }
+    if (!over && !is_under<dim>(sight, touched)) continue;
     if (behind && (&sight == behind || !inside_corner<dim>(surface, *behind, sight))) continue;
     const auto feature = feature_of<dim>(sight, y);
     if (is_new<dim>(feature, features, reach)) features.push_back(feature);

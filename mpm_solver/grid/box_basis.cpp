@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "mpm_solver/grid/axis_basis.hpp"
-#include "mpm_solver/grid/point_domains.hpp"
 
 namespace gabion::mpm {
 
@@ -25,14 +24,6 @@ struct Neighbourhood {
     std::fill(std::begin(local), std::end(local), std::uint8_t{unused});
   }
 };
-
-template <int dim>
-Vector<dim> uncut_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points,
-                         std::int32_t p) {
-  return points.half_length[p]
-      .cwiseProduct(axis_stretches<dim>(points.F[p]))
-      .cwiseQuotient(box.spacing);
-}
 
 // Append the products of the values along the axes; `local` gets numbers in the neighbourhood.
 template <int dim>
@@ -88,7 +79,7 @@ void number_nodes(const BoxGrid<dim>& box, Neighbourhood<dim>& around, CellGroup
 template <int dim>
 Vector<dim> gimp_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points,
                         std::int32_t p) {
-  return uncut_domain(box, points, p).cwiseMin(widest_domain);
+  return points.half_length[p].cwiseQuotient(box.spacing).cwiseMin(widest_domain);
 }
 
 template <int dim>
@@ -110,7 +101,7 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
       const Vector<dim> t = box.lattice_position(points.x[p]);
       AxisValues axes[dim];
       if (grid.basis == Basis::gimp) {
-        const Vector<dim> l = uncut_domain(box, points, p);
+        const Vector<dim> l = points.half_length[p].cwiseQuotient(box.spacing);
         weights.num_capped += l.maxCoeff() > widest_domain * (1 + rounding);
         for (int d = 0; d < dim; ++d)
           axes[d] = gimp_values(t[d], std::min(l[d], widest_domain), cell[d], box.num_cells[d]);

@@ -24,7 +24,7 @@ Vector<dim> axis_stretches(const Matrix<dim>& F) {
 template <int dim>
 void deform_points(const GridNodes<dim>& nodes, std::span<const double> du,
                    const PointWeights<dim>& weights, MaterialPoints<dim>& points) {
-  if (points.F.empty()) return;
+  if (points.half_length.empty()) return;
   std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights.groups) {
     nodes.list_active(weights.nodes_of(group), active);
@@ -32,13 +32,14 @@ void deform_points(const GridNodes<dim>& nodes, std::span<const double> du,
       const int n = weights.num_nodes(e);
       const std::uint8_t* local = weights.local_of(e);
       const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : e);
-      Matrix<dim> step = Matrix<dim>::Identity();
+      Matrix<dim> F = Matrix<dim>::Identity();
       for (int i = 0; i < n; ++i) {
         const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(active[local[i]]) * dim;
-        step += Eigen::Map<const Vector<dim>>(du.data() + row) * grad[i].transpose();
+        F += Eigen::Map<const Vector<dim>>(du.data() + row) * grad[i].transpose();
       }
-      Matrix<dim>& F = points.F[weights.point[e]];
-      F = (step * F).eval();
+      const Vector<dim> stretches = axis_stretches<dim>(F);
+      const double scale = std::pow(F.determinant() / stretches.prod(), 1.0 / dim);
+      points.half_length[weights.point[e]].array() *= scale * stretches.array();
     }
   }
 }

@@ -72,9 +72,7 @@ void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points) {
   points.tau.push_back(Symmetric<dim>::Zero());
   points.history.emplace_back();
   points.cell.push_back(-1);
-  if (!point.half_length) return;
-  points.half_length.push_back(*point.half_length);
-  points.F.push_back(Matrix<dim>::Identity());
+  if (point.half_length) points.half_length.push_back(*point.half_length);
 }
 
 template <int dim>

@@ -41,8 +41,7 @@ struct MaterialPoints {
   std::vector<std::int32_t> cell;           ///< of the background grid that holds x
   std::vector<std::int64_t> id;             ///< number in the whole run, from 0
   /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
-  std::vector<Vector<dim>> half_length;   ///< of the domain at the start, along each axis [m]
-  std::vector<Matrix<dim>> F;             ///< deformation gradient since the start
+  std::vector<Vector<dim>> half_length;   ///< of the domain along each axis, uncut [m]
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
 
   std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
@@ -65,7 +64,6 @@ constexpr void for_each_field(const Visit& visit) {
   visit("m", &Points::m, FieldKind::laid);
   visit("V0", &Points::V0, FieldKind::laid);
   visit("depth", &Points::depth, FieldKind::laid);
-  visit("half_length", &Points::half_length, FieldKind::laid);
   visit("x", &Points::x, FieldKind::moves);
   visit("u", &Points::u, FieldKind::moves);
   visit("v", &Points::v, FieldKind::moves);
@@ -77,7 +75,7 @@ constexpr void for_each_field(const Visit& visit) {
   visit("tau", &Points::tau, FieldKind::moves);
   visit("history", &Points::history, FieldKind::moves);
   visit("cell", &Points::cell, FieldKind::moves);
-  visit("F", &Points::F, FieldKind::moves);
+  visit("half_length", &Points::half_length, FieldKind::moves);
 }
 
 /// The same for the fields of `history`: visit(name, member).
@@ -95,7 +93,7 @@ struct PointLayout {
   int points_per_cell = 1;  ///< see point_rule()
   Vector<dim> velocity = Vector<dim>::Zero();
   PointPlacement placement = PointPlacement::gauss;
-  bool with_domains = false;  ///< fill half_length and F
+  bool with_domains = false;  ///< fill half_length
 };
 
 /// Which of a body's points a rank lays: the part-th of num_parts equal contiguous shares.

@@ -299,7 +299,6 @@ TEST(PointDomains, fill_a_body_of_bricks) {
   for (std::int32_t p = 0; p < points.size(); ++p) {
     EXPECT_LT((points.half_length[p] - Vector<2>(0.5 / 6, 0.2 / 6)).norm(), 1e-15);
     EXPECT_NEAR(4 * points.half_length[p].prod(), points.V0[p], 1e-16);
-    EXPECT_EQ(points.F[p], (Matrix<2>::Identity()));
     const Vector<2> at = (points.x[p] - Vector<2>(1, 2)).cwiseQuotient(2 * points.half_length[p]);
     places.insert({static_cast<int>(at[0]), static_cast<int>(at[1])});
     EXPECT_NEAR(at[0] - std::floor(at[0]), 0.5, 1e-12);
@@ -350,10 +349,11 @@ TEST(PointDomains, stretch_by_the_right_stretch_tensor) {
   check_stretches<3>();
 }
 
-/// Two steps with linear displacements: F is the product of their gradients.
-TEST(PointDomains, follow_the_deformation) {
+/// Two steps with linear displacements: domains have the volume of the product of their gradients.
+TEST(PointDomains, follow_the_volume) {
   SoilPatch<3> soil(CellType::hex8, 3, Basis::gimp);
   soil.scatter(5);
+  const auto before = soil.points.half_length;
   Matrix<3> expected = Matrix<3>::Identity();
   for (int step = 0; step < 2; ++step) {
     soil.to_grid();
@@ -367,16 +367,45 @@ TEST(PointDomains, follow_the_deformation) {
     mpm::deform_points<3>(soil.nodes, du, soil.weights, soil.points);
     expected = (Matrix<3>::Identity() + H) * expected;
   }
-  for (const auto& F : soil.points.F) EXPECT_LT((F - expected).norm(), 1e-13);
+  for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+    EXPECT_NEAR(soil.points.half_length[p].prod() / before[p].prod(), expected.determinant(),
+                1e-13);
+  }
 }
 
-/// A stretch of 1.5 in x widens the domain; beyond a cell it is cut and counted.
+/// Linear displacements H x in `steps` steps of equal gradient; l / l_0 of a point.
+Vector<2> stretched(const Matrix<2>& H, int steps) {
+  SoilPatch<2> soil(CellType::quad4, 3, Basis::gimp);
+  soil.add({0.45, 0.55});
+  const Vector<2> before = soil.points.half_length[0];
+  soil.to_grid();
+  std::vector<double> du;
+  for (std::int32_t i = 0; i < soil.nodes.size(); ++i) {
+    const Vector<2> u = H * soil.node(i);
+    du.insert(du.end(), u.data(), u.data() + 2);
+  }
+  for (int n = 0; n < steps; ++n) {
+    mpm::deform_points<2>(soil.nodes, du, soil.weights, soil.points);
+  }
+  return soil.points.half_length[0].cwiseQuotient(before);
+}
+
+TEST(PointDomains, are_stretched_along_the_axes_but_not_by_shear_and_turns) {
+  const Vector<2> squeezed = stretched((Matrix<2>() << 0.02, 0, 0, -0.01).finished(), 50);
+  EXPECT_NEAR(squeezed[0], std::pow(1.02, 50), 1e-12);
+  EXPECT_NEAR(squeezed[1], std::pow(0.99, 50), 1e-12);
+  const Vector<2> sheared = stretched((Matrix<2>() << 0, 0.01, 0, 0).finished(), 300);
+  EXPECT_LT((sheared - Vector<2>::Ones()).norm(), 300 * 0.01 * 0.01);
+  const Vector<2> turned = stretched(rotation<2>(0.1) - Matrix<2>::Identity(), 40);
+  EXPECT_LT((turned - Vector<2>::Ones()).norm(), 1e-12);
+}
+
+/// A wider domain reaches farther; beyond a cell it is cut and counted.
 TEST(PointDomains, are_cut_to_a_cell_and_counted) {
   SoilPatch<2> soil(CellType::quad4, 4, Basis::gimp);
   soil.add({0.5, 0.5});
   const double h = 0.25;
-  soil.points.half_length[0] = {0.3 * h, 0.3 * h};
-  soil.points.F[0](0, 0) = 1.5;
+  soil.points.half_length[0] = {0.45 * h, 0.3 * h};
   soil.to_grid();
   EXPECT_EQ(soil.weights.num_capped, 0);
   const auto weight_beside = [&] {  // of the node one cell to the right
@@ -389,7 +418,7 @@ TEST(PointDomains, are_cut_to_a_cell_and_counted) {
     return sum;
   };
   EXPECT_NEAR(weight_beside(), 0.45 / 4, 1e-14);  // l / 4 on a node
-  soil.points.F[0](0, 0) = 2;
+  soil.points.half_length[0][0] = 0.6 * h;
   soil.to_grid();
   EXPECT_EQ(soil.weights.num_capped, 1);
   EXPECT_NEAR(weight_beside(), 0.5 / 4, 1e-14);

@@ -212,6 +212,45 @@ TEST(FacetContact, inside_corners_push_by_the_shortest_way_out) {
 }
 
 /// Tension does not exist, and nothing of the force is left when the surface goes away.
+/// Largest change of the contact force on the grid between places of a sheared block that is drawn
+/// over an inward bend.
+double largest_change(const ContactSettings<2>& settings, mpm::Basis basis, bool elastic,
+                      int num_places) {
+  Met<2> met(settings, CellType::quad4, basis, elastic);
+  const Matrix<2> H = (Matrix<2>() << 0.02, 0.05, -0.03, 0.04).finished();
+  std::vector<double> before, force;
+  double largest = 0;
+  for (int k = 0; k <= num_places; ++k) {
+    std::vector<double> du;
+    for (std::int32_t i = 0; i < met.soil.nodes.size(); ++i) {
+      const Vector<2> move = H * met.soil.node(i) + Vector<2>(0.4 * k / num_places, -0.02);
+      du.insert(du.end(), move.data(), move.data() + 2);
+    }
+    force.assign(du.size(), 0.0);
+    met.contact->add_forces(du, force, nullptr);
+    for (std::size_t i = 0; k > 0 && i < force.size(); ++i) {
+      largest = std::max(largest, std::abs(force[i] - before[i]));
+    }
+    std::swap(before, force);
+  }
+  return largest;
+}
+
+TEST(FacetContact, force_is_continuous_over_an_inward_bend) {
+  for (const double friction : {-1.0, 0.3}) {
+    ContactSettings<2> settings = floor_below<2>(0.02, friction);
+    settings.surface.vertices = {{2, 0.02}, {0.45, 0.01}, {-0.2, 0.02}};
+    for (const mpm::Basis basis : {mpm::Basis::linear, mpm::Basis::gimp, mpm::Basis::bspline}) {
+      for (const bool elastic : {false, true}) {
+        const double coarse = largest_change(settings, basis, elastic, 500);
+        EXPECT_GT(coarse, 0.01);
+        EXPECT_LT(largest_change(settings, basis, elastic, 8000), coarse / 8)
+            << static_cast<int>(basis) << elastic << friction;
+      }
+    }
+  }
+}
+
 TEST(FacetContact, a_plate_that_is_pulled_off_leaves_no_force) {
   ContactSettings<2> settings = floor_below<2>(0, 0.3);
   Met<2> met(settings, CellType::quad4, mpm::Basis::linear, true);
