@@ -157,7 +157,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     touch.candidate = candidate;
     if (touch.gap >= 0) {
       w_.resize(touch.first_weight);
-      if (offset_after(touch) > 0) opened_.push_back(touch);
+      if (c.deforms || offset_after(touch) > 0) opened_.push_back(touch);
       continue;
     }
     touches_.push_back(touch);
@@ -169,9 +169,10 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
 template <int dim>
 double FacetContact<dim>::offset_after(const Touch& touch) const {
   const Candidate& c = candidates_[touch.candidate];
-  if (c.deforms) return 0;
   const Vector<dim>& n = touch.feature.normal;
-  return n.dot(c.offset + touch.motion - c.motion) - std::max(touch.gap, 0.0);
+  const double offset = n.dot(c.offset + touch.motion - c.motion);
+  if (!c.deforms) return offset - std::max(touch.gap, 0.0);
+  return offset + (c.shape * (n + c.H.transpose() * n)).norm() - touch.radius;
 }
 
 // Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of

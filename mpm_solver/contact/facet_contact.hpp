@@ -20,14 +20,14 @@ namespace gabion::mpm {
 ///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
 ///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
-/// w continues the functions of the point to its surface: linear fields are met exactly, and force
-/// and place are those of both sides. Rigid balls under gimp and bspline take those of
-/// SurfaceValues. Their offset o carries the way of the surface against the centre from step to
-/// step, as its strain does for an elastic body. Penetration and friction follow
-/// ContactLaw; in inside corners depths are those of WayOut. A point that was open slips from the
-/// moment when it touches, the way of the step being straight. The force F of a step is constant in
-/// it (NewmarkBossak::step_force_weight): contact then takes energy or keeps it,
-/// at any stiffness and dt.
+/// w continues the functions of the point to its surface, those of gimp and bspline as
+/// SurfaceValues say: linear fields are met exactly, and force and place are those of both sides.
+/// The ball of an elastic body is strained with it; the offset o carries what else the surface goes
+/// against the centre from step to step. Penetration and friction follow ContactLaw; in inside
+/// corners depths are those of WayOut. A point that was open slips from the moment when it touches,
+/// the way of the step being straight. The force F of a step is constant in it
+/// (NewmarkBossak::step_force_weight): contact then takes energy or keeps it, at any stiffness and
+/// dt.
 ///
 /// Each rank carries its own material points.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
@@ -145,7 +145,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
-  std::map<std::int64_t, Vector<dim>> offset_;          // of rigid balls from their points, by id
+  std::map<std::int64_t, Vector<dim>> offset_;          // of balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   std::vector<ContactMark<dim>> marks_;                 // of the accepted step
   double last_motion_ = 0;                              // surface_motion_ of the accepted step

@@ -72,7 +72,7 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       c.shape = shape != shape_.end() ? shape->second
                                       : Matrix<dim>(soil.points.depth[p] * Matrix<dim>::Identity());
       if (memory != memory_.end()) c.memory = &memory->second;
-      if (soil.grid.basis != Basis::linear && !c.deforms) {
+      if (soil.grid.basis != Basis::linear) {
         c.surface.emplace(soil.grid, soil.points, p);
       }
       add_values(soil, group, e);
