@@ -157,7 +157,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     touch.candidate = candidate;
     if (touch.gap >= 0) {
       w_.resize(touch.first_weight);
-      if (c.deforms || offset_after(touch) > 0) opened_.push_back(touch);
+      opened_.push_back(touch);
       continue;
     }
     touches_.push_back(touch);
@@ -165,14 +165,15 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   share_depths(first);
 }
 
-// Along the normal of a touch, after the step: the gap stays what it was, or closed.
+// Along the normal of a touch, after the step: the gap stays what it was. Where a rigid ball opens,
+// it goes back to its point as far as it does not touch.
 template <int dim>
 double FacetContact<dim>::offset_after(const Touch& touch) const {
   const Candidate& c = candidates_[touch.candidate];
   const Vector<dim>& n = touch.feature.normal;
   const double offset = n.dot(c.offset + touch.motion - c.motion);
-  if (!c.deforms) return offset - std::max(touch.gap, 0.0);
-  return offset + (c.shape * (n + c.H.transpose() * n)).norm() - touch.radius;
+  if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - touch.radius;
+  return touch.gap < 0 ? std::max(offset, -touch.radius) : std::max(offset - touch.gap, 0.0);
 }
 
 // Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of

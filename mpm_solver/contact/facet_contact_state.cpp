@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accepted state of a contact by facets.
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "mpm_solver/contact/facet_contact.hpp"
@@ -61,40 +60,23 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
   return fields;
 }
 
-// A rigid ball that has several is set off by the shortest way that does for each, one that is
-// strained by that of its deepest touch.
+// The deepest touch of a ball comes last: it holds where normals are not at right angles.
 template <int dim>
 void FacetContact<dim>::accept_offsets() {
-  struct Offsets {
-    std::vector<Vector<dim>> normals;
-    std::vector<double> sizes;
-    double least_gap = std::numeric_limits<double>::infinity();
-  };
-  std::map<std::int32_t, Offsets> of_candidates;
+  std::vector<const Touch*> order;
   for (const auto* touches : {&touches_, &opened_}) {
-    for (const Touch& touch : *touches) {
-      const double size = offset_after(touch);
-      const bool deforms = candidates_[touch.candidate].deforms;
-      if (!deforms && !(size > 0)) continue;
-      Offsets& offsets = of_candidates[touch.candidate];
-      if (deforms && touch.gap > offsets.least_gap) continue;
-      if (deforms) offsets = {{}, {}, touch.gap};
-      offsets.normals.push_back(touch.feature.normal);
-      offsets.sizes.push_back(size);
-    }
+    for (const Touch& touch : *touches) order.push_back(&touch);
   }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Touch* a, const Touch* b) { return a->gap > b->gap; });
   offset_.clear();
-  for (const auto& [candidate, offsets] : of_candidates) {
-    const Candidate& c = candidates_[candidate];
-    Vector<dim>& offset = offset_[c.id] = c.offset;
-    if (c.deforms) {
-      offset += (offsets.sizes[0] - c.offset.dot(offsets.normals[0])) * offsets.normals[0];
-      continue;
-    }
-    offset.setZero();
-    const WayOut<dim> out = way_out<dim>(offsets.normals, offsets.sizes);
-    for (int k = 0; k < out.size; ++k) offset += out.depths[k] * offsets.normals[out.planes[k]];
+  for (const Touch* touch : order) {
+    const Candidate& c = candidates_[touch->candidate];
+    const Vector<dim>& n = touch->feature.normal;
+    Vector<dim>& offset = offset_.try_emplace(c.id, c.offset).first->second;
+    offset += (offset_after(*touch) - offset.dot(n)) * n;
   }
+  std::erase_if(offset_, [](const auto& entry) { return entry.second.isZero(0); });
 }
 
 template <int dim>
