@@ -94,14 +94,14 @@ void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
   touch.slip = touch.slip_share * way;
 }
 
-// The functions of the point at its surface in the direction -n.
+// The functions of the point where its ball, as the step began, has its surface in the direction
+// -n.
 template <int dim>
 void FacetContact<dim>::surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const {
-  const double R = radius(c, n);
-  Vector<dim> d = -R * n;
+  Vector<dim> d = c.offset - radius(c, n) * n;
   const double* N = N_.data() + c.first_value;
   if (c.surface) {
-    d -= c.surface->at(n, R, w);
+    d -= c.surface->at(n, -n.dot(d), w);
     N = w;
   }
   for (std::int32_t k = 0; k < c.num_values; ++k) w[k] = N[k] + grad_N_[c.first_value + k].dot(d);
@@ -143,12 +143,12 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   }
   c.motion = motion;
   c.H = H;
-  double surface_motion = H.norm() * c.shape.norm();
-  for (std::int32_t k = c.first_value; !c.deforms && k < c.first_value + c.num_values; ++k) {
+  double against_centre = H.norm() * c.shape.norm();  // the surface goes no farther
+  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
     const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
-    surface_motion = std::max(surface_motion, (du_k - motion).norm());
+    against_centre = std::max(against_centre, (du_k - motion).norm());
   }
-  const double reach = c.shape.norm() + surface_motion + c.offset.norm();
+  const double reach = c.shape.norm() + against_centre + c.offset.norm();
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
   const std::size_t first = touches_.size();

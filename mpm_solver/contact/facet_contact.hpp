@@ -17,7 +17,7 @@ namespace gabion::mpm {
 /// where the distance of its centre y has a local minimum x_m below R:
 ///
 ///     g = (y - x_m) . n - R + n . sum_i (w_i - N_i) du_i ,  y = x_p + o + sum_i N_i du_i ,
-///     d = -R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
+///     d = o - R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
 ///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
 /// w continues the functions of the point to its surface, those of gimp and bspline as

@@ -52,9 +52,9 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
   spread_marks<dim>(surface_, marks_, fields);
   const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
     const auto shape = shape_.find(points.id[p]);
-    if (shape != shape_.end()) return (shape->second * n).norm();
     const auto offset = offset_.find(points.id[p]);
-    return points.depth[p] - (offset == offset_.end() ? 0 : offset->second.dot(n));
+    return (shape == shape_.end() ? points.depth[p] : (shape->second * n).norm()) -
+           (offset == offset_.end() ? 0 : offset->second.dot(n));
   };
   add_gaps<dim>(surface_, points, radius, reach, fields);
   return fields;
