@@ -256,22 +256,6 @@ bool inside_corner(const FacingSurface<dim>& surface, const Sight<dim>& a, const
   return reaches_in_front(a, b) && reaches_in_front(b, a);
 }
 
-// At an inside corner the depth below a plane fades out a little beyond the end of its simplex: the
-// soil's motion at its surface, which depends on the normal, decides where the other one takes
-// over. Whether a simplex, whose place is no minimum, still counts so.
-template <int dim>
-bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight, const Vector<dim>& y,
-               const std::vector<Sight<dim>>& all, double margin) {
-  const Vector<dim> foot = y - sight.height * sight.normal;
-  if ((foot - sight.place.x).norm() > margin) return false;
-  const Simplex<dim>& own = surface.simplices[sight.simplex];
-  return std::all_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
-    return other.distance >= (1 - same_distance) * sight.distance ||
-           !shares_place<dim>(own, sight.place, surface.simplices[other.simplex]) ||
-           inside_corner<dim>(surface, sight, other);
-  });
-}
-
 template <int dim>
 SurfaceFeature<dim> foot_of(const FacingSurface<dim>& surface, const Sight<dim>& sight,
                             const Vector<dim>& y) {
@@ -281,6 +265,33 @@ SurfaceFeature<dim> foot_of(const FacingSurface<dim>& surface, const Sight<dim>&
           .x = y - sight.height * sight.normal,
           .normal = sight.normal,
           .distance = sight.height};
+}
+
+// Whether another simplex meets this one in an inside corner at the side that has no corner k.
+template <int dim>
+bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k,
+                   const std::vector<Sight<dim>>& all) {
+  const Simplex<dim>& own = surface.simplices[sight.simplex];
+  return std::any_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
+    const Simplex<dim>& its = surface.simplices[other.simplex];
+    for (int l = 0; l < dim; ++l) {
+      if (has_vertex<dim>(its, own[l]) == (l == k)) return false;
+    }
+    return inside_corner<dim>(surface, sight, other);
+  });
+}
+
+// At an inside corner the depth below a plane fades out a little beyond the end of its simplex: the
+// soil's motion at its surface, which depends on the normal, decides where the other one takes
+// over. Whether a simplex, whose place is no minimum, still counts so.
+template <int dim>
+bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
+               const SurfaceFeature<dim>& foot, const std::vector<Sight<dim>>& all, double margin) {
+  if ((foot.x - sight.place.x).norm() > margin) return false;
+  for (int k = 0; k < dim; ++k) {
+    if (foot.weights[k] < 0 && !bends_inwards<dim>(surface, sight, k, all)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -304,8 +315,9 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   for (const Sight<dim>& sight : sights) {
     const bool over = sight.height > 0 && sight.distance < reach;
     if (over && !is_minimum<dim>(surface, sight, sights)) {
-      if (!behind && fades_out<dim>(surface, sight, y, sights, fading_share * reach)) {
-        features.push_back(foot_of<dim>(surface, sight, y));
+      const auto foot = foot_of<dim>(surface, sight, y);
+      if (!behind && fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
+        features.push_back(foot);
       }
       continue;
     }
