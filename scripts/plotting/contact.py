@@ -96,7 +96,9 @@ def profile_of(frame: Frame, dim: int, up: int) -> Profile:
     upright = np.sum(area * along_up) < 0.5 * np.sum(area)
     axis = up if upright else int(np.argmax(np.where(np.arange(3) == up, -1, np.ptp(frame.points, axis=0))))
     low, high = frame.points[:, axis].min(), frame.points[:, axis].max()
-    edges = np.linspace(low, high, min(NUM_BINS, len(np.unique(centres[:, axis].round(9)))) + 1)
+    along = np.abs(vectors[:, axis]) < 0.99 * area  # end faces lie on the edge of an interval
+    layers = len(np.unique(centres[along, axis].round(9)))
+    edges = np.linspace(low, high, min(NUM_BINS, layers) + 1)
     interval = np.clip(np.searchsorted(edges, centres[:, axis]) - 1, 0, len(edges) - 2)
     return Profile(f"{AXES[axis]} [m]", edges, interval, area)
 

@@ -283,6 +283,15 @@ class Contact(ScriptCase):
         # Areas 1 and 2 in each of the two rows.
         np.testing.assert_allclose(profile.mean(np.array([3.0, 1, 6, 4])), [5, 3])
 
+    def test_the_top_of_a_post_has_no_interval_of_its_own(self) -> None:
+        x, z = np.meshgrid([0.0, 1], [0.0, 1, 2, 3], indexing="ij")
+        front = np.column_stack([x.ravel(), np.zeros(8), z.ravel()])
+        points = np.vstack([front, front + [0, 1, 0]])
+        cells = np.array([[0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 15, 11]])
+        profile = contact.profile_of(Frame(0.0, points, cells, {}), 3, 2)
+        np.testing.assert_allclose(profile.edges, [0, 1, 2, 3])
+        np.testing.assert_allclose(profile.mean(np.array([3.0, 2, 1, 0])), [3, 2, 0.5])
+
     def test_a_closed_line_is_followed_once(self) -> None:
         np.testing.assert_array_equal(contact.chain(np.array([[2, 0], [0, 1], [1, 2]])), [0, 1, 2])
 
