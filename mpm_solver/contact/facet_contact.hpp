@@ -127,6 +127,8 @@ class FacetContact final : public Contact<dim> {
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  Vector<dim> offset_of(std::int64_t id) const;
+  Matrix<dim> shape_of(std::int64_t id, double depth) const;
   double offset_after(const Touch& touch) const;
   void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;

@@ -56,21 +56,17 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = soil.weights.point[e];
       const auto memory = memory_.find(soil.points.id[p]);
-      const auto offset = offset_.find(soil.points.id[p]);
-      const bool is_offset = offset != offset_.end();
-      const Vector<dim> x = soil.points.x[p] + (is_offset ? offset->second : Vector<dim>::Zero());
-      const auto near = hash.near(x);
+      const Vector<dim> offset = offset_of(soil.points.id[p]);
+      const auto near = hash.near(soil.points.x[p] + offset);
       if (near.empty() && memory == memory_.end()) continue;
       Candidate& c = candidates_.emplace_back();
       c.id = soil.points.id[p];
-      c.x = x;
-      if (is_offset) c.offset = offset->second;
+      c.x = soil.points.x[p] + offset;
+      c.offset = offset;
       c.deforms = soil.elastic[group.body] != 0;
       c.modulus = soil.moduli[group.body];
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
-      const auto shape = shape_.find(c.id);
-      c.shape = shape != shape_.end() ? shape->second
-                                      : Matrix<dim>(soil.points.depth[p] * Matrix<dim>::Identity());
+      c.shape = shape_of(c.id, soil.points.depth[p]);
       if (memory != memory_.end()) c.memory = &memory->second;
       if (soil.grid.basis != Basis::linear) {
         c.surface.emplace(soil.grid, soil.points, p);

@@ -46,15 +46,26 @@ ContactMark<dim> FacetContact<dim>::mark_of(const Touch& touch) const {
 }
 
 template <int dim>
+Vector<dim> FacetContact<dim>::offset_of(std::int64_t id) const {
+  const auto found = offset_.find(id);
+  return found == offset_.end() ? Vector<dim>(Vector<dim>::Zero()) : found->second;
+}
+
+// @param depth  of the point in the cell that it was laid in
+template <int dim>
+Matrix<dim> FacetContact<dim>::shape_of(std::int64_t id, double depth) const {
+  const auto found = shape_.find(id);
+  return found == shape_.end() ? Matrix<dim>(depth * Matrix<dim>::Identity()) : found->second;
+}
+
+template <int dim>
 ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
                                              double reach) const {
   ContactFields<dim> fields(start_, surface_.facets.size() / num_nodes(surface_.facet_type));
   spread_marks<dim>(surface_, marks_, fields);
   const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
-    const auto shape = shape_.find(points.id[p]);
-    const auto offset = offset_.find(points.id[p]);
-    return (shape == shape_.end() ? points.depth[p] : (shape->second * n).norm()) -
-           (offset == offset_.end() ? 0 : offset->second.dot(n));
+    const std::int64_t id = points.id[p];
+    return (shape_of(id, points.depth[p]) * n).norm() - offset_of(id).dot(n);
   };
   add_gaps<dim>(surface_, points, radius, reach, fields);
   return fields;

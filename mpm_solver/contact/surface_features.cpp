@@ -315,8 +315,9 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   for (const Sight<dim>& sight : sights) {
     const bool over = sight.height > 0 && sight.distance < reach;
     if (over && !is_minimum<dim>(surface, sight, sights)) {
+      if (behind) continue;
       const auto foot = foot_of<dim>(surface, sight, y);
-      if (!behind && fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
+      if (fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
         features.push_back(foot);
       }
       continue;

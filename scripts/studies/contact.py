@@ -22,6 +22,10 @@ def triangles(fine: bool) -> list[str]:
             "mpm.json:/bodies/0/points_per_cell=3"]
 
 
+def folder(name: str) -> str:
+    return name.replace(", ", "_").replace(" ", "_")
+
+
 def row_of(name: str, run: Measured) -> list:
     steps = run.table("steps.csv")
     iterations = steps["iterations"][steps["skipped"] == "none"]
@@ -47,7 +51,7 @@ def forms(runner: Runner, size: str) -> None:
     rows = []
     for locking in ("fbar", "none"):
         for name, changes in settings.items():
-            run = runner.run(f"{name} {size} {locking}".replace(", ", "_").replace(" ", "_"), scene,
+            run = runner.run(folder(f"{name} {size} {locking}"), scene,
                              [*changes, f"mpm.json:/locking/method={locking}"])
             rows.append(row_of(f"{name}, {'F-bar' if locking == 'fbar' else 'no cure'}", run))
     runner.report(HEAD, rows, f"h = {size} mm")
@@ -67,7 +71,7 @@ def contact(runner: Runner) -> None:
         for basis in ("gimp", "linear") for dt in (1e-3, 1e-4, 5e-5)
     }
     for title, runs in (("contact, h = 5 mm; else as shipped", kinds), ("step size, F-bar, h = 5 mm", steps)):
-        rows = [row_of(name, runner.run(name.replace(" ", "_").replace(",", ""), scene, settings))
+        rows = [row_of(name, runner.run(folder(name), scene, settings))
                 for name, (scene, settings) in runs.items()]
         runner.report(HEAD, rows, title)
     runner.remark(f"iterations: mean of the steps in contact; rest: mean of the last {REST} s")

@@ -211,7 +211,6 @@ TEST(FacetContact, inside_corners_push_by_the_shortest_way_out) {
   }
 }
 
-/// Tension does not exist, and nothing of the force is left when the surface goes away.
 /// Largest change of the contact force on the grid between places of a sheared block that is drawn
 /// over an inward bend.
 double largest_change(const ContactSettings<2>& settings, mpm::Basis basis, bool elastic,
@@ -251,6 +250,7 @@ TEST(FacetContact, force_is_continuous_over_an_inward_bend) {
   }
 }
 
+/// Tension does not exist, and nothing of the force is left when the surface goes away.
 TEST(FacetContact, a_plate_that_is_pulled_off_leaves_no_force) {
   ContactSettings<2> settings = floor_below<2>(0, 0.3);
   Met<2> met(settings, CellType::quad4, mpm::Basis::linear, true);
