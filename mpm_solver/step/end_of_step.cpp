@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/end_of_step.hpp"
 
+#include <cmath>
+
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::mpm {
@@ -38,6 +40,22 @@ NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<con
 }
 
 template <int dim>
+StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion) {
+  const auto& m = equilibrium.inertia_mass();
+  const auto& a = equilibrium.start_acceleration();
+  double mass = 0, squared_jump = 0, squared_speed = 0;
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    mass += m[i];
+    squared_speed += m[i] * motion.v_new[i].squaredNorm();
+    const Eigen::Map<const Vector<dim>> a_i(&a[i * dim]);
+    squared_jump += m[i] * (motion.a_new[i] - a_i).squaredNorm();
+  }
+  const auto& parts = equilibrium.parts();
+  const double factor = std::abs(1.0 / 6 - parts.scheme.beta) * parts.dt * parts.dt;
+  return {factor * std::sqrt(squared_jump / mass), std::sqrt(squared_speed / mass)};
+}
+
+template <int dim>
 double accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                        MaterialPoints<dim>& points) {
   double dissipated = 0;
@@ -55,6 +73,8 @@ double accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>&
 
 template NodalMotion<2> nodal_motion<2>(const Equilibrium<2>&, std::span<const double>);
 template NodalMotion<3> nodal_motion<3>(const Equilibrium<3>&, std::span<const double>);
+template StepError step_error<2>(const Equilibrium<2>&, const NodalMotion<2>&);
+template StepError step_error<3>(const Equilibrium<3>&, const NodalMotion<3>&);
 template double accept_stresses<2>(const PointWeights<2>&, const TrialPoints<2>&,
                                    MaterialPoints<2>&);
 template double accept_stresses<3>(const PointWeights<3>&, const TrialPoints<3>&,

@@ -14,6 +14,16 @@ namespace gabion::mpm {
 template <int dim>
 NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<const double> du);
 
+/// How exact a step was in time. Root mean squares over the mass.
+struct StepError {
+  double displacement = 0;  ///< Newmark's local error, dt^2 |1/6 - beta| |a' - a| [m]
+  double speed = 0;         ///< of v' [m/s]
+};
+/// @param motion  of nodal_motion()
+/// @see Zienkiewicz and Xie (1991)
+template <int dim>
+StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion);
+
 /// Make stresses and memory of the trial state those of the points.
 /// @returns plastic work of this rank's points in the step [J]
 template <int dim>

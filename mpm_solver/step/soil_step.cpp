@@ -99,8 +99,8 @@ void SoilStep<dim>::enter_phase(double time) {
               phase().dynamic ? "dynamic" : "quasi-static", phase().walls.size());
   }
   with_inertia_ = phase().dynamic;
-  const bool forces_jump = begins(phase(), time) && (phase_ > 0 || model_.stressed);
-  scheme_ = forces_jump ? starting_scheme : phase().scheme;
+  forces_jump_ = begins(phase(), time) && (phase_ > 0 || model_.stressed);
+  scheme_ = forces_jump_ ? starting_scheme : phase().scheme;
 }
 
 // Everything of a step that does not depend on the interface values.
@@ -227,8 +227,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   equilibrium_->internal_forces().finish(du_);
   const double time = request.time + request.dt;
   const auto& phases = model_.settings.phases;
-  sizes_.accept(measure(), largest_step(phases[phase_at(phases, time)], time));
   const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
+  sizes_.accept(measure(motion), largest_step(phases[phase_at(phases, time)], time));
   StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
@@ -261,11 +261,17 @@ void SoilStep<dim>::reject() {
 }
 
 template <int dim>
-StepMeasures SoilStep<dim>::measure() const {
+StepMeasures SoilStep<dim>::measure(const NodalMotion<dim>& motion) const {
   const StepControlSettings& limits = sizes_.limits();
   const std::span<const double> du(du_);
   StepMeasures step;
   step.dt = dt_;
+  if (limits.time_error && with_inertia_ && !forces_jump_) {
+    const StepError error = step_error(*equilibrium_, motion);
+    step.error = error.displacement;
+    const double fall = std::sqrt(model_.settings.gravity.norm() * model_.cell_size);
+    step.speed = std::max(error.speed, fall);
+  }
   if (limits.advective) {
     const double largest =
         max_over_ranks(model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), du));

@@ -59,7 +59,7 @@ class SoilStep {
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
   LinearRegime regime() const;
   NewtonReport solve_balance(const StepRequest& request, bool begins);
-  StepMeasures measure() const;
+  StepMeasures measure(const NodalMotion<dim>& motion) const;
   std::vector<Vector<dim>> forces_on_walls() const;
   Json details(std::span<const std::int32_t> cell_n) const;
 
@@ -78,6 +78,7 @@ class SoilStep {
   double dt_ = 0;  // 0: none begun
   std::size_t phase_ = 0;
   bool with_inertia_ = true;
+  bool forces_jump_ = false;  // at the start of the step: no acceleration is known
   NewmarkBossak scheme_;
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   TrialPoints<dim> trial_;

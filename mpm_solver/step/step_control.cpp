@@ -20,7 +20,9 @@ KeyTable step_control_keys() {
   };
   return {"step_control",
           "Limits from which the soil proposes the next dt; null: that limit does not act.",
-          {limit("advective", share, 0.3,
+          {limit("time_error", share, 2e-3,
+                 "Estimated error of the displacement in a step over the longest one so far."),
+           limit("advective", share, 0.3,
                  "Largest displacement of a material point in a step over the cell size."),
            limit("strain", share, 0.02, "Largest strain increment of a material point in a step."),
            limit("newton_target", at_least(1), 8, "Newton iterations beyond which dt shrinks."),
@@ -31,6 +33,7 @@ KeyTable step_control_keys() {
 
 StepControlSettings read_step_control(ConfigReader in) {
   StepControlSettings settings;
+  settings.time_error = in.number_or_null("time_error");
   settings.advective = in.number_or_null("advective");
   settings.strain = in.number_or_null("strain");
   settings.newton_target = in.number_or_null("newton_target");
@@ -53,6 +56,8 @@ const char* limit_name(DtLimit limit) {
       return "a failed step";
     case DtLimit::approach:
       return "a surface that comes near";
+    case DtLimit::time_error:
+      return "the error of a step";
     default:
       return "nothing";
   }
@@ -64,8 +69,17 @@ void StepControl::fail(double dt) {
 }
 
 void StepControl::visit_state(StateVisitor& visitor) {
+  visitor.real("step_control.fastest", fastest_);
+  visitor.real("step_control.error_dt", error_dt_);
   visitor.real("step_control.newton_dt", newton_dt_);
   visitor.real("step_control.failed_dt", failed_dt_);
+}
+
+void StepControl::follow_error(const StepMeasures& step) {
+  fastest_ = std::max(fastest_, step.speed);
+  const double grown = std::min(growth * std::max(error_dt_, step.dt), 2 * step.dt);
+  const double allowed = *settings_.time_error * step.dt * fastest_;
+  error_dt_ = std::min(step.dt * allowed / step.error, grown);
 }
 
 void StepControl::follow_newton(double dt, int iterations) {
@@ -89,6 +103,10 @@ DtProposal StepControl::accept(const StepMeasures& step, double phase_dt) {
     result = {dt, dt < 2 * step.dt ? limit : DtLimit::none};
   };
   if (phase_dt > 0) bound(phase_dt, DtLimit::phase);
+  if (settings_.time_error && step.error > 0) {
+    follow_error(step);
+    bound(error_dt_, DtLimit::time_error);
+  }
   if (settings_.advective && step.travel > 0) {
     bound(step.dt * *settings_.advective / step.travel, DtLimit::advective);
   }

@@ -12,11 +12,12 @@ namespace gabion::mpm {
 /// "step_control" of mpm.json; a limit that is not there does not act. Without the object none
 /// does.
 struct StepControlSettings {
-  std::optional<double> advective;  ///< largest displacement of a point by the cell size, (0, 1]
-  std::optional<double> strain;     ///< largest strain increment of a point, (0, 1]
+  std::optional<double> time_error;  ///< of a displacement by the longest of a step, (0, 1]
+  std::optional<double> advective;   ///< largest displacement of a point by the cell size, (0, 1]
+  std::optional<double> strain;      ///< largest strain increment of a point, (0, 1]
   std::optional<double> newton_target;  ///< iterations beyond which dt shrinks, >= 1
   std::optional<double> approach;  ///< surface may go this share of a cell into the soil, (0, 1]
-  bool any() const { return advective || strain || newton_target || approach; }
+  bool any() const { return time_error || advective || strain || newton_target || approach; }
 };
 KeyTable step_control_keys();
 StepControlSettings read_step_control(ConfigReader in);
@@ -30,13 +31,16 @@ enum class DtLimit {
   strain = 3,
   newton = 4,   ///< iterations of Newton's method
   failure = 5,  ///< a step that failed not long ago
-  approach = 6
+  approach = 6,
+  time_error = 7
 };
 const char* limit_name(DtLimit limit);
 
 /// An accepted step, the same on all ranks.
 struct StepMeasures {
   double dt = 0;              ///< [s]
+  double error = 0;           ///< of the displacement, see step_error(); 0: not known [m]
+  double speed = 0;           ///< that errors are measured by [m/s]
   double travel = 0;          ///< largest displacement of a material point by the cell size
   double strain = 0;          ///< largest strain increment of a material point
   int newton_iterations = 0;  ///< largest number of a solution of the step
@@ -51,8 +55,9 @@ struct DtProposal {
 
 /// Proposes dt from the last accepted step:
 ///
-///     dt' = min(dt advective / travel, dt strain / |dE|, approach_dt, w)
+///     dt' = min(e, dt advective / travel, dt strain / |dE|, approach_dt, w)
 ///
+/// e = dt time_error (dt V) / error, V the largest speed since the start; it grows by 1.25 a step.
 /// w follows Newton's method: it grows by 1.25 after a step with at most 4 iterations (to 2 dt at
 /// most), is dt after one with more and dt target / n after one with n > target; a failed step
 /// leaves dt / 2. With a raster of dt / 2^k that doubles dt after four easy steps.
@@ -68,9 +73,12 @@ class StepControl {
   void visit_state(StateVisitor& visitor);
 
  private:
+  void follow_error(const StepMeasures& step);
   void follow_newton(double dt, int iterations);
 
   StepControlSettings settings_;
+  double fastest_ = 0;    // V
+  double error_dt_ = 0;   // e; 0: no step yet
   double newton_dt_ = 0;  // w; 0: no step yet
   double failed_dt_ = 0;  // of the last failure, until w is back there; 0: none
 };

@@ -67,10 +67,10 @@ def contact(runner: Runner) -> None:
         "scene of the literature": (PAPER, []),
     }
     steps = {
-        f"{basis}, dt {1e3 * dt:g} ms": (SCENE, [f"mpm.json:/basis={basis}", f"coupler.json:/time/dt={dt}"])
-        for basis in ("gimp", "linear") for dt in (1e-3, 1e-4, 5e-5)
+        f"{basis}, dt at most {1e3 * dt:g} ms": (SCENE, [f"mpm.json:/basis={basis}", f"coupler.json:/time/dt={dt}"])
+        for basis in ("gimp", "linear") for dt in (2e-4, 5e-5)
     }
-    for title, runs in (("contact, h = 5 mm; else as shipped", kinds), ("step size, F-bar, h = 5 mm", steps)):
+    for title, runs in (("contact, h = 5 mm; else as shipped", kinds), ("largest step, F-bar, h = 5 mm; 1 ms as shipped", steps)):
         rows = [row_of(name, runner.run(folder(name), scene, settings))
                 for name, (scene, settings) in runs.items()]
         runner.report(HEAD, rows, title)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The studies of the scene granular_obstacle."""
 
+import json
+
 import numpy as np
 
 from plotting.results import ResultsError
@@ -9,7 +11,10 @@ from studies.measures import Measured, relative_rms
 from studies.runner import Runner
 
 SCENE = "granular_obstacle"
-STEP_SIZES = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5]  # [s], finest last
+STEP_SIZES = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2.5e-5]  # [s], finest last
+TIME_ERRORS = [8e-3, 4e-3, 2e-3, 1e-3]
+LIMITS = ("time_error", "advective", "strain", "newton_target", "approach")
+FIXED_STEPS = "mpm.json:/step_control=" + json.dumps(dict.fromkeys(LIMITS))
 REST = 0.1  # [s] at the end of a run that count as rest
 
 
@@ -35,36 +40,44 @@ def speed(runner: Runner) -> None:
 
 
 def error_vs_time(runner: Runner) -> None:
-    """The answer of granular_obstacle over the step size: errors against the finest step, beside the run time."""
-    runs = {dt: runner.run(f"dt_{dt:g}", SCENE, step_size(dt)) for dt in STEP_SIZES}
-    reference = runs[STEP_SIZES[-1]]
-    rows, errors = [], []
-    for dt, run in runs.items():
-        peak, _ = run.peak()
-        row = [1e3 * dt, run.cuts(), 1e3 * peak, 1e3 * run.displacement().mean_of_last(REST),
-               run.force().mean_of_last(REST)]
-        if run is reference:
-            rows.append([*row, "", "", run.seconds()])
-            continue
-        errors.append([relative_rms(run.displacement(), reference.displacement()),
-                       relative_rms(run.impulse(), reference.impulse()), run.seconds()])
-        rows.append([*row, *errors[-1]])
-    head = ["dt [ms]", "cuts", "peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "error of A",
-            "error of impulse", "run time [s]"]
-    runner.report(head, rows)
-    runner.remark(f"errors: root mean square over the run, relative to dt = {1e3 * STEP_SIZES[-1]:g} ms; "
-                  f"rest: mean of the last {REST} s")
-
+    """The answer of granular_obstacle over the step size, and with steps by their error, beside the run time."""
+    series = {
+        "fixed steps": {f"dt {1e3 * dt:g} ms": [FIXED_STEPS, *step_size(dt)] for dt in STEP_SIZES},
+        "steps by their error": {f"time_error {e:g}": [f"mpm.json:/step_control/time_error={e:g}"]
+                                 for e in TIME_ERRORS},
+    }
+    runs = {kind: {name: runner.run(name.replace(" ", "_"), SCENE, settings) for name, settings in of_kind.items()}
+            for kind, of_kind in series.items()}
+    reference_name = list(runs["fixed steps"])[-1]
+    reference = runs["fixed steps"][reference_name]
     figure, (axes,) = new_figure(7.5, 4.5)
-    of_a, of_impulse, seconds = np.array(errors).T
-    axes.loglog(seconds, of_a, "o-", label="displacement of A")
-    axes.loglog(seconds, of_impulse, "s-", label="impulse on the structure")
-    for dt, row in zip(STEP_SIZES, errors):
-        axes.annotate(f"dt = {dt:g} s", (row[2], max(row[:2])), textcoords="offset points",
-                      xytext=(0, 8), ha="center", fontsize=9)
+    rows = []
+    for kind, of_kind in runs.items():
+        errors = {}
+        for name, run in of_kind.items():
+            peak, _ = run.peak()
+            row = [name, run.table("steps.csv").num_rows, run.cuts(), 1e3 * peak,
+                   1e3 * run.displacement().mean_of_last(REST), run.force().mean_of_last(REST),
+                   float(run.impulse().values[-1])]
+            if run is not reference:
+                errors[name] = [run.seconds(), relative_rms(run.displacement(), reference.displacement()),
+                                relative_rms(run.impulse(), reference.impulse())]
+            rows.append([*row, *errors.get(name, [run.seconds(), "", ""])])
+        seconds, of_a, of_impulse = np.array(list(errors.values())).T
+        mark = "o" if kind == "fixed steps" else "s"
+        axes.loglog(seconds, of_a, f"{mark}-", label=f"displacement of A, {kind}")
+        axes.loglog(seconds, of_impulse, f"{mark}--", label=f"impulse on the structure, {kind}")
+        for name, (x, *y) in errors.items():
+            axes.annotate(name.split()[1], (x, max(y)), textcoords="offset points", xytext=(0, 8), ha="center",
+                          fontsize=9)
+    head = ["", "steps", "cuts", "peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "impulse [N s/m]",
+            "run time [s]", "error of A", "error of impulse"]
+    runner.report(head, rows)
+    runner.remark(f"errors: root mean square over the run, relative to fixed steps, {reference_name}; "
+                  f"rest: mean of the last {REST} s")
     axes.margins(x=0.15, y=0.2)
     axes.set_xlabel("run time [s]")
-    axes.set_ylabel(f"relative error (RMS) against dt = {STEP_SIZES[-1]:g} s")
+    axes.set_ylabel(f"relative error (RMS) against {reference_name}")
     legend_beside(axes)
     runner.save(figure, "error_vs_time.png")
 

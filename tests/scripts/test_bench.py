@@ -12,14 +12,14 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from script_case import ScriptCase
+from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
 import measured
 from plotting.results import Results, ResultsError
 from studies import coupling
 from studies.columns import COLLAPSE, FACTORS, columns, compare
-from studies.coupled import STUDIES, acceleration, error_vs_time, speed
+from studies.coupled import LIMITS, STUDIES, acceleration, error_vs_time, speed
 from studies.measures import Curve, Measured, relative_rms
 from studies.outcome import beyond, largest_rise, outcome, verdict
 from studies.run_out import height_law, run_out, run_out_law
@@ -199,13 +199,21 @@ class Studies(ScriptCase):
             return list(csv.reader(file))[1:]
 
     def test_error_vs_time(self) -> None:
-        rows = self.table(error_vs_time, {"dt_0.001": 1.2, "dt_0.0005": 1.1})
-        self.assertEqual([float(row[0]) for row in rows], [1, 0.5, 0.2, 0.1, 0.05])
-        for errors in (5, 6):
-            np.testing.assert_allclose([float(row[errors]) for row in rows[:-1]], [0.2, 0.1, 0, 0], atol=1e-12)
-            self.assertEqual(rows[-1][errors], "")
-        self.assertAlmostEqual(float(rows[0][2]), 1.2 * 2e3 * made_up.AMPLITUDE, places=2)  # 1 - cos: twice
-        self.assertAlmostEqual(float(rows[1][4]), 1.1 * made_up.FORCE, places=9)
+        rows = self.table(error_vs_time, {"dt_1_ms": 1.2, "time_error_0.004": 1.1, "time_error_0.008": 0.7})
+        sizes = ["1", "0.5", "0.2", "0.1", "0.05", "0.025"]
+        names = [f"dt {size} ms" for size in sizes] + [f"time_error {e}" for e in ("0.008", "0.004", "0.002", "0.001")]
+        self.assertEqual([row[0] for row in rows], names)
+        for errors in (8, 9):
+            self.assertEqual(rows[5][errors], "")
+            found = [float(row[errors]) for row in rows[:5] + rows[6:]]
+            np.testing.assert_allclose(found, [0.2, 0, 0, 0, 0, 0.3, 0.1, 0, 0], atol=1e-12)
+        self.assertAlmostEqual(float(rows[0][3]), 1.2 * 2e3 * made_up.AMPLITUDE, places=2)  # 1 - cos: twice
+        self.assertAlmostEqual(float(rows[7][5]), 1.1 * made_up.FORCE, places=9)
+
+    def test_fixed_steps_switch_every_limit_off(self) -> None:
+        schema = json.loads((ROOT / "docs" / "keys" / "mpm.schema.json").read_text())
+        limits = schema["definitions"]["step_control"]["properties"]
+        self.assertEqual(set(limits), set(LIMITS))
 
     def test_speed(self) -> None:
         free, contact = self.table(speed, {})

@@ -381,7 +381,7 @@ TEST(MpmConfig, step_control) {
   EXPECT_EQ(control.newton_target, 6);
   EXPECT_EQ(control.strain, 0.02);
   EXPECT_FALSE(mpm_settings<2>(valid()).step_control.any());
-  for (const char* key : {"advective", "strain", "approach"}) {
+  for (const char* key : {"time_error", "advective", "strain", "approach"}) {
     json["step_control"] = {{key, 1.5}};
     const std::string place = std::string("/step_control/") + key;
     expect_refused(json, {place, "1.5", "(0, 1]"});

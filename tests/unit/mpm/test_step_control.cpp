@@ -37,6 +37,23 @@ TEST(StepControl, limits_scale_the_last_step) {
   EXPECT_EQ(proposal.dt, 0.3);
 }
 
+TEST(StepControl, the_error_is_measured_by_the_fastest_step_so_far) {
+  mpm::StepControlSettings settings;
+  settings.time_error = 0.01;
+  StepControl control(settings);
+  auto proposal = control.accept({.dt = 2, .error = 0.16, .speed = 4}, 0);
+  EXPECT_EQ(proposal.limit, DtLimit::time_error);
+  EXPECT_NEAR(proposal.dt, 2 * 0.01 * 2 * 4 / 0.16, 1e-15);
+  proposal = control.accept({.dt = 1, .error = 0.08, .speed = 1}, 0);
+  EXPECT_NEAR(proposal.dt, 0.01 * 4 / 0.08, 1e-15);
+  for (int n = 1; n <= 4; ++n) {
+    EXPECT_LT(proposal.dt, 1);
+    proposal = control.accept({.dt = 0.5, .error = 1e-9}, 0);
+  }
+  EXPECT_EQ(proposal.dt, 1);
+  EXPECT_EQ(proposal.limit, DtLimit::none);
+}
+
 TEST(StepControl, many_iterations_shrink_and_four_easy_steps_allow_to_double) {
   StepControl control = defaults();
   EXPECT_EQ(control.accept({.dt = 1, .newton_iterations = 16}, 0).dt, 0.5);
@@ -101,6 +118,62 @@ TEST(StepControl, flight_moves_by_a_share_of_a_cell) {
   EXPECT_EQ(largest, 1.0 / 32);  // 0.3 h / v = 0.0375
   EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::advective));
   EXPECT_NEAR(probe(*solver, "momentum_x"), 2000, 1e-6);
+}
+
+/// Free flight while gravity grows by g dt a step: Newmark's displacement is exact but for
+/// (beta - 1/6) dt^3 g, and the next dt is the one that estimate allows.
+TEST(StepControl, error_of_a_step_is_that_of_newmarks_method) {
+  const double dt = 1.0 / 64, g = 8, limit = 1e-4;
+  const auto solver = make_mpm({{"dimension", 2},
+                                {"grid", box({0, 0}, {2, 2}, {8, 8}, "quad4")},
+                                {"gravity", {0, -g}},
+                                {"gravity_ramp", {{"duration", 1}}},
+                                {"time_integration", trapezoid},
+                                {"bodies",
+                                 {body("block", box({0.5, 0.5}, {1.5, 1.5}, {4, 4}, "quad4"), 4,
+                                       elastic_soil("hencky_elastic", 1e4, 0.3, 1000))}},
+                                {"newton", exact_newton},
+                                {"probes", {{{"name", "P"}, {"point", {1, 1}}}}},
+                                {"step_control",
+                                 {{"time_error", limit},
+                                  {"advective", nullptr},
+                                  {"strain", nullptr},
+                                  {"newton_target", nullptr}}}});
+  const double start = probe(*solver, "P.uy");
+  InterfaceValues sent;
+  solver->solve_step({1, 0, 0, dt}, {}, sent);
+  const AcceptReport report = solver->accept_step({1, 0, 0, dt}, true);
+  const double error = std::abs(probe(*solver, "P.uy") - start + g * dt * dt * dt / 6);
+  const double speed = std::sqrt(g * 0.25);  // of a fall through a cell
+  EXPECT_NEAR(error, g * dt * dt * dt / 12, 1e-12);
+  EXPECT_NEAR(report.proposed_dt, dt * limit * dt * speed / error, 1e-9);
+  EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::time_error));
+}
+
+/// A block in flight that hits a wall: long steps on the way, short ones while it bounces.
+TEST(StepControl, steps_are_short_in_an_impact) {
+  const auto solver = make_mpm({{"dimension", 2},
+                                {"grid", box({0, 0}, {4, 1}, {16, 4}, "quad4")},
+                                {"walls", {{{"group", "left"}, {"condition", "slip"}}}},
+                                {"bodies",
+                                 {body("block", box({0.5, 0.25}, {1.5, 0.75}, {4, 2}, "quad4"), 4,
+                                       elastic_soil("hencky_elastic", 1e6, 0.3, 1000), {-1, 0})}},
+                                {"newton", exact_newton},
+                                {"step_control", {{"strain", nullptr}}}});
+  TimeSteps steps({.end = 1.25, .dt = 1.0 / 32, .dt_min = 1e-5});
+  InterfaceValues sent;
+  double before = 0, shortest = 1;
+  while (!steps.finished()) {
+    const StepRequest request{steps.step(), 0, steps.time(), steps.dt()};
+    solver->solve_step(request, {}, sent);
+    const AcceptReport report = solver->accept_step(request, true);
+    const bool flies = probe(*solver, "wall.left.fx") == 0;
+    if (flies && steps.time() < 0.25) before = std::max(before, steps.dt());
+    if (!flies) shortest = std::min(shortest, steps.dt());
+    steps.accept(report.proposed_dt);
+  }
+  EXPECT_EQ(before, 1.0 / 32);
+  EXPECT_LE(shortest, 1.0 / 512);
 }
 
 }  // namespace
