@@ -47,7 +47,7 @@ struct MpmSettings {
   LockingCure locking;
   SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
-  NewtonSettings newton{.residual_tolerance = 1e-7, .increment_tolerance = 1e-3};
+  NewtonSettings newton{.residual_tolerance = 1e-5, .increment_tolerance = 1e-3};
   StepControlSettings step_control;
   LinearSolverSettings linear_solver;
   std::vector<ContactSettings<dim>> interfaces;

@@ -20,7 +20,7 @@ KeyTable step_control_keys() {
   };
   return {"step_control",
           "Limits from which the soil proposes the next dt; null: that limit does not act.",
-          {limit("time_error", share, 2e-3,
+          {limit("time_error", share, 1e-3,
                  "Estimated error of the displacement in a step over the longest one so far."),
            limit("advective", share, 0.3,
                  "Largest displacement of a material point in a step over the cell size."),

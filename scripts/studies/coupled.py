@@ -4,6 +4,7 @@
 import json
 
 import numpy as np
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from plotting.results import ResultsError
 from plotting.style import legend_beside, new_figure
@@ -50,7 +51,7 @@ def error_vs_time(runner: Runner) -> None:
             for kind, of_kind in series.items()}
     reference_name = list(runs["fixed steps"])[-1]
     reference = runs["fixed steps"][reference_name]
-    figure, (axes,) = new_figure(7.5, 4.5)
+    figure, (axes,) = new_figure(11, 4.5)
     rows = []
     for kind, of_kind in runs.items():
         errors = {}
@@ -75,6 +76,10 @@ def error_vs_time(runner: Runner) -> None:
     runner.report(head, rows)
     runner.remark(f"errors: root mean square over the run, relative to fixed steps, {reference_name}; "
                   f"rest: mean of the last {REST} s")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FormatStrFormatter("%g"))
+        axis.set_minor_formatter(NullFormatter())
     axes.margins(x=0.15, y=0.2)
     axes.set_xlabel("run time [s]")
     axes.set_ylabel(f"relative error (RMS) against {reference_name}")

@@ -93,7 +93,8 @@ Json slope(const std::string& basis, const std::string& locking) {
       {"gravity", {9.81 * std::sin(angle), -9.81 * std::cos(angle)}},
       {"gravity_ramp", {{"duration", 1}}},
       {"locking", {{"method", locking}}},
-      {"bodies", {body("soil", box({0, 0}, {1, 0.2}, {20, 6}, "quad4"), 4, sand(30, 1e6, 1600))}}};
+      {"bodies", {body("soil", box({0, 0}, {1, 0.2}, {20, 6}, "quad4"), 4, sand(30, 1e6, 1600))}},
+      {"newton", {{"residual_tolerance", 1e-7}}}};
 }
 
 /// No step of the ramp fails, the walls carry the weight, and no point more than friction allows.
