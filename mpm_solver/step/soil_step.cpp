@@ -25,6 +25,11 @@ namespace {
 // it can leave out (second order; first order across the yield surface) stays below that tolerance.
 constexpr double same_strain_share = 0.01;
 
+// Of Newton's tolerance, from the second iteration of a coupled step on: what a solution leaves out
+// must not look like a change of the interface. A step ends with such a solution.
+constexpr double coupled_share = 0.01;
+constexpr double safe_tolerance = 1e-13;  // rounding of |r| is smaller
+
 // Newmark's method with these parameters asks for no acceleration at the start of a step:
 // du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
 constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
@@ -181,8 +186,12 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
     linear_iterations_ += guess.linear_iterations;
   }
   equilibrium_->internal_forces().begin_solution();
-  const NewtonReport newton =
-      system_.solve_newton(*equilibrium_, model_.settings.newton, du_, times_);
+  NewtonSettings settings = model_.settings.newton;
+  double& tolerance = settings.residual_tolerance;
+  if (request.iteration > 0) {
+    tolerance = std::min(tolerance, std::max(coupled_share * tolerance, safe_tolerance));
+  }
+  const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, times_);
   linear_iterations_ += newton.linear_iterations;
   sizes_.add_solution(newton.iterations);
   log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,

@@ -320,7 +320,8 @@ KeyTable newton_keys(const NewtonSettings& defaults) {
       "Newton's method for the displacements of a step.",
       {key::number("residual_tolerance", "",
                    "Residual |r| over the largest of |f_int|, |f_ext|, |f_inertia| (of the soil "
-                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep it larger.")
+                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep it larger. From the "
+                   "second coupling iteration on the soil takes a hundredth of it.")
            .in(in_words(between(epsilon, 0.1),
                         "a number from 2.3e-16 (rounding of the forces) to 0.1"))
            .or_else(defaults.residual_tolerance),
