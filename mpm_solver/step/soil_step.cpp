@@ -21,14 +21,15 @@ namespace gabion::mpm {
 
 namespace {
 
-// Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
-// it can leave out (second order; first order across the yield surface) stays below that tolerance.
-constexpr double same_strain_share = 0.01;
-
 // Of Newton's tolerance, from the second iteration of a coupled step on: what a solution leaves out
-// must not look like a change of the interface. A step ends with such a solution.
+// must not look like a change of the interface.
 constexpr double coupled_share = 0.01;
 constexpr double safe_tolerance = 1e-13;  // rounding of |r| is smaller
+
+// Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
+// it can leave out (second order; first order across the yield surface) stays below that tolerance,
+// and below its coupled share.
+constexpr double same_strain_share = 0.01 * coupled_share;
 
 // Newmark's method with these parameters asks for no acceleration at the start of a step:
 // du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
