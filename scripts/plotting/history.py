@@ -20,6 +20,7 @@ ITERATIONS = {
     "newton_iterations": "Newton",
 }
 COMPONENTS = ("ux", "uy", "uz")
+VARIED = 4  # largest over smallest step from which on step sizes are drawn on a logarithmic scale
 
 
 def probe_points(table: Table) -> list[str]:
@@ -160,8 +161,11 @@ def plot_iterations(results: Results, out: Path) -> Path | None:
     legend_beside(axes[0])
     axes[1].step(table["time"], table["dt"], where="pre", lw=1)
     axes[1].set_ylabel("step size [s]")
-    axes[1].set_ylim(bottom=0)
-    axes[1].ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
+    if table["dt"].max() > VARIED * table["dt"].min():
+        axes[1].set_yscale("log")
+    else:
+        axes[1].set_ylim(bottom=0)
+        axes[1].ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
     axes[1].set_xlabel("time [s]")
     return save(figure, out / "iterations.png")
 

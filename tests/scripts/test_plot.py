@@ -192,6 +192,13 @@ class Drawing(ScriptCase):
             ["probes.png", "residuals.png", "iterations.png", "forces.png", "energies.png", "scene.png"],
         )
 
+    def test_step_sizes_that_vary_much_are_drawn_on_a_logarithmic_scale(self) -> None:
+        for smallest, scale in ((0.3, "linear"), (0.2, "log")):
+            self.write("steps.csv", f"time,dt,iterations\n1,1,3\n{1 + smallest},{smallest},2\n")
+            with mock.patch.object(history, "save", lambda figure, path: figure):
+                figure = history.plot_iterations(Results(self.folder), self.folder)
+            self.assertEqual(figure.axes[1].get_yscale(), scale)
+
     def test_everything_in_space(self) -> None:
         made_up.write_space_results(self.folder / "a")
         drawn = self.draw(self.folder / "a", "--animate", "--field", "displacement")
