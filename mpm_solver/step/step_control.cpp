@@ -10,6 +10,11 @@ namespace {
 constexpr int easy_iterations = 4;
 constexpr double growth = 1.25;
 
+// What a limit that was `last` allows after a step of dt that it did not hold back [s].
+double grown(double last, double dt) {
+  return std::min(growth * std::max(last, dt), 2 * dt);
+}
+
 }  // namespace
 
 KeyTable step_control_keys() {
@@ -77,9 +82,8 @@ void StepControl::visit_state(StateVisitor& visitor) {
 
 void StepControl::follow_error(const StepMeasures& step) {
   fastest_ = std::max(fastest_, step.speed);
-  const double grown = std::min(growth * std::max(error_dt_, step.dt), 2 * step.dt);
   const double allowed = *settings_.time_error * step.dt * fastest_;
-  error_dt_ = std::min(step.dt * allowed / step.error, grown);
+  error_dt_ = std::min(step.dt * allowed / step.error, grown(error_dt_, step.dt));
 }
 
 void StepControl::follow_newton(double dt, int iterations) {
@@ -87,7 +91,7 @@ void StepControl::follow_newton(double dt, int iterations) {
   if (iterations > target) {
     newton_dt_ = dt * target / iterations;
   } else if (iterations <= std::min<double>(easy_iterations, target)) {
-    newton_dt_ = std::min(growth * std::max(newton_dt_, dt), 2 * dt);
+    newton_dt_ = grown(newton_dt_, dt);
   } else {
     newton_dt_ = dt;
   }

@@ -10,7 +10,7 @@ from plotting.column import SurfaceError, area_under, compare_surface, failure_l
 from plotting.results import Results, ResultsError
 from plotting.style import COLOURS, legend_beside, new_figure
 from studies.measures import Measured
-from studies.runner import ROOT, Runner
+from studies.runner import ROOT, Runner, folder_of
 
 COLLAPSE = "column_collapse"
 MEASURED = ROOT / "configs" / COLLAPSE / "data" / "bui2008_column_collapse.csv"
@@ -89,7 +89,7 @@ def compare(runner: Runner, models: dict[str, list[str]]) -> dict[str, Deposit]:
     rows, deposits = [], {}
     for name, settings in models.items():
         try:
-            run = runner.run(name.replace(" ", "_").replace(",", ""), COLLAPSE, settings)
+            run = runner.run(folder_of(name), COLLAPSE, settings)
         except ResultsError as error:
             print(error)
             rows.append([name, "failed", *[""] * (len(HEAD) - 2)])

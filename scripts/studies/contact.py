@@ -7,7 +7,7 @@ import numpy as np
 
 from studies.coupled import REST, SCENE
 from studies.measures import Measured
-from studies.runner import Runner
+from studies.runner import Runner, folder_of
 
 PAPER = f"{SCENE}_paper"
 INTERFACE = "mpm.json:/interfaces/0"
@@ -20,10 +20,6 @@ def triangles(fine: bool) -> list[str]:
     grid = {"file": f"../{PAPER}/{name}.msh"}
     return [f"mpm.json:/grid={json.dumps(grid)}", f"mpm.json:/bodies/0/mesh={json.dumps({'box': box})}",
             "mpm.json:/bodies/0/points_per_cell=3"]
-
-
-def folder(name: str) -> str:
-    return name.replace(", ", "_").replace(" ", "_")
 
 
 def row_of(name: str, run: Measured) -> list:
@@ -51,7 +47,7 @@ def forms(runner: Runner, size: str) -> None:
     rows = []
     for locking in ("fbar", "none"):
         for name, changes in settings.items():
-            run = runner.run(folder(f"{name} {size} {locking}"), scene,
+            run = runner.run(folder_of(f"{name} {size} {locking}"), scene,
                              [*changes, f"mpm.json:/locking/method={locking}"])
             rows.append(row_of(f"{name}, {'F-bar' if locking == 'fbar' else 'no cure'}", run))
     runner.report(HEAD, rows, f"h = {size} mm")
@@ -68,7 +64,7 @@ def contact(runner: Runner) -> None:
     }
     steps = {f"gimp, dt at most {1e3 * dt:g} ms": (SCENE, [f"coupler.json:/time/dt={dt}"]) for dt in (2e-4, 5e-5)}
     for title, runs in (("contact, h = 5 mm; else as shipped", kinds), ("largest step, F-bar, h = 5 mm; 1 ms as shipped", steps)):
-        rows = [row_of(name, runner.run(folder(name), scene, settings))
+        rows = [row_of(name, runner.run(folder_of(name), scene, settings))
                 for name, (scene, settings) in runs.items()]
         runner.report(HEAD, rows, title)
     runner.remark(f"iterations: mean of the steps in contact; rest: mean of the last {REST} s")

@@ -9,7 +9,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from plotting.results import ResultsError
 from plotting.style import legend_beside, new_figure
 from studies.measures import Measured, relative_rms
-from studies.runner import Runner
+from studies.runner import Runner, folder_of
 
 SCENE = "granular_obstacle"
 STEP_SIZES = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2.5e-5]  # [s], finest last
@@ -47,7 +47,7 @@ def error_vs_time(runner: Runner) -> None:
         "steps by their error": {f"time_error {e:g}": [f"mpm.json:/step_control/time_error={e:g}"]
                                  for e in TIME_ERRORS},
     }
-    runs = {kind: {name: runner.run(name.replace(" ", "_"), SCENE, settings) for name, settings in of_kind.items()}
+    runs = {kind: {name: runner.run(folder_of(name), SCENE, settings) for name, settings in of_kind.items()}
             for kind, of_kind in series.items()}
     reference_name = list(runs["fixed steps"])[-1]
     reference = runs["fixed steps"][reference_name]

@@ -109,6 +109,11 @@ class Runner:
         return [s for s in self.settings if (ROOT / "configs" / scene / s.partition(":")[0]).exists()]
 
 
+def folder_of(name: str) -> str:
+    """Name of the folder of a run from what its row is called."""
+    return name.replace(",", "").replace(" ", "_")
+
+
 def _completed(folder: Path) -> bool:
     if not (folder / "summary.json").exists():
         return False

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from studies.outcome import MAX_GAIN, MAX_MOMENTUM, Outcome, outcome
-from studies.runner import Runner
+from studies.runner import Runner, folder_of
 from studies.throw import Throw, described, settings_of, throws
 
 SCENE = "column_collapse"  # of soil alone, and at a rigid wall
@@ -67,7 +67,7 @@ def families() -> dict[str, list[Case]]:
 
 
 def folder(family: str, case: Case) -> str:
-    return f"{family}_{case.name}".replace(",", "").replace(" ", "_")
+    return folder_of(f"{family}_{case.name}")
 
 
 def family_row(family: str, outcomes: list[Outcome]) -> list:
