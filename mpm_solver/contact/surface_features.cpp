@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gabion::mpm {
 
@@ -267,6 +268,23 @@ SurfaceFeature<dim> foot_of(const FacingSurface<dim>& surface, const Sight<dim>&
           .distance = sight.height};
 }
 
+// Beyond the end of its simplex a foot is on the simplex that is next to it there: the force goes
+// to the vertices around it.
+template <int dim>
+void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<dim>>& all,
+                     SurfaceFeature<dim>& foot) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Sight<dim>& sight : all) {
+    const auto corners = corners_of<dim>(surface.simplices[sight.simplex], surface.end);
+    const auto place = closest_place<dim>(corners, foot.x);
+    const double distance = (place.x - foot.x).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    foot.simplex = sight.simplex;
+    foot.weights = place.weights;
+  }
+}
+
 // Whether another simplex meets this one in an inside corner at the side that has no corner k.
 template <int dim>
 bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k,
@@ -316,8 +334,9 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     const bool over = sight.height > 0 && sight.distance < reach;
     if (over && !is_minimum<dim>(surface, sight, sights)) {
       if (behind) continue;
-      const auto foot = foot_of<dim>(surface, sight, y);
+      auto foot = foot_of<dim>(surface, sight, y);
       if (fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
+        move_to_nearest<dim>(surface, sights, foot);
         features.push_back(foot);
       }
       continue;

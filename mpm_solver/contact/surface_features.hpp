@@ -49,7 +49,7 @@ ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, con
 template <int dim>
 struct SurfaceFeature {
   std::int32_t simplex = 0;
-  std::array<double, dim> weights{};         ///< of its corners; < 0 a little beyond its sides
+  std::array<double, dim> weights{};         ///< of its corners
   Vector<dim> x = Vector<dim>::Zero();       ///< where it is [m]
   Vector<dim> normal = Vector<dim>::Zero();  ///< from there to the point, of length 1
   double distance = 0;                       ///< [m], < 0: the point is behind the surface
@@ -72,7 +72,8 @@ struct FacingSurface {
 };
 
 /// The features of a surface that are nearer than `reach` to a point that came from x to y, or that
-/// its way went through. Inside corners have several, each a little beyond where its simplex ends.
+/// its way went through. Inside corners have several, each a little beyond where its simplex ends,
+/// with the weights of the simplex that is next to it there.
 /// Of features behind which the point is the least deep one counts, with those that form inside
 /// corners with it. A point that touched and whose centre went through stays behind.
 /// @param features  cleared first

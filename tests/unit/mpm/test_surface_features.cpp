@@ -145,6 +145,31 @@ TEST(SurfaceFeatures, an_inside_corner_touches_twice) {
   EXPECT_NEAR(found[0].normal.dot(found[1].normal), 0, 1e-14);
 }
 
+/// Where two facets are slightly bent, the force of either goes to the same vertices.
+TEST(SurfaceFeatures, beyond_the_end_of_a_facet_the_next_one_carries_its_force) {
+  constexpr double bend = 1e-3;
+  const ContactSurface<2> wall{.vertices = {{1, bend}, {0, 0}, {-1, bend}},
+                               .facet_type = CellType::line2,
+                               .facets = {0, 1, 1, 2}};
+  const Sighted<2> seen(wall, {0, 0.5});
+  for (const double x : {-0.02, 0.015}) {
+    const auto found = features<2>(wall, {x, 0.5}, {x, 0.1}, 0.3);
+    ASSERT_EQ(found.size(), 2U) << x;
+    EXPECT_NE(found[0].normal[0] > 0, found[1].normal[0] > 0);
+    EXPECT_EQ(found[0].simplex, found[1].simplex);
+    for (const auto& feature : found) {
+      const Vector<2>& n = feature.normal;
+      EXPECT_NEAR(feature.distance, n.dot(Vector<2>(x, 0.1)), 1e-15);
+      Vector<2> place = Vector<2>::Zero();
+      for (int k = 0; k < 2; ++k) {
+        EXPECT_GE(feature.weights[k], 0);
+        place += feature.weights[k] * seen.vertices[seen.simplices[feature.simplex][k]];
+      }
+      EXPECT_LT((place - feature.x).norm(), 0.02 * 3 * bend);
+    }
+  }
+}
+
 /// A vertex between two segments in line is one place, not two.
 TEST(SurfaceFeatures, a_seam_of_a_plane_counts_once) {
   const ContactSurface<2> line{
