@@ -6,7 +6,7 @@ from dataclasses import dataclass
 PHASES = ("handshake", "before_solve", "inside_solve", "after_solve", "output")
 PARTICIPANTS = ("soil", "structure")
 SILENCE, CONNECT, ANSWER, HEARTBEAT = 1.2, 4.0, 3.0, 0.2  # [s] deadlines of the scene
-PATIENT = 30.0  # [s] to connect where that is not what goes wrong
+PATIENT = 30.0  # [s] deadline of what does not go wrong
 SLOW = 1.8  # [s] longer than the silence deadline, shorter than that for an answer
 NEVER = 8.0  # [s]
 
@@ -29,6 +29,11 @@ class Cell:
     def connect(self) -> float:
         """Deadline to connect [s]."""
         return CONNECT if self.phase == "handshake" and self.code != 0 else PATIENT
+
+    @property
+    def silence(self) -> float:
+        """Deadline of silence [s]: a pause that must be survived may end late on a busy machine."""
+        return PATIENT if self.kind == "paused" else SILENCE
 
 
 def when(phase: str) -> str:

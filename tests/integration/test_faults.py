@@ -47,7 +47,7 @@ class Run:
         settings = COUPLER | {
             "time": {"end": 0.05, "dt": 0.01, "dt_min": 1e-6},
             "output": {"interval": 0.04},
-            "protocol": {"connect_deadline": cell.connect, "silence_deadline": table.SILENCE,
+            "protocol": {"connect_deadline": cell.connect, "silence_deadline": cell.silence,
                          "answer_deadline": table.ANSWER, "heartbeat": table.HEARTBEAT, "idle_deadline": 10},
         }
         (scene / "coupler.json").write_text(json.dumps(settings), encoding="utf-8")
