@@ -37,20 +37,25 @@ bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
   return true;
 }
 
+// Of the consecutive groups from g on.
 template <int dim>
 template <class Law>
 bool AveragedForces<dim>::add_stresses(const Law& law, std::int32_t g, bool with_K,
-                                       AveragedGroup<dim>& average, std::int32_t& worst) const {
-  const CellGroup& group = parts_.weights.groups[g];
-  StressUpdate<dim> stress;
-  Tangent<dim> A;
-  const StressTarget<dim> target{.stress = stress, .A = with_K ? &A : nullptr, .worst = worst};
-  for (std::int32_t e = group.first; e < group.last; ++e) {
-    const std::size_t k = e - group.first;
-    const Matrix<dim> H_bar = average.averaged_gradient(k);
-    if (!point_stress<dim>(parts_, law, e, H_bar, target)) return false;
-    const double V0 = parts_.points.V0[parts_.weights.point[e]];
-    average.set_stress(k, V0, stress.P, with_K ? &A : nullptr);
+                                       std::span<AveragedGroup<dim>> averages,
+                                       std::int32_t& worst) {
+  const auto* groups = parts_.weights.groups.data() + g;
+  stresses_.start(groups[0].first, groups[averages.size() - 1].last);
+  for (std::size_t k = 0; k < averages.size(); ++k) {
+    for (std::int32_t e = groups[k].first; e < groups[k].last; ++e) {
+      stresses_.H(e) = averages[k].averaged_gradient(e - groups[k].first);
+    }
+  }
+  if (!stresses_.evaluate(parts_, law, with_K, worst)) return false;
+  for (std::size_t k = 0; k < averages.size(); ++k) {
+    for (std::int32_t e = groups[k].first; e < groups[k].last; ++e) {
+      averages[k].set_stress(e - groups[k].first, parts_.points.V0[parts_.weights.point[e]],
+                             stresses_.P(e), with_K ? &stresses_.A(e) : nullptr);
+    }
   }
   return true;
 }
@@ -70,29 +75,46 @@ void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
 }
 
 template <int dim>
-bool AveragedForces<dim>::private_forces(std::span<const double> du, BlockMatrix<dim>* K,
-                                         std::span<double> f, std::int32_t& worst) {
+template <class Law>
+bool AveragedForces<dim>::private_groups(const Law& law, std::int32_t first, std::int32_t last,
+                                         const Target& target) {
   const auto& weights = parts_.weights;
-  const bool with_K = K != nullptr;
+  const bool with_K = target.K != nullptr;
+  const std::span averages(own_.data(), last - first);
+  for (std::int32_t g = first; g < last; ++g) {
+    if (!add_points(g, target.du, averages[g - first], target.worst)) return false;
+  }
+  if (!add_stresses(law, first, with_K, averages, target.worst)) return false;
   double gradient[CellForces<dim>::max_dofs];
+  for (std::int32_t g = first; g < last; ++g) {
+    if (with_K) {
+      std::fill_n(gradient, weights.groups[g].num_nodes * dim, 0.0);
+      averages[g - first].add_volume_gradient(weights, weights.groups[g], gradient);
+    }
+    add_forces(g, with_K ? gradient : nullptr, averages[g - first], target.K, target.f);
+  }
+  return true;
+}
+
+template <int dim>
+bool AveragedForces<dim>::private_forces(const Target& target) {
+  const auto& weights = parts_.weights;
+  const auto is_private = [&](std::int32_t g) {
+    return weights.shared.empty() || weights.shared[g] < 0;
+  };
+  own_.resize(groups_at_once);
   for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
-    const bool admissible = std::visit(
-        [&](const auto& law) {
-          for (std::int32_t g = weights.body_groups[b]; g < weights.body_groups[b + 1]; ++g) {
-            if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
-            const CellGroup& group = weights.groups[g];
-            if (!add_points(g, du, own_, worst)) return false;
-            if (!add_stresses(law, g, with_K, own_, worst)) return false;
-            if (with_K) {
-              std::fill_n(gradient, group.num_nodes * dim, 0.0);
-              own_.add_volume_gradient(weights, group, gradient);
-            }
-            add_forces(g, with_K ? gradient : nullptr, own_, K, f);
-          }
-          return true;
-        },
-        parts_.bodies[b].material.law);
-    if (!admissible) return false;
+    const std::int32_t end = weights.body_groups[b + 1];
+    for (std::int32_t first = weights.body_groups[b]; first < end;) {
+      std::int32_t last = first;
+      while (last < end && last - first < groups_at_once && is_private(last)) ++last;
+      const bool admissible =
+          last == first ||
+          std::visit([&](const auto& law) { return private_groups(law, first, last, target); },
+                     parts_.bodies[b].material.law);
+      if (!admissible) return false;
+      first = std::max(last, first + 1);
+    }
   }
   return true;
 }
@@ -149,7 +171,8 @@ bool AveragedForces<dim>::shared_forces(std::span<const double> du, BlockMatrix<
   for (std::size_t s = 0; admissible && s < shared_.size(); ++s) {
     admissible = std::visit(
         [&](const auto& law) {
-          return add_stresses(law, shared_[s], K != nullptr, shared_groups_[s], worst);
+          return add_stresses(law, shared_[s], K != nullptr, std::span(&shared_groups_[s], 1),
+                              worst);
         },
         parts_.bodies[weights.groups[shared_[s]].body].material.law);
   }
@@ -166,7 +189,7 @@ template <int dim>
 bool AveragedForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
                                    std::span<double> f, std::int32_t& worst) {
   const bool shared = parts_.weights.num_shared == 0 || shared_forces(du, K, f, worst);
-  const bool admissible = shared && private_forces(du, K, f, worst);
+  const bool admissible = shared && private_forces({.du = du, .K = K, .f = f, .worst = worst});
   return max_over_ranks(comm_, admissible ? 0 : 1) == 0;
 }
 
@@ -185,10 +208,11 @@ void AveragedForces<dim>::add_accepted_stresses(std::int32_t g, AveragedGroup<di
 template <int dim>
 void AveragedForces<dim>::add_start_forces(std::span<double> f) {
   const auto& weights = parts_.weights;
+  own_.resize(1);
   for (std::size_t g = 0; g < weights.groups.size(); ++g) {
     if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
-    add_accepted_stresses(static_cast<std::int32_t>(g), own_);
-    add_forces(static_cast<std::int32_t>(g), nullptr, own_, nullptr, f);
+    add_accepted_stresses(static_cast<std::int32_t>(g), own_[0]);
+    add_forces(static_cast<std::int32_t>(g), nullptr, own_[0], nullptr, f);
   }
   if (weights.num_shared == 0) return;
   for (std::size_t s = 0; s < shared_.size(); ++s) {

@@ -8,7 +8,7 @@
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/stress/averaged_group.hpp"
-#include "mpm_solver/stress/point_stress.hpp"
+#include "mpm_solver/stress/point_stresses.hpp"
 
 namespace gabion::mpm {
 
@@ -33,10 +33,17 @@ class AveragedForces {
   std::vector<double> start_forces(std::size_t num_values) const;
 
  private:
+  /// What `evaluate` adds to.
+  struct Target {
+    std::span<const double> du;
+    BlockMatrix<dim>* K;
+    std::span<double> f;
+    std::int32_t& worst;
+  };
+
   void add_start_forces(std::span<double> f);
   void add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const;
-  bool private_forces(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,
-                      std::int32_t& worst);
+  bool private_forces(const Target& target);
   bool shared_forces(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,
                      std::int32_t& worst);
   bool share_volumes(bool admissible);
@@ -46,14 +53,17 @@ class AveragedForces {
   bool add_points(std::int32_t g, std::span<const double> du, AveragedGroup<dim>& average,
                   std::int32_t& worst) const;
   template <class Law>
-  bool add_stresses(const Law& law, std::int32_t g, bool with_K, AveragedGroup<dim>& average,
-                    std::int32_t& worst) const;
+  bool add_stresses(const Law& law, std::int32_t g, bool with_K,
+                    std::span<AveragedGroup<dim>> averages, std::int32_t& worst);
+  template <class Law>
+  bool private_groups(const Law& law, std::int32_t first, std::int32_t last, const Target& target);
   void add_forces(std::int32_t g, const double* gradient, AveragedGroup<dim>& average,
                   BlockMatrix<dim>* K, std::span<double> f) const;
 
   MPI_Comm comm_;
   StressParts<dim> parts_;
-  AveragedGroup<dim> own_;                         // the private group at hand
+  std::vector<AveragedGroup<dim>> own_;            // the private groups at hand
+  PointStresses<dim> stresses_;                    // of the groups at hand
   std::vector<std::int32_t> shared_;               // groups with points on other ranks too
   std::vector<AveragedGroup<dim>> shared_groups_;  // of each of them
   std::vector<double> sums_;

@@ -50,31 +50,28 @@ template <class Law>
 bool InternalForces<dim>::group_stress(const Law& law, const GroupRequest& request,
                                        const Matrix<dim>& H) {
   const CellGroup& group = parts_.weights.groups[request.number];
-  const bool with_A = request.with_K;
   GroupStress& known = known_[request.number];
-  StressUpdate<dim> stress;
-  Tangent<dim> A;
-  const StressTarget<dim> target{
-      .stress = stress, .A = with_A ? &A : nullptr, .worst = request.worst};
   known.is_known = false;
   known.H = H;
   known.P.setZero();
   known.A.setZero();
+  stresses_.start(group.first, group.last);
+  for (std::int32_t e = group.first; e < group.last; ++e) stresses_.H(e) = H;
+  if (!stresses_.evaluate(parts_, law, request.with_K, request.worst)) return false;
   for (std::int32_t e = group.first; e < group.last; ++e) {
-    if (!point_stress<dim>(parts_, law, e, H, target)) return false;
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
-    known.P += V0 * stress.P;
-    if (with_A) known.A += V0 * A;
+    known.P += V0 * stresses_.P(e);
+    if (request.with_K) known.A += V0 * stresses_.A(e);
   }
   known.is_known = true;
-  known.has_A = with_A;
+  known.has_A = request.with_K;
   return true;
 }
 
 // Forces and stiffness of a triangle or tetrahedron.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& request) {
+bool InternalForces<dim>::add_simplex(const Law& law, const GroupRequest& request) {
   const CellGroup& group = parts_.weights.groups[request.number];
   const std::uint8_t* local = parts_.weights.local_of(group.first);
   const Vector<dim>* grad = parts_.weights.grad_of(group.first);
@@ -100,24 +97,63 @@ bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRequest& req
   return true;
 }
 
-// Forces and stiffness of a cell whose points have gradients of their own.
+// Of cells whose points share one gradient.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::general_forces(const Law& law, const GroupRequest& request) {
-  const CellGroup& group = parts_.weights.groups[request.number];
-  StressUpdate<dim> stress;
-  Tangent<dim> A;
-  const StressTarget<dim> target{
-      .stress = stress, .A = request.with_K ? &A : nullptr, .worst = request.worst};
-  for (std::int32_t e = group.first; e < group.last; ++e) {
-    const int n = parts_.weights.num_nodes(e);
-    const std::uint8_t* local = parts_.weights.local_of(e);
-    const Vector<dim>* grad = parts_.weights.grad_of(e);
-    const Matrix<dim> H = gradient_of(request, e);
-    if (!point_stress<dim>(parts_, law, e, H, target)) return false;
-    const double V0 = parts_.points.V0[parts_.weights.point[e]];
-    request.sum.add_stress(n, local, V0 * stress.P, grad);
-    if (request.with_K) request.sum.add_tangent(n, local, group.num_nodes, V0 * A, grad);
+bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRange& range,
+                                         std::span<const double> du, BlockMatrix<dim>* K,
+                                         std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  CellForces<dim> sum;
+  std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
+    sum.set_zero(group.num_nodes, K != nullptr);
+    const GroupRequest request{
+        .number = g, .du = of_group.data(), .with_K = K != nullptr, .sum = sum, .worst = worst};
+    if (!add_simplex(law, request)) return false;
+    sum.scatter(group.num_nodes, active, f_int_.data());
+    if (K) K->add_cell_blocks(g, sum.K);
+  }
+  return true;
+}
+
+// Of cells whose points have gradients of their own.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::general_forces(const Law& law, const GroupRange& range,
+                                         std::span<const double> du, BlockMatrix<dim>* K,
+                                         std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  stresses_.start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
+  GroupDisplacements<dim> of_group;
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      stresses_.H(e) = displacement_gradient(weights, e, of_group.data());
+    }
+  }
+  if (!stresses_.evaluate(parts_, law, K != nullptr, worst)) return false;
+  CellForces<dim> sum;
+  std::int32_t active[max_group_nodes<dim>];
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    sum.set_zero(group.num_nodes, K != nullptr);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const int n = weights.num_nodes(e);
+      const std::uint8_t* local = weights.local_of(e);
+      const double V0 = parts_.points.V0[weights.point[e]];
+      sum.add_stress(n, local, V0 * stresses_.P(e), weights.grad_of(e));
+      if (!K) continue;
+      sum.add_tangent(n, local, group.num_nodes, V0 * stresses_.A(e), weights.grad_of(e));
+    }
+    sum.scatter(group.num_nodes, active, f_int_.data());
+    if (K) K->add_cell_blocks(g, sum.K);
   }
   return true;
 }
@@ -127,22 +163,15 @@ template <int dim>
 template <class Law>
 bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                                       BlockMatrix<dim>* K, std::int32_t& worst) {
-  const auto& weights = parts_.weights;
-  CellForces<dim> sum;
-  std::int32_t active[max_group_nodes<dim>];
-  GroupDisplacements<dim> of_group;
-  for (std::int32_t g = weights.body_groups[body]; g < weights.body_groups[body + 1]; ++g) {
-    const CellGroup& group = weights.groups[g];
-    parts_.nodes.list_active(weights.nodes_of(group), active);
-    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
-    sum.set_zero(group.num_nodes, K != nullptr);
-    const GroupRequest request{
-        .number = g, .du = of_group.data(), .with_K = K != nullptr, .sum = sum, .worst = worst};
-    const bool admissible =
-        weights.constant_gradient ? simplex_forces(law, request) : general_forces(law, request);
-    if (!admissible) return false;
-    sum.scatter(group.num_nodes, active, f_int_.data());
-    if (K) K->add_cell_blocks(g, sum.K);
+  const std::int32_t last = parts_.weights.body_groups[body + 1];
+  GroupRange range;
+  for (range.first = parts_.weights.body_groups[body]; range.first < last;
+       range.first = range.last) {
+    range.last = std::min(range.first + groups_at_once, last);
+    if (!(parts_.weights.constant_gradient ? simplex_forces(law, range, du, K, worst)
+                                           : general_forces(law, range, du, K, worst))) {
+      return false;
+    }
   }
   return true;
 }

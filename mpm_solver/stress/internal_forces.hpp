@@ -10,7 +10,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/stress/averaged_forces.hpp"
 #include "mpm_solver/stress/cell_forces.hpp"
-#include "mpm_solver/stress/point_stress.hpp"
+#include "mpm_solver/stress/point_stresses.hpp"
 #include "mpm_solver/stress/yielding_points.hpp"
 
 namespace gabion::mpm {
@@ -67,6 +67,11 @@ class InternalForces {
     Tangent<dim> A = Tangent<dim>::Zero();  // sum of V0 dP/dH
   };
 
+  /// Consecutive groups of one body.
+  struct GroupRange {
+    std::int32_t first, last;
+  };
+
   /// A group of points under evaluation.
   struct GroupRequest {
     std::int32_t number;  // of the group
@@ -81,9 +86,13 @@ class InternalForces {
   bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                    BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
-  bool simplex_forces(const Law& law, const GroupRequest& request);
+  bool simplex_forces(const Law& law, const GroupRange& range, std::span<const double> du,
+                      BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
-  bool general_forces(const Law& law, const GroupRequest& request);
+  bool add_simplex(const Law& law, const GroupRequest& request);
+  template <class Law>
+  bool general_forces(const Law& law, const GroupRange& range, std::span<const double> du,
+                      BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
   bool group_stress(const Law& law, const GroupRequest& request, const Matrix<dim>& H);
   Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
@@ -102,6 +111,7 @@ class InternalForces {
   std::vector<double> K_int_;       // values of the matrix
   bool first_evaluation_ = true;
   YieldingPoints<dim> yielding_;
+  PointStresses<dim> stresses_;  // of the groups at hand
 };
 
 }  // namespace gabion::mpm

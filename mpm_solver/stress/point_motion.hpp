@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mpm_solver/stress/point_stress.hpp"
+#include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
 

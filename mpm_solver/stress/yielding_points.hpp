@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/stress/point_stress.hpp"
+#include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
 

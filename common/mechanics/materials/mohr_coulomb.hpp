@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
+#include "common/mechanics/materials/plane_batch.hpp"
 #include "common/mechanics/materials/principal_surface.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
@@ -35,6 +38,8 @@ class MohrCoulomb {
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
+  /// The same for four points at once; null in 3D and with a tension cut-off.
+  const PlaneReturn* plane_return() const { return plane_return_ ? &*plane_return_ : nullptr; }
   bool symmetric_tangent() const {
     return parameters_.dilation_angle == parameters_.friction_angle;
   }
@@ -47,6 +52,7 @@ class MohrCoulomb {
  private:
   MohrCoulombParameters parameters_;
   PrincipalMohrCoulomb principal_;
+  std::optional<PlaneReturn> plane_return_;
 };
 
 }  // namespace gabion

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
+#include "common/mechanics/materials/plane_batch.hpp"
 #include "common/mechanics/materials/principal_surface.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
@@ -28,10 +31,16 @@ class Tresca {
                    .mu = parameters.mu,
                    .k = 1,
                    .m = 1,
-                   .strength = 2 * parameters.cohesion} {}
+                   .strength = 2 * parameters.cohesion} {
+    if (dim == 2 && parameters.tension_cutoff == no_cutoff) {
+      plane_return_.emplace(principal_, parameters.apex_volume == ApexVolume::gap);
+    }
+  }
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
+  /// The same for four points at once; null in 3D and with a tension cut-off.
+  const PlaneReturn* plane_return() const { return plane_return_ ? &*plane_return_ : nullptr; }
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
   double shear_modulus() const { return parameters_.mu; }
@@ -42,6 +51,7 @@ class Tresca {
  private:
   TrescaParameters parameters_;
   PrincipalMohrCoulomb principal_;
+  std::optional<PlaneReturn> plane_return_;
 };
 
 }  // namespace gabion

@@ -62,32 +62,4 @@ Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t
   return H;
 }
 
-/// Where point_stress puts what it finds.
-template <int dim>
-struct StressTarget {
-  StressUpdate<dim>& stress;
-  Tangent<dim>* A = nullptr;  ///< null, or set to dP/dH
-  std::int32_t& worst;        ///< set to the point when it makes the state inadmissible
-};
-
-/// Stress of one point at the end of the step, into `target` and the trial state.
-/// @returns false when the point would be squeezed below min_J_ratio of its volume
-template <int dim, class Law>
-bool point_stress(const StressParts<dim>& parts, const Law& law, std::int32_t entry,
-                  const Matrix<dim>& H, const StressTarget<dim>& target) {
-  const std::int32_t p = parts.weights.point[entry];
-  StressUpdate<dim>& stress = target.stress;
-  if (!law.update(H, parts.points.history[p], stress, target.A) || stress.J < min_J_ratio) {
-    target.worst = p;
-    return false;
-  }
-  parts.trial.history[entry] = stress.state;
-  parts.trial.tau[entry] = stress.tau;
-  parts.trial.J_ratio[entry] = stress.J;
-  parts.trial.energy[entry] = stress.energy;
-  parts.trial.plastic_increment[entry] = stress.plastic_increment;
-  parts.trial.region[entry] = stress.region;
-  return true;
-}
-
 }  // namespace gabion::mpm

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstring>
+
+namespace gabion {
+
+/// Four doubles, one of each of four points, which the compiler spreads over what registers there
+/// are. Operators act on each; a comparison gives a mask, which `mask ? a : b` takes.
+using Lanes = double __attribute__((vector_size(32)));
+using LaneMask = decltype(Lanes{} < Lanes{});
+inline constexpr int num_lanes = 4;
+
+inline Lanes lanes(double x) {
+  return Lanes{x, x, x, x};
+}
+
+inline bool any(const LaneMask& mask) {
+  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+}
+
+inline Lanes sqrt(const Lanes& x) {
+  return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+}
+
+inline Lanes abs(const Lanes& x) {
+  return x < 0 ? -x : x;
+}
+
+/// A function of doubles, lane by lane.
+template <class Function>
+Lanes each(const Function& function, const Lanes& x) {
+  return Lanes{function(x[0]), function(x[1]), function(x[2]), function(x[3])};
+}
+
+/// x(k)[l] <-> x(l)[k]
+inline void transpose(Lanes (&x)[num_lanes]) {
+  using Order = LaneMask;
+  const Lanes a = __builtin_shuffle(x[0], x[1], Order{0, 4, 2, 6});
+  const Lanes b = __builtin_shuffle(x[0], x[1], Order{1, 5, 3, 7});
+  const Lanes c = __builtin_shuffle(x[2], x[3], Order{0, 4, 2, 6});
+  const Lanes d = __builtin_shuffle(x[2], x[3], Order{1, 5, 3, 7});
+  x[0] = __builtin_shuffle(a, c, Order{0, 1, 4, 5});
+  x[1] = __builtin_shuffle(b, d, Order{0, 1, 4, 5});
+  x[2] = __builtin_shuffle(a, c, Order{2, 3, 6, 7});
+  x[3] = __builtin_shuffle(b, d, Order{2, 3, 6, 7});
+}
+
+/// Four numbers in a row from each of four places: component k of point l is result(k)[l].
+struct LaneBlock {
+  Lanes x[num_lanes];
+
+  Lanes& operator[](int k) { return x[k]; }
+  const Lanes& operator[](int k) const { return x[k]; }
+  void load(const double* first, const double* second, const double* third, const double* fourth) {
+    std::memcpy(&x[0], first, sizeof(Lanes));
+    std::memcpy(&x[1], second, sizeof(Lanes));
+    std::memcpy(&x[2], third, sizeof(Lanes));
+    std::memcpy(&x[3], fourth, sizeof(Lanes));
+    transpose(x);
+  }
+  void store(double* first, double* second, double* third, double* fourth) const {
+    Lanes rows[num_lanes] = {x[0], x[1], x[2], x[3]};
+    transpose(rows);
+    std::memcpy(first, &rows[0], sizeof(Lanes));
+    std::memcpy(second, &rows[1], sizeof(Lanes));
+    std::memcpy(third, &rows[2], sizeof(Lanes));
+    std::memcpy(fourth, &rows[3], sizeof(Lanes));
+  }
+};
+
+}  // namespace gabion
