@@ -24,7 +24,6 @@ namespace {
 // Of Newton's tolerance, from the second iteration of a coupled step on: what a solution leaves out
 // must not look like a change of the interface.
 constexpr double coupled_share = 0.01;
-constexpr double safe_tolerance = 1e-13;  // rounding of |r| is smaller
 
 // Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
 // it can leave out (second order; first order across the yield surface) stays below that tolerance,
@@ -190,7 +189,7 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
   NewtonSettings settings = model_.settings.newton;
   double& tolerance = settings.residual_tolerance;
   if (request.iteration > 0) {
-    tolerance = std::min(tolerance, std::max(coupled_share * tolerance, safe_tolerance));
+    tolerance = std::min(tolerance, std::max(coupled_share * tolerance, likely_round_off));
   }
   const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, times_);
   linear_iterations_ += newton.linear_iterations;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/petsc/node_block.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 
@@ -55,10 +56,12 @@ Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t
   const int n = weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
   const Vector<dim>* grad = weights.grad_of(entry);
-  Matrix<dim> H = Matrix<dim>::Zero();
+  BlockVector<dim> sum = BlockVector<dim>::zero();
   for (int i = 0; i < n; ++i) {
-    H += Eigen::Map<const Vector<dim>>(du + local[i] * dim) * grad[i].transpose();
+    sum += BlockVector<dim>::rows(du + local[i] * dim) * BlockVector<dim>::columns(grad[i].data());
   }
+  Matrix<dim> H;
+  sum.store(H.data());
   return H;
 }
 

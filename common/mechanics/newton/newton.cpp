@@ -19,8 +19,8 @@ namespace {
 constexpr int max_cuts = 8;
 constexpr double energy_reduction = 0.8;
 constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old matrix
-constexpr double loosest_linear_tolerance = 1e-3;
-constexpr double linear_margin = 1e-2;
+constexpr double loosest_linear_tolerance = 1e-2;
+constexpr double linear_margin = 3e-1;
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -49,8 +49,6 @@ WorstNode worst_node(std::span<const double> values) {
 // left of r is round-off (forces that cancel, as in a free body that moves without strain).
 constexpr double round_off = 1e-14;
 
-// Share of the forces that their own rounding may leave in |r|: some thousand terms of either sign.
-constexpr double likely_round_off = 1e-13;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// State of one solve.

@@ -13,6 +13,9 @@
 
 namespace gabion {
 
+/// Share of the forces that their own rounding may leave in |r|: some thousand terms of either sign.
+inline constexpr double likely_round_off = 1e-13;
+
 /// The "newton" object of a solver's config.
 struct NewtonSettings {
   double residual_tolerance = 1e-8;   ///< |r| <= tol * scale of the forces; [eps, 0.1]
@@ -99,8 +102,8 @@ struct NewtonReport {
 /// the solution does not depend on it.
 ///
 /// K comes with the residual in one evaluation unless quadratic convergence predicts that the
-/// iterate is the last one. The linear tolerance is 1e-2 of what the next residual has to reach,
-/// not looser than 1e-3 and not tighter than the linear solver's setting.
+/// iterate is the last one. The linear tolerance is 0.3 of what the next residual has to reach,
+/// not looser than 1e-2 and not tighter than the linear solver's setting.
 ///
 /// @param[in,out] matrix  -dr/du; `is_usable` lets `reuse_matrix` reach from one call to the next
 /// @param[in,out] du      guess, then solution                               num_nodes x block_size

@@ -24,6 +24,11 @@ class BlockVector {
   void store(double* entries) const {
     for (int c = 0; c < num_entries; ++c) entries[c] = v_[c];
   }
+  static BlockVector zero() {
+    BlockVector r;
+    for (int c = 0; c < num_entries; ++c) r.v_[c] = 0;
+    return r;
+  }
   /// Entry (a, b) is x_a.
   static BlockVector rows(const double* x) {
     BlockVector r;
@@ -64,6 +69,7 @@ class BlockVector<2> {
 
   void load(const double* entries) { std::memcpy(&v_, entries, sizeof v_); }
   void store(double* entries) const { std::memcpy(entries, &v_, sizeof v_); }
+  static BlockVector zero() { return BlockVector(Four{}); }
   static BlockVector rows(const double* x) { return BlockVector(Four{x[0], x[1], x[0], x[1]}); }
   static BlockVector columns(const double* x) { return BlockVector(Four{x[0], x[0], x[1], x[1]}); }
   BlockVector operator*(double s) const { return BlockVector(v_ * s); }
