@@ -39,6 +39,7 @@ Json grains_on_a_bed(double gravity, const std::string& apex_volume) {
           {"walls", {wall("left", "slip"), wall("bottom", "fixed"), wall("right", "slip")}},
           {"gravity", {0, -gravity}},
           {"locking", {{"method", "none"}}},
+          {"newton", {{"residual_tolerance", 1e-7}}},
           {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
           {"bodies", bodies}};
 }

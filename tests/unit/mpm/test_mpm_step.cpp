@@ -288,10 +288,12 @@ Json spinning(double spin, int grid_cells) {
                             {-spin * (y + half - 1.5), spin * (x + half - 1.5)}));
     }
   }
-  return {
-      {"dimension", 2},         {"grid", box({0, 0}, {3, 3}, {grid_cells, grid_cells}, "quad4")},
-      {"basis", "linear"},      {"bodies", bodies},
-      {"newton", exact_newton}, {"time_integration", trapezoid}};
+  return {{"dimension", 2},
+          {"grid", box({0, 0}, {3, 3}, {grid_cells, grid_cells}, "quad4")},
+          {"basis", "linear"},
+          {"bodies", bodies},
+          {"newton", {{"residual_tolerance", 1e-12}}},
+          {"time_integration", trapezoid}};
 }
 
 double angular_momentum(const mpm::MaterialPoints<2>& points) {
