@@ -263,6 +263,7 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   FemSettings<dim> s;
+  if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
   s.material = read_material<dim>(in.object("material"));
   assert(is_elastic<dim>(s.material.law));
   s.mesh = read_mesh<dim>(scene, in.object("mesh"));

@@ -93,6 +93,10 @@ template <int dim>
 MatrixSettings<dim> read_matrix_settings(ConfigReader& in) {
   MatrixSettings<dim> s;
   s.where = in.where("matrices");
+  for (const char* key : {"mesh", "material", "mass", "gravity", "supports", "prescribed", "loads",
+                          "tractions", "newton", "linear_solver"}) {
+    if (in.has(key)) in.fail(key, "has no meaning beside \"matrices\"");
+  }
   read_motion<dim>(in, s);
   read_files(in.object("matrices"), s);
   for (auto& item : in.objects("interfaces")) {
