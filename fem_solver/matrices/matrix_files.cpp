@@ -186,6 +186,20 @@ std::vector<Unknown> read_unknowns(const std::string& path) {
   return unknowns;
 }
 
+std::vector<Unknown> read_held(const std::string& path) {
+  NumberLines lines(path);
+  std::vector<Unknown> held;
+  for (auto row = lines.next(); !row.empty(); row = lines.next()) {
+    if (row.size() > 2) lines.fail(fmt::format("found {} numbers, allowed: 1 or 2", row.size()));
+    const auto node = lines.whole(row[0], 1, largest_index, "node");
+    const bool all = row.size() == 1;
+    const auto first = all ? 1 : lines.whole(row[1], 1, 6, "direction");
+    const auto last = all ? 6 : first;
+    for (auto d = first; d <= last; ++d) held.push_back({node, static_cast<int>(d)});
+  }
+  return held;
+}
+
 void write_symmetric_matrix(const std::string& path, const SparseMatrix& A) {
   const SparseMatrix lower = A.triangularView<Eigen::Lower>();
   try {

@@ -29,6 +29,10 @@ Eigen::VectorXd read_vector(const std::string& path);
 /// @throws ConfigError  not this, or an unknown twice
 std::vector<Unknown> read_unknowns(const std::string& path);
 
+/// Read what does not move: rows "node, direction", or "node" alone for all its directions.
+/// @throws ConfigError
+std::vector<Unknown> read_held(const std::string& path);
+
 /// Write the lower triangle as Matrix Market, with all digits.
 /// @throws Error  the file cannot be written
 void write_symmetric_matrix(const std::string& path, const SparseMatrix& A);

@@ -35,10 +35,12 @@ KeyTable matrix_keys() {
                 "What each row is: rows `node, direction`, 1 to 3 displacement, 4 to 6 "
                 "rotation."),
        file_key("held",
-                "Unknowns to take out of the matrices, rows `node, direction`; what "
-                "`unknowns` lacks is held too.")
+                "What does not move, rows `node, direction` or `node` for all of it: taken "
+                "out of the matrices if it is in them.")
            .or_none(),
-       file_key("nodes", "Rows `node, x, y` and z in 3D [m]: of wet surfaces, probes and frames."),
+       file_key("nodes",
+                "Rows `node, x, y` and z in 3D [m]: of wet surfaces, probes and frames. Each "
+                "component of their displacement is an unknown or held."),
        file_key("cells", "Rows of node numbers in the order of Gmsh, for frames; none: the facets.")
            .or_none(),
        key::integer("modes",

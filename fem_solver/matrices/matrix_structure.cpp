@@ -5,10 +5,12 @@
 
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/mechanics/mesh/seen_facets.hpp"
 #include "fem_solver/matrices/matrix_files.hpp"
 #include "fem_solver/matrices/number_lines.hpp"
 
@@ -17,7 +19,7 @@ namespace gabion::fem {
 namespace {
 
 constexpr std::int64_t largest_number = std::numeric_limits<std::int32_t>::max();
-using RowOf = std::map<std::pair<std::int64_t, int>, int>;
+using Held = std::set<std::pair<std::int64_t, int>>;
 using NodeOf = std::map<std::int64_t, std::int32_t>;
 
 /// Matrices as the files have them, over all their rows.
@@ -60,26 +62,26 @@ Rows read_rows(const Scene& scene, const MatrixSettings<dim>& s) {
   return rows;
 }
 
-/// Unknowns that stay, ascending. @throws ConfigError  "held" names one that is none
-template <int dim>
-std::vector<int> free_rows(const Scene& scene, const MatrixSettings<dim>& s, const Rows& rows) {
-  std::vector<char> is_free(rows.model.unknowns.size(), 1);
-  if (!s.files.held.empty()) {
-    RowOf row_of;
-    for (std::size_t i = 0; i < rows.model.unknowns.size(); ++i) {
-      const Unknown& unknown = rows.model.unknowns[i];
-      row_of[{unknown.node, unknown.direction}] = static_cast<int>(i);
-    }
-    for (const Unknown& unknown : read_unknowns(scene.path(s.files.held))) {
-      const auto found = row_of.find({unknown.node, unknown.direction});
-      require<ConfigError>(found != row_of.end(), "{}: found {}, allowed: unknowns of {}",
-                           scene.path(s.files.held), name(unknown), rows.unknowns_path);
-      is_free[found->second] = 0;
-    }
+/// @throws ConfigError  a node that has neither an unknown nor coordinates
+Held read_held_of(const std::string& path, const Rows& rows, const NodeOf& node_of) {
+  std::set<std::int64_t> nodes;
+  for (const Unknown& unknown : rows.model.unknowns) nodes.insert(unknown.node);
+  Held held;
+  for (const Unknown& unknown : read_held(path)) {
+    require<ConfigError>(nodes.contains(unknown.node) || node_of.contains(unknown.node),
+                         "{}: found node {}, allowed: nodes with coordinates or unknowns", path,
+                         unknown.node);
+    held.emplace(unknown.node, unknown.direction);
   }
+  return held;
+}
+
+/// Unknowns that stay, ascending.
+std::vector<int> free_rows(const Rows& rows, const Held& held) {
   std::vector<int> result;
-  for (std::size_t i = 0; i < is_free.size(); ++i) {
-    if (is_free[i]) result.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < rows.model.unknowns.size(); ++i) {
+    const Unknown& unknown = rows.model.unknowns[i];
+    if (!held.contains({unknown.node, unknown.direction})) result.push_back(static_cast<int>(i));
   }
   require<ConfigError>(!result.empty(), "{}: found no free unknown, allowed: at least one",
                        rows.unknowns_path);
@@ -145,6 +147,18 @@ CellType cell_with_facets(int dim, std::size_t width) {
   return width == 3 ? CellType::tet4 : CellType::hex8;
 }
 
+/// @throws ConfigError  a facet that is there already
+template <int dim>
+void require_new_facets(const Mesh<dim>& mesh, const NodeRows& facets, const std::string& where,
+                        SeenFacets<dim>& seen) {
+  for (std::size_t f = 0; f < facets.nodes.size(); f += facets.width) {
+    require<ConfigError>(
+        seen.add(mesh.nodes, std::span(facets.nodes).subspan(f, facets.width)),
+        "{}: found facet {} a second time, allowed: each facet in one interface and once", where,
+        f / facets.width + 1);
+  }
+}
+
 template <int dim>
 void read_mesh_files(const Scene& scene, const MatrixSettings<dim>& s, const NodeOf& node_of,
                      Mesh<dim>& mesh) {
@@ -158,6 +172,7 @@ void read_mesh_files(const Scene& scene, const MatrixSettings<dim>& s, const Nod
   }
   const std::vector<std::size_t> widths =
       dim == 2 ? std::vector<std::size_t>{2} : std::vector<std::size_t>{3, 4};
+  SeenFacets<dim> seen;
   for (const auto& interface : s.interfaces) {
     const std::string& file = interface.groups.front();
     NodeRows facets = read_node_rows(scene.path(file), node_of, widths);
@@ -169,12 +184,15 @@ void read_mesh_files(const Scene& scene, const MatrixSettings<dim>& s, const Nod
                          "{}: found facets of {} nodes, allowed: {} as of the other surfaces and "
                          "cells",
                          interface.where, facets.width, expected);
+    require_new_facets(mesh, facets, interface.where, seen);
     mesh.facet_groups[file] = std::move(facets.nodes);
   }
 }
 
+/// @throws ConfigError  a component that is neither an unknown nor held: it would depend on others
 template <int dim>
-void connect_unknowns(const NodeOf& node_of, MatrixStructure<dim>& structure) {
+void connect_unknowns(const MatrixSettings<dim>& s, const NodeOf& node_of, const Held& held,
+                      MatrixStructure<dim>& structure) {
   structure.unknown_of.assign(structure.mesh.nodes.size() * dim, -1);
   const auto& unknowns = structure.model.unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -183,6 +201,14 @@ void connect_unknowns(const NodeOf& node_of, MatrixStructure<dim>& structure) {
     structure
         .unknown_of[static_cast<std::size_t>(found->second) * dim + unknowns[i].direction - 1] =
         static_cast<std::int32_t>(i);
+  }
+  for (std::size_t dof = 0; dof < structure.unknown_of.size(); ++dof) {
+    const Unknown component = {structure.node_numbers[dof / dim], static_cast<int>(dof % dim) + 1};
+    require<ConfigError>(
+        structure.unknown_of[dof] >= 0 || held.contains({component.node, component.direction}),
+        "{}: {} has coordinates in {}, and no row in {}; allowed: with a row, or listed in "
+        "\"held\"",
+        s.where, name(component), s.files.nodes, s.files.unknowns);
   }
 }
 
@@ -211,13 +237,17 @@ template <int dim>
 MatrixStructure<dim> read_matrix_structure(const Scene& scene,
                                            const MatrixSettings<dim>& settings) {
   const Rows rows = read_rows(scene, settings);
-  const std::vector<int> kept = free_rows(scene, settings, rows);
   MatrixStructure<dim> structure;
+  const NodeOf node_of = read_nodes(scene.path(settings.files.nodes), structure);
+  Held held;
+  if (!settings.files.held.empty()) {
+    held = read_held_of(scene.path(settings.files.held), rows, node_of);
+  }
+  const std::vector<int> kept = free_rows(rows, held);
   structure.model = part_of(rows.model, kept);
   structure.load = rows.load(kept);
-  const NodeOf node_of = read_nodes(scene.path(settings.files.nodes), structure);
   read_mesh_files(scene, settings, node_of, structure.mesh);
-  connect_unknowns(node_of, structure);
+  connect_unknowns(settings, node_of, held, structure);
   require_free_surfaces(settings, structure);
   return structure;
 }

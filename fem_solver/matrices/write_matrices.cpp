@@ -91,6 +91,7 @@ Json scene_file(const FemSettings<dim>& settings, const Json& resolved, bool has
                 {{"stiffness", "K.mtx"},
                  {"mass", "M.mtx"},
                  {"unknowns", "unknowns.csv"},
+                 {"held", "held.csv"},
                  {"nodes", "nodes.csv"},
                  {"cells", "cells.csv"}}}};
   if (has_load) json["matrices"]["load"] = "load.mtx";
@@ -110,14 +111,14 @@ std::vector<int> write_unknowns(const BoundaryConditions<dim>& conditions, std::
   std::vector<char> constrained(num_dofs, 0);
   for (const auto dof : conditions.constrained_dofs()) constrained[dof] = 1;
   std::vector<int> free;
-  TextFile file(folder + "/unknowns.csv");
-  file.line("node,direction");
+  TextFile unknowns(folder + "/unknowns.csv"), held(folder + "/held.csv");
+  for (TextFile* file : {&unknowns, &held}) file->line("node,direction");
   for (std::size_t dof = 0; dof < num_dofs; ++dof) {
-    if (constrained[dof]) continue;
-    free.push_back(static_cast<int>(dof));
-    file.line(fmt::format("{},{}", dof / dim + 1, dof % dim + 1));
+    if (!constrained[dof]) free.push_back(static_cast<int>(dof));
+    (constrained[dof] ? held : unknowns).line(fmt::format("{},{}", dof / dim + 1, dof % dim + 1));
   }
-  file.close();
+  unknowns.close();
+  held.close();
   return free;
 }
 

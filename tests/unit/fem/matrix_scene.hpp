@@ -68,7 +68,7 @@ class MatrixScene {
 };
 
 /// Two masses [kg] on two springs [N/m] in x between a wall and each other, nodes 1 and 2 of the
-/// plane; node 3 is the wall. Surface "wall" from node 2 to node 1.
+/// plane; node 3 is the wall; nothing moves in y. Surface "wall" from node 2 to node 1.
 inline MatrixScene two_masses() {
   MatrixScene scene;
   scene.write("K.mtx",
@@ -76,6 +76,7 @@ inline MatrixScene two_masses() {
               "1 1 30\n2 1 -10\n2 2 10\n");
   scene.write("M.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 2.0\n2 2 1e0\n");
   scene.write("unknowns.csv", "node,direction\n1,1\n2,1\n");
+  scene.write("held.csv", "1,2\n2,2\n3\n");
   scene.write("nodes.csv", "node,x,y\n3,0,0\n1,1,0\n2,2,0\n");
   scene.write("wall.csv", "# facets\n2 1\n");
   scene.json = {{"dimension", 2},
@@ -83,6 +84,7 @@ inline MatrixScene two_masses() {
                  {{"stiffness", "K.mtx"},
                   {"mass", "M.mtx"},
                   {"unknowns", "unknowns.csv"},
+                  {"held", "held.csv"},
                   {"nodes", "nodes.csv"}}},
                 {"interfaces", {{{"name", "wall"}, {"facets", "wall.csv"}}}},
                 {"probes", {{{"name", "A"}, {"point", {2, 0}}}}}};

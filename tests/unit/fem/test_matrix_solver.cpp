@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "fem_solver/matrices/matrix_files.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/matrix_scene.hpp"
 
@@ -176,8 +177,7 @@ TEST(MatrixSolver, held_unknowns_and_loads) {
   EXPECT_NEAR(sent.at("wall")[2], 3.0 / 20 + 3.0 / 10, 1e-15);
   EXPECT_EQ(sent.at("wall")[3], 0);
 
-  scene.write("held.csv", "1,1\n");
-  scene.json["matrices"]["held"] = "held.csv";
+  scene.write("held.csv", "1\n3\n2,2\n");
   scene.write("load.mtx", "%%MatrixMarket matrix array real general\n2 1\n5\n1\n");
   scene.json["matrices"]["load"] = "load.mtx";
   scene.solver<2>()->solve_step({1, 0, 0, 1}, none, sent);
@@ -222,10 +222,15 @@ TEST(MatrixSolver, ignores_no_mistake) {
   refused(file("M.mtx", large.c_str()), {"M.mtx", "3 rows, allowed: 2", "unknowns.csv"});
   refused(file("wall.csv", "2 4\n"), {"wall.csv:1", "found node 4", "coordinates"});
   refused(file("wall.csv", "2 1 3\n"), {"wall.csv:1", "3 nodes, allowed: 2"});
+  refused(file("wall.csv", "2 1\n2 1\n"), {"/interfaces/0/facets", "facet 2 a second time"});
   refused(file("nodes.csv", "1,0,0\n1,1,0\n"), {"nodes.csv:2", "node 1 a second time"});
   refused(file("nodes.csv", "1,0\n"), {"nodes.csv:1", "2 numbers", "3 (node, x, y)"});
-  refused(file("unknowns.csv", "7,1\n8,1\n"),
-          {"/interfaces/0/facets", "no node that has an unknown"});
+  refused(
+      [](MatrixScene& s) {
+        s.write("unknowns.csv", "7,1\n8,1\n");
+        s.write("held.csv", "1\n2\n3\n");
+      },
+      {"/interfaces/0/facets", "no node that has an unknown"});
   refused(set("mesh", "a"), {"/matrices/mesh", "unknown"});
   refused(set("modes", 1), {"/matrices/modes", "1 modes, allowed: at most 0"});
   refused(
@@ -256,12 +261,30 @@ TEST(MatrixSolver, ignores_no_mistake) {
         s.write("K.mtx", head + "2 2 3\n1 1 10\n2 1 -10\n2 2 10\n");
       },
       {"/matrices", "stiffness", "not positive definite"});
-  refused(
-      [](MatrixScene& s) {
-        s.write("held.csv", "1,2\n");
-        s.json["matrices"]["held"] = "held.csv";
-      },
-      {"held.csv", "node 1, direction 2", "unknowns.csv"});
+  refused(file("held.csv", "1,2\n2,2\n3\n4\n"), {"held.csv", "found node 4", "coordinates"});
+  refused(file("held.csv", "1,2\n3\n"), {"/matrices", "node 2, direction 2", "no row", "\"held\""});
+  refused(file("held.csv", "1,2,3\n"), {"held.csv:1", "3 numbers, allowed: 1 or 2"});
+  refused(file("held.csv", "1\n2\n3\n"), {"unknowns.csv", "no free unknown"});
+}
+
+/// An Euler-Bernoulli beam clamped at node 1: deflection F L^3 / (3 E I) at node 2, whose rotation
+/// (direction 6) is an unknown that no surface reaches.
+TEST(MatrixSolver, rotations_are_unknowns_too) {
+  const double EI = 7, L = 2;
+  MatrixScene scene = two_masses();
+  const Eigen::Matrix2d K{{12 * EI / (L * L * L), -6 * EI / (L * L)},
+                          {-6 * EI / (L * L), 4 * EI / L}};
+  fem::write_symmetric_matrix(scene.path("K.mtx"), fem::SparseMatrix(K.sparseView()));
+  scene.write("unknowns.csv", "2,2\n2,6\n");
+  scene.write("held.csv", "1\n3\n2,1\n");
+  scene.json["analysis"] = "static";
+  scene.json["matrices"]["modes"] = 0;
+  for (const bool reduced : {true, false}) {
+    if (!reduced) scene.json["matrices"].erase("modes");
+    InterfaceValues sent;
+    scene.solver<2>()->solve_step({1, 0, 0, 1}, {{"wall", {0, 0, 0, 3}}}, sent);
+    EXPECT_NEAR(sent.at("wall")[3], 3 * L * L * L / (3 * EI), 1e-14);
+  }
 }
 
 TEST(MatrixSolver, what_moves_by_itself_is_not_written_as_matrices) {
