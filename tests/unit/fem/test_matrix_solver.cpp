@@ -202,6 +202,31 @@ TEST(MatrixSolver, energy_with_damping_and_both_kinds_of_forces) {
   }
 }
 
+/// (T8) of docs/theory/structure.md: the mean force F is part of the acceleration from the start of
+/// the step on, and all others balance with the velocity at its end.
+TEST(MatrixSolver, balance_with_damping_and_mean_forces) {
+  MatrixScene scene = two_masses();
+  scene.json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.3}};
+  scene.json["matrices"]["rayleigh"] = {{"mass", 0.3}, {"stiffness", 0.02}};
+  const auto solver = scene.solver<2>();
+  solver->set_force_kinds({{"wall", ForceKind::step_mean}});
+  const fem::LinearModel& model = solver->structure().model;
+  Eigen::Vector2d F_o = Eigen::Vector2d::Zero();
+  for (int n = 1; n <= 10; ++n) {
+    const Eigen::VectorXd a = solver->state().a;
+    const Eigen::Vector2d F(std::sin(n), 3.0 / n);
+    const StepRequest request{n, 0, (n - 1) * 0.2, 0.2};
+    InterfaceValues sent;
+    solver->solve_step(request, {{"wall", {F[0], 0, F[1], 0}}}, sent);
+    solver->accept_step(request, true);
+    const fem::LinearState& end = solver->state();
+    const Eigen::VectorXd residual = model.M * (1.3 * end.a - 0.3 * a) - (1.3 * F - 0.3 * F_o) +
+                                     model.C * end.v + model.K * end.u;
+    EXPECT_LT(residual.norm(), 1e-12 * F.norm());
+    F_o = F;
+  }
+}
+
 TEST(MatrixSolver, ignores_no_mistake) {
   const auto refused = [](const std::function<void(MatrixScene&)>& spoil,
                           const std::vector<std::string_view>& parts) {
