@@ -11,6 +11,8 @@ find_package(nanoflann REQUIRED)
 find_package(Threads REQUIRED)
 pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 set_target_properties(PkgConfig::PETSC PROPERTIES INTERFACE_COMPILE_OPTIONS "")  # of Debian's own build
+pkg_check_modules(SLEPC REQUIRED IMPORTED_TARGET SLEPc)
+set_target_properties(PkgConfig::SLEPC PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
 if(GABION_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)

@@ -108,16 +108,6 @@ TractionSettings<dim> read_traction(ConfigReader in) {
   return t;
 }
 
-WetSurfaceSettings read_interface(ConfigReader in) {
-  WetSurfaceSettings s;
-  s.name = in.name("name");
-  s.groups = in.texts("groups");
-  s.where = in.where("groups");
-  if (s.groups.empty()) in.fail("groups", "found [], allowed: at least one facet group");
-  in.finish();
-  return s;
-}
-
 template <int dim>
 ProbeSettings<dim> read_probe(ConfigReader in) {
   ProbeSettings<dim> p;
@@ -126,17 +116,6 @@ ProbeSettings<dim> read_probe(ConfigReader in) {
   p.where = in.where("point");
   in.finish();
   return p;
-}
-
-template <class List>
-void require_distinct_names(const ConfigReader& in, const std::string& key, const List& list) {
-  std::set<std::string> names;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (!names.insert(list[i].name).second) {
-      in.fail(fmt::format("{}/{}/name", key, i),
-              fmt::format("found \"{}\" a second time, allowed: distinct names", list[i].name));
-    }
-  }
 }
 
 // Refuse a component of a group that an earlier support fixes.
@@ -206,11 +185,10 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.tractions.push_back(read_traction<dim>(item));
   }
   for (auto& item : in.objects("interfaces")) {
-    s.interfaces.push_back(read_interface(item));
+    s.interfaces.push_back(read_interface(item, "groups"));
   }
-  for (auto& item : in.objects("probes")) s.probes.push_back(read_probe<dim>(item));
+  s.probes = read_probes<dim>(in);
   require_distinct_names(in, "interfaces", s.interfaces);
-  require_distinct_names(in, "probes", s.probes);
   require_distinct_supports(in, s.supports);
   require_distinct_facets(in, s);
   if (s.initial_equilibrium) require_support(in, s);
@@ -232,15 +210,20 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   }
 }
 
+}  // namespace
+
+int read_dimension(ConfigReader& in) {
+  return in.integer("dimension");
+}
+
 template <int dim>
-void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
+void read_motion(ConfigReader& in, MotionSettings<dim>& s) {
   s.dynamic = in.choice("analysis") == "dynamic";
   if (s.dynamic) {
-    s.lumped_mass = in.choice("mass") == "lumped";
     s.time_integration = read_newmark_bossak(in.object("time_integration"));
     s.initial_velocity = read_vector<dim>(in, "initial_velocity");
   }
-  for (const char* key : {"mass", "time_integration", "initial_velocity"}) {
+  for (const char* key : {"time_integration", "initial_velocity"}) {
     if (!s.dynamic && in.has(key)) in.fail(key, "has no meaning when \"analysis\" is \"static\"");
   }
   s.initial_equilibrium = in.boolean("initial_equilibrium");
@@ -249,21 +232,48 @@ void read_dynamics(ConfigReader& in, FemSettings<dim>& s) {
   }
 }
 
-}  // namespace
+WetSurfaceSettings read_interface(ConfigReader in, const std::string& surface) {
+  WetSurfaceSettings s;
+  s.name = in.name("name");
+  const std::string other = surface == "groups" ? "facets" : "groups";
+  if (in.has(other) || !in.has(surface)) {
+    in.fail(surface,
+            fmt::format("missing; \"groups\" names facets of a mesh, \"facets\" the file of "
+                        "those beside \"matrices\""));
+  }
+  s.where = in.where(surface);
+  if (surface == "groups") {
+    s.groups = in.texts("groups");
+  } else {
+    s.groups = {in.text("facets")};
+  }
+  if (s.groups.empty()) in.fail("groups", "found [], allowed: at least one facet group");
+  in.finish();
+  return s;
+}
 
-int read_dimension(ConfigReader& in) {
-  return in.integer("dimension");
+template <int dim>
+std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
+  std::vector<ProbeSettings<dim>> probes;
+  for (auto& item : in.objects("probes")) probes.push_back(read_probe<dim>(item));
+  require_distinct_names(in, "probes", probes);
+  return probes;
 }
 
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   FemSettings<dim> s;
+  if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
   s.material = read_material<dim>(in.object("material"));
   assert(is_elastic<dim>(s.material.law));
   s.mesh = read_mesh<dim>(scene, in.object("mesh"));
   warn_of_cell_groups(s.mesh, in.where("mesh"));
   s.gravity = read_vector<dim>(in, "gravity");
-  read_dynamics(in, s);
+  read_motion<dim>(in, s);
+  if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
+  if (!s.dynamic && in.has("mass")) {
+    in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
+  }
   read_conditions(in, s);
   warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
@@ -273,6 +283,10 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
   return s;
 }
 
+template void read_motion<2>(ConfigReader&, MotionSettings<2>&);
+template void read_motion<3>(ConfigReader&, MotionSettings<3>&);
+template std::vector<ProbeSettings<2>> read_probes<2>(ConfigReader&);
+template std::vector<ProbeSettings<3>> read_probes<3>(ConfigReader&);
 template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&);
 template FemSettings<3> read_fem_settings<3>(const Scene&, ConfigReader&);
 

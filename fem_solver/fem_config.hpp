@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -66,17 +69,22 @@ struct ProbeSettings {
   std::string where;
 };
 
-/// fem.json.
+/// How a structure starts and moves, whatever it is made of.
 template <int dim>
-struct FemSettings {
-  Mesh<dim> mesh;
-  Material<dim> material;
-  bool dynamic = true;       ///< false: inertia is left out
-  bool lumped_mass = false;  ///< row sums instead of the consistent mass matrix
+struct MotionSettings {
+  bool dynamic = true;  ///< false: inertia is left out
   NewmarkBossak time_integration;
-  Vector<dim> gravity = Vector<dim>::Zero();           ///< [m/s^2]
   Vector<dim> initial_velocity = Vector<dim>::Zero();  ///< [m/s], of all free components
   bool initial_equilibrium = false;  ///< start at rest under gravity and the loads at time 0
+};
+
+/// fem.json of a structure with a mesh.
+template <int dim>
+struct FemSettings : MotionSettings<dim> {
+  Mesh<dim> mesh;
+  Material<dim> material;
+  bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
+  Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
   std::vector<SupportSettings> supports;
   std::vector<PrescribedSettings> prescribed;
   std::vector<LoadSettings<dim>> loads;
@@ -95,6 +103,26 @@ KeyTable fem_keys();
 
 /// "dimension": 2 or 3.
 int read_dimension(ConfigReader& in);
+
+// Parts that every structure has.
+
+template <int dim>
+void read_motion(ConfigReader& in, MotionSettings<dim>& s);
+/// @param surface  the key of the facets, "groups" or "facets"
+WetSurfaceSettings read_interface(ConfigReader in, const std::string& surface);
+template <int dim>
+std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in);
+
+/// @throws ConfigError  two of a list have the same name
+template <class List>
+void require_distinct_names(const ConfigReader& in, const std::string& key, const List& list) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (names.insert(list[i].name).second) continue;
+    in.fail(fmt::format("{}/{}/name", key, i),
+            fmt::format("found \"{}\" a second time, allowed: distinct names", list[i].name));
+  }
+}
 
 /// Read everything of fem.json, with fem_keys(), but "dimension", "time" and "output".
 /// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values

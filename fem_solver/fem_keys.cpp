@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/fem_config.hpp"
+#include "fem_solver/matrices/matrix_settings.hpp"
 #include "solver_program/solver_program.hpp"
 
 namespace gabion::fem {
@@ -57,10 +58,16 @@ KeyTable traction_keys() {
 }
 
 KeyTable interface_keys() {
-  return {"interface",
-          "A wet surface that the coupler couples; no facet belongs to two, or twice to one.",
-          {key::plain_name("As in coupler.json."),
-           key::texts("groups", "Facet groups of the surface.").not_empty()}};
+  return {
+      "interface",
+      "A wet surface that the coupler couples; no facet belongs to two, or twice to one.",
+      {key::plain_name("As in coupler.json."),
+       key::texts("groups", "Facet groups of the surface.").not_empty().or_none(),
+       key::text("facets",
+                 "File of the facets, rows of node numbers, normals outward as in Gmsh's order; "
+                 "with `matrices`.")
+           .or_none()},
+      {"groups", "facets"}};
 }
 
 KeyTable probe_keys() {
@@ -75,8 +82,11 @@ std::vector<Key> model_keys() {
   const std::vector<std::string> dynamic = {"dynamic"};
   return {
       key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
-      key::object("mesh", mesh_keys(), "Mesh of the structure."),
-      key::object("material", material_keys(elastic_laws), "Of all cells; elastic laws only."),
+      key::object("mesh", mesh_keys(), "Mesh of the structure.").without("matrices"),
+      key::object("material", material_keys(elastic_laws), "Of all cells; elastic laws only.")
+          .without("matrices"),
+      key::object("matrices", matrix_keys(), "The structure as matrices, in place of a mesh.")
+          .or_none(),
       key::choice("analysis", {"dynamic", "static"}, "`static`: without inertia.")
           .or_else("dynamic"),
       key::object("time_integration", newmark_keys("newmark"), "Scheme of the dynamic analysis.")
@@ -85,8 +95,9 @@ std::vector<Key> model_keys() {
       key::choice("mass", {"consistent", "lumped"},
                   "`lumped`: row sums of the consistent mass matrix.")
           .or_else("consistent")
-          .when("analysis", dynamic),
-      key::vector("gravity", "m/s^2", "Acceleration on all cells.").or_else(0),
+          .when("analysis", dynamic)
+          .without("matrices"),
+      key::vector("gravity", "m/s^2", "Acceleration on all cells.").or_else(0).without("matrices"),
       key::vector("initial_velocity", "m/s",
                   "Of all free components; zero with `initial_equilibrium`.")
           .or_else(0)
@@ -99,14 +110,18 @@ std::vector<Key> model_keys() {
 
 std::vector<Key> condition_keys() {
   return {
-      key::objects("supports", support_keys(), "Held nodes.").or_empty(),
-      key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty(),
-      key::objects("loads", load_keys(), "Forces.").or_empty(),
-      key::objects("tractions", traction_keys(), "Forces per area.").or_empty(),
+      key::objects("supports", support_keys(), "Held nodes.").or_empty().without("matrices"),
+      key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty().without("matrices"),
+      key::objects("loads", load_keys(), "Forces.").or_empty().without("matrices"),
+      key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("probes", probe_keys(), "Reported points.").or_empty(),
-      key::object("newton", newton_keys(FemSettings<2>{}.newton), "Newton's method.").or_empty(),
-      key::object("linear_solver", linear_solver_keys(), "Linear systems.").or_empty()};
+      key::object("newton", newton_keys(FemSettings<2>{}.newton), "Newton's method.")
+          .or_empty()
+          .without("matrices"),
+      key::object("linear_solver", linear_solver_keys(), "Linear systems.")
+          .or_empty()
+          .without("matrices")};
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ template <int dim>
 FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
                           const std::string& output_folder)
     : settings_(std::move(settings)),
-      wet_surfaces_(settings_),
+      wet_surfaces_(settings_.mesh, settings_.interfaces),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
       state_(step_.initial_state()) {}

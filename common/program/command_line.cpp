@@ -76,6 +76,12 @@ std::optional<int> read_command_line(int argc, char** argv, const ProgramEntry& 
   } else {
     add_solver_options(app, options);
   }
+  if (program.name == "fem_solver") {
+    app.add_option("--write-matrices", options.write_matrices,
+                   "Write the structure as matrices and a fem.json that reads them to FOLDER, then "
+                   "end")
+        ->type_name("FOLDER");
+  }
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {
     app.parse(argc, argv);

@@ -104,8 +104,9 @@ void check_dimensions(const Scene& scene, const std::vector<ProgramEntry>& files
   }
 }
 
-/// [m/s^2]; empty when it is not what the solver will accept.
+/// [m/s^2]; empty when it is not what the solver will accept, or part of a load beside matrices.
 std::optional<std::vector<double>> gravity(const Json& file, std::size_t dim) {
+  if (file.is_object() && file.contains("matrices")) return std::nullopt;
   if (!file.is_object() || !file.contains("gravity")) return std::vector<double>(dim, 0.0);
   std::vector<double> g;
   if (!file.at("gravity").is_array()) return std::nullopt;

@@ -24,10 +24,11 @@ std::vector<std::int32_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSetti
 }  // namespace
 
 template <int dim>
-WetSurfaces<dim>::WetSurfaces(const FemSettings<dim>& settings)
-    : num_dofs_(settings.mesh.nodes.size() * dim) {
-  for (const auto& interface : settings.interfaces) {
-    const auto facets = facets_of(settings.mesh, interface);
+WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
+                              const std::vector<WetSurfaceSettings>& interfaces)
+    : num_dofs_(structure.nodes.size() * dim) {
+  for (const auto& interface : interfaces) {
+    const auto facets = facets_of(structure, interface);
     std::vector<std::int32_t> nodes = facets;
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -35,9 +36,9 @@ WetSurfaces<dim>::WetSurfaces(const FemSettings<dim>& settings)
     InterfaceMesh mesh;
     mesh.name = interface.name;
     mesh.dim = dim;
-    mesh.vertices_per_facet = num_nodes(facet_type(settings.mesh.cell_type));
+    mesh.vertices_per_facet = num_nodes(facet_type(structure.cell_type));
     for (const auto node : nodes) {
-      const Vector<dim>& x = settings.mesh.nodes[node];
+      const Vector<dim>& x = structure.nodes[node];
       mesh.coordinates.insert(mesh.coordinates.end(), x.data(), x.data() + dim);
     }
     for (const auto node : facets) {

@@ -17,7 +17,7 @@ template <int dim>
 class WetSurfaces {
  public:
   /// @throws ConfigError  missing group, with those that exist
-  explicit WetSurfaces(const FemSettings<dim>& settings);
+  WetSurfaces(const Mesh<dim>& structure, const std::vector<WetSurfaceSettings>& interfaces);
 
   /// Vertices in the order of their node numbers; facets with outward normals.
   const std::vector<InterfaceMesh>& meshes() const { return meshes_; }

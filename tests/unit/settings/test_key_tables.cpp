@@ -9,6 +9,7 @@
 #include "common/settings/describe_keys.hpp"
 #include "coupler/coupler_config.hpp"
 #include "fem_solver/fem_config.hpp"
+#include "fem_solver/matrices/matrix_settings.hpp"
 #include "mpm_solver/mpm_config.hpp"
 
 namespace gabion {
@@ -101,6 +102,15 @@ void expect_complete(const Json& object, const KeyTable& table, const std::strin
   }
 }
 
+template <int dim>
+void read_structure(const Scene& scene, ConfigReader& in) {
+  if (in.has("matrices")) {
+    fem::read_matrix_settings<dim>(in);
+  } else {
+    fem::read_fem_settings<dim>(scene, in);
+  }
+}
+
 void read(const std::string& file, const Scene& scene, ConfigReader& in) {
   AloneSettings alone;
   AloneSettings* own_time = scene.has("coupler.json") ? nullptr : &alone;
@@ -111,8 +121,7 @@ void read(const std::string& file, const Scene& scene, ConfigReader& in) {
         ? static_cast<void>(mpm::read_mpm_settings<2>(scene, in, own_time))
         : static_cast<void>(mpm::read_mpm_settings<3>(scene, in, own_time));
   } else {
-    fem::read_dimension(in) == 2 ? static_cast<void>(fem::read_fem_settings<2>(scene, in))
-                                 : static_cast<void>(fem::read_fem_settings<3>(scene, in));
+    fem::read_dimension(in) == 2 ? read_structure<2>(scene, in) : read_structure<3>(scene, in);
     if (own_time != nullptr) read_alone_settings(in);
     in.finish();
   }
