@@ -128,6 +128,26 @@ class Pages(ReportCase):
         self.assertIn(("note", "page"), [item[:2] for item in self.verdict(page)])
         self.assertIn("soil.xdmf: not a complete XDMF file", self.text)
 
+    def test_tables_that_are_being_written(self) -> None:
+        """Half a number at the end of each, whose column is one of numbers all the same; frames not yet indexed."""
+        write_kind(self.folder, "unfinished")
+        for name in ("steps.csv", "iterations.csv", "probes.csv"):
+            lines = (self.folder / name).read_text().splitlines(keepends=True)
+            (self.folder / name).write_text("".join(lines[:300]) + lines[300].strip() + "e-")
+        (self.folder / "fem" / "structure_000002.h5").write_bytes(b"half")
+        page = self.report()
+        self.assertEqual(set(page.blocks), {"charts-data", "residuals-data"})
+        self.assertEqual(len(page.blocks["charts-data"][0]["curves"][0]["x"]), 299)
+        self.assertIn(("note", "page"), [item[:2] for item in self.verdict(page)])
+
+    def test_a_run_before_its_first_step(self) -> None:
+        write_kind(self.folder, "unfinished")
+        for name in ("steps.csv", "iterations.csv", "probes.csv"):
+            lines = (self.folder / name).read_text().splitlines(keepends=True)
+            (self.folder / name).write_text("".join(lines[:1 + (name == "probes.csv")]))
+        page = self.report()
+        self.assertEqual(set(page.blocks), {"scene-data"})
+
     def test_a_run_that_has_just_begun(self) -> None:
         self.write("resolved_config.json", json.dumps({"coupler.json": {"time": {"end": 1}}}))
         page = self.report()
