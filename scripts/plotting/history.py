@@ -170,15 +170,19 @@ def plot_iterations(results: Results, out: Path) -> Path | None:
     return save(figure, out / "iterations.png")
 
 
-def plot_energies(results: Results, out: Path) -> Path | None:
-    """Energies of steps.csv and probes.csv, and sums of work and losses of probes.csv, against time."""
+def energy_curves(results: Results) -> list[tuple[Table, str]]:
+    """Energies of steps.csv and probes.csv, and sums of work and losses of probes.csv; not those of round-off."""
     sums = ("energy", "work", "dissipation", "damping", "loss")
     tables = [(results.table("probes.csv"), sums), (results.table("steps.csv"), ("energy",))]
     curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)]
     sizes = [float(np.nanmax(np.abs(table[name]), initial=0)) for table, name in curves]
-    least = 1e-12 * max(sizes, default=0.0)  # below is round-off
-    curves = [curve for curve, size in zip(curves, sizes) if size > least]
-    return _plot_curves(curves, f"energy [J{results.per_metre}]", out / "energies.png")
+    least = 1e-12 * max(sizes, default=0.0)
+    return [curve for curve, size in zip(curves, sizes) if size > least]
+
+
+def plot_energies(results: Results, out: Path) -> Path | None:
+    """Energies against time."""
+    return _plot_curves(energy_curves(results), f"energy [J{results.per_metre}]", out / "energies.png")
 
 
 def plot_forces(results: Results, out: Path) -> Path | None:

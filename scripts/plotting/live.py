@@ -1,30 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The state of a run under way, from the tables it is writing."""
+"""A results folder that is read on while a run writes it: tables, log, and what has come of the run."""
 
 import contextlib
 import csv
 import json
 import math
+import re
 import time
+from enum import Enum
 from pathlib import Path
 
+from plotting.account import Cuts, Ledger, Steps
 from plotting.results import ResultsError
 
-WIDTH = 40  # characters of a bar
 STEPS_SHOWN = 60
-ITERATIONS_SHOWN = 12
-LEVELS = " ▁▂▃▄▅▆▇█"
+QUIET = 10  # [s] without a new row from which on somebody asks why
+LOST = 60  # [s] the same where no process can be asked
+HERE = re.compile(r'participant "([^"]+)" \(([^ ,]+)(?: [^,]*)?, pid (\d+)\) is here')
 
 
 class Tail:
-    """Rows of a CSV file that is being written; each call of `rows` gives those that are new."""
+    """A text file that is being written; each call of `lines`, or `rows` of a CSV file, gives the new ones."""
 
     def __init__(self, path: Path):
         self.path = path
         self._offset = 0
         self._names: list[str] = []
 
-    def rows(self) -> list[dict[str, str]]:
+    def lines(self) -> list[str]:
         if not self.path.exists():
             return []
         with self.path.open("rb") as file:
@@ -32,17 +35,32 @@ class Tail:
             text = file.read()
         complete = text[: text.rfind(b"\n") + 1]  # the last line may be half written
         self._offset += len(complete)
-        cells = list(csv.reader(complete.decode("utf-8").splitlines()))
+        return complete.decode("utf-8", errors="replace").splitlines()
+
+    def rows(self) -> list[dict[str, str]]:
+        cells = list(csv.reader(self.lines()))
         if cells and not self._names:
             self._names = cells.pop(0)
         return [dict(zip(self._names, row)) for row in cells]
 
 
+class State(Enum):
+    """What has come of a run."""
+
+    COMPLETED = "completed"
+    FAILED = "failed"
+    STOPPED = "stopped"  # by a signal, in order
+    RUNNING = "running"
+    SILENT = "silent"  # without an end and without a new row for long; nobody can be asked
+    KILLED = "killed"  # without an end, and its processes are gone
+
+
 class Run:
     """What a results folder tells so far.
 
-    end: simulated time [s] at which the run is done, NaN if not known; steps: the last rows of steps.csv; iterations: the
-    rows of iterations.csv of the last step tried; summary: summary.json once the run has ended.
+    end: simulated time [s] at which the run is done, NaN if not known; steps: the last rows of steps.csv;
+    iterations: the rows of iterations.csv of the last step tried; account, ledger, cuts: sums over all rows;
+    summary: summary.json once the run has ended.
     """
 
     def __init__(self, folder: Path):
@@ -52,125 +70,72 @@ class Run:
         self.end = math.nan
         self.steps: list[dict[str, str]] = []
         self.iterations: list[dict[str, str]] = []
-        self.num_steps = 0
-        self.cuts = 0
+        self.account, self.ledger, self.cuts = Steps(), Ledger(), Cuts()
+        self.participants: dict[str, tuple[str, int]] = {}  # name -> program, process id, as the log has them
         self.summary: dict | None = None
-        self._step_tail = Tail(folder / "steps.csv")
-        self._iteration_tail = Tail(folder / "iterations.csv")
+        self._tails = {name: Tail(folder / name)
+                       for name in ("steps.csv", "iterations.csv", "probes.csv", "coupler.log")}
 
     def read_on(self) -> None:
-        config = self.folder / "resolved_config.json"
-        if math.isnan(self.end) and config.exists():
-            with contextlib.suppress(ValueError):  # half written: looked at again
-                files = json.loads(config.read_text(encoding="utf-8")).values()
-                self.end = next((file["time"]["end"] for file in files if "time" in file), math.nan)
-        new = self._step_tail.rows()
-        self.num_steps += len(new)
-        self.cuts += sum(int(row.get("cuts") or 0) for row in new)
+        self._read_settings()
+        new = self._tails["steps.csv"].rows()
+        for row in new:
+            self.account.add(row)
         self.steps = (self.steps + new)[-STEPS_SHOWN:]
-        for row in self._iteration_tail.rows():
+        for row in self._tails["iterations.csv"].rows():
+            self.cuts.add_iteration(row)
             if row["iteration"] == "0":
                 self.iterations = []
             self.iterations.append(row)
+        for row in self._tails["probes.csv"].rows():
+            self.ledger.add(row)
+        for line in self._tails["coupler.log"].lines():
+            self.cuts.add_line(line)
+            for name, program, pid in HERE.findall(line):
+                self.participants[name] = (program, int(pid))
         summary = self.folder / "summary.json"
         if summary.exists():
             with contextlib.suppress(ValueError):
                 self.summary = json.loads(summary.read_text(encoding="utf-8"))
 
+    def _read_settings(self) -> None:
+        config = self.folder / "resolved_config.json"
+        if math.isnan(self.end) and config.exists():
+            with contextlib.suppress(ValueError):  # half written: looked at again
+                files = json.loads(config.read_text(encoding="utf-8")).values()
+                self.end = next((file["time"]["end"] for file in files if "time" in file), math.nan)
+
+    @property
+    def num_cuts(self) -> int:
+        """Those of the step under way included, as far as the log has them."""
+        return max(self.account.cut, self.cuts.reasons.total(), (self.summary or {}).get("cuts", 0))
+
     def seconds_since_last_row(self) -> float:
-        tables = [self._step_tail.path, self._iteration_tail.path]
-        return time.time() - max((t.stat().st_mtime for t in tables if t.exists()), default=time.time())
+        written = [tail.path.stat().st_mtime for tail in self._tails.values() if tail.path.exists()]
+        return time.time() - max(written, default=time.time())
+
+    def state(self) -> State:
+        if self.summary is not None:
+            if self.summary.get("completed"):
+                return State.COMPLETED
+            by_signal = self.summary.get("reason", "").startswith("interrupted by signal")
+            return State.STOPPED if by_signal else State.FAILED
+        quiet = self.seconds_since_last_row()
+        if self.participants:
+            gone = not any(is_alive(program, pid) for program, pid in self.participants.values())
+            return State.KILLED if gone and quiet > QUIET else State.RUNNING
+        return State.SILENT if quiet > LOST else State.RUNNING
+
+    def checkpoint(self) -> int | None:
+        """Step of the last checkpoint."""
+        steps = [int(path.parent.name.removeprefix("step_"))
+                 for path in self.folder.glob("checkpoints/step_*/manifest.json")]
+        return max(steps, default=None)
 
 
-def view(run: Run) -> list[str]:
-    """Lines for a terminal of 100 columns."""
-    lines = [f"{run.folder}   {_state(run)}", ""]
-    if run.steps:
-        lines += _progress(run.steps, run)
-    if run.iterations:
-        lines += ["", *_residuals(run.iterations)]
-    if run.steps and "iterations" in run.steps[-1]:
-        counts = [int(row["iterations"]) for row in run.steps]
-        lines += ["", f"iterations of the last {len(counts)} steps, at most {max(counts)}:  {_sparkline(counts)}"]
-    if run.steps:
-        lines += _shares(run.steps)
-    return lines
-
-
-def _state(run: Run) -> str:
-    if run.summary is None:
-        quiet = run.seconds_since_last_row()
-        return "running" if quiet < 10 else f"no new row for {quiet:.0f} s"
-    if run.summary["completed"]:
-        return "completed"
-    return f"failed: {run.summary.get('reason', 'no reason given')}"
-
-
-def _progress(steps: list[dict[str, str]], run: Run) -> list[str]:
-    last = steps[-1]
-    now, dt = float(last["time"]), float(last["dt"])
-    line = f"step {last['step']}   {now:.6g} s   dt {dt:.3g} s   cuts {run.cuts}"
-    if math.isnan(run.end):
-        return [line]
-    wall = sum(float(row["wall_seconds"]) for row in steps)
-    simulated = sum(float(row["dt"]) for row in steps)
-    share = min(1.0, now / run.end)
-    rest = "" if run.summary else f"   about {_duration((run.end - now) * wall / simulated)} left"
-    full = round(WIDTH * share)
-    return [line, f"[{'█' * full}{'·' * (WIDTH - full)}] {100 * share:.0f} % of {run.end:g} s{rest}"]
-
-
-def _duration(seconds: float) -> str:
-    """As the progress line of the programs has it."""
-    if seconds < 119.5:
-        return f"{seconds:.0f} s"
-    if seconds >= 3599.5:
-        return f"{seconds / 3600:.1f} h"
-    whole = round(seconds)
-    return f"{whole // 60} min {whole % 60} s"
-
-
-def _residuals(iterations: list[dict[str, str]]) -> list[str]:
-    """A bar from the limit (empty) to 1e6 times the limit (full), for each iteration of the step."""
-    first = iterations[0]
-    lines = [f"step {first['step']}, residual by limit (converged below 1):",
-             f"{'':4}{'displacement':>14} {'force':>11} {'omega':>8} {'columns':>8}   status"]
-    for row in iterations[-ITERATIONS_SHOWN:]:
-        ratio = _ratio(row, "displacement")
-        bar = ""
-        if ratio is not None and ratio > 1:
-            bar = "▪" * min(20, math.ceil(20 * math.log10(ratio) / 6))
-        lines.append(f"{row['iteration']:>3} {_number(ratio):>14} {_number(_ratio(row, 'force')):>11} "
-                     f"{float(row['omega']):>8.3g} {row['columns']:>8}   {row['status']:<10} {bar}".rstrip())
-    return lines
-
-
-def _ratio(row: dict[str, str], field: str) -> float | None:
-    residual, limit = row[f"{field}_residual"], row[f"{field}_limit"]
-    if not residual or not limit or not float(limit):
-        return None
-    return float(residual) / float(limit)
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
-
-
-def _sparkline(counts: list[int]) -> str:
-    highest = max(counts)
-    return "".join(LEVELS[math.ceil((len(LEVELS) - 1) * count / highest)] for count in counts)
-
-
-def _shares(steps: list[dict[str, str]]) -> list[str]:
-    """Where the wall time of the steps went, of each participant."""
-    wall = sum(float(row["wall_seconds"]) for row in steps)
-    lines = []
-    for column in steps[-1]:
-        if not column.endswith(".busy_seconds"):
-            continue
-        name = column.removesuffix(".busy_seconds")
-        parts = [f"{100 * sum(float(row[f'{name}.{kind}_seconds']) for row in steps) / wall:4.0f} % {word}"
-                 for kind, word in (("busy", "computing"), ("message", "messages"), ("waiting", "waiting"))
-                 if f"{name}.{kind}_seconds" in steps[-1]]
-        lines.append(f"{name:>12}: {','.join(parts)}")
-    return ["", f"wall time of the last {len(steps)} steps, {1e3 * wall / len(steps):.3g} ms a step", *lines]
+def is_alive(program: str, pid: int) -> bool:
+    """Whether a process of this machine has this number and this program in its command line."""
+    try:
+        return program.encode() in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False

@@ -21,14 +21,14 @@ class Table:
 
     def __init__(self, path: Path):
         self.path = path
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
+        text = path.read_text(encoding="utf-8")
+        rows = list(csv.reader(text.splitlines()))
         if not rows:
             raise ResultsError(f"{path}: empty")
         self.names = rows[0]
-        # A killed run may leave half a row at the end.
-        body = [row for row in rows[1:] if len(row) == len(self.names)]
-        if len(body) < len(rows) - 2:
+        # A run under way or a killed one may leave half a row at the end, or half a number at the end of a row.
+        body = rows[1:] if text.endswith("\n") else rows[1:-1]
+        if any(len(row) != len(self.names) for row in body):
             raise ResultsError(f"{path}: rows with another number of cells than the head")
         self._columns = {
             name: _numbers_or_texts([row[i] for row in body]) for i, name in enumerate(self.names)

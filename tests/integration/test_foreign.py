@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 import subprocess
 import unittest
 from pathlib import Path
@@ -14,6 +15,7 @@ from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
 ROOT = Path(__file__).resolve().parent.parent.parent
 FOREIGN = [str(Path(__file__).resolve().parent / "foreign_structure.py")]
 BEAM = [str(ROOT / "configs" / "granular_obstacle_external" / "structure.py")]
+PRECICE = ROOT / "tests" / "participant" / "precice_case"
 PYTHON = "/usr/bin/python3"
 
 
@@ -85,6 +87,24 @@ class ByHand(ForeignCase):
         self.assertIs(summary["completed"], True)
         self.assertGreater(summary["steps_in_contact"], 5)
         self.assertEqual(summary["accepted_unconverged"], 0)
+
+    def test_an_adapter_for_precice(self) -> None:
+        """As it is, with steps of its own, its names mapped by gabion_names.json; the coupler chooses dt and cuts it."""
+        run = self.start_coupler_and_soil()
+        structure = self.by_hand(PYTHON, "-m", "gabion_participant.precice_names", str(PRECICE / "adapter.py"),
+                                 str(PRECICE / "precice-config.xml"), "2e-4", "--coupler", self.endpoint)
+        for each in (run, structure):
+            ended = each.wait()
+            self.assertEqual(ended.code, 0, ended.text)
+        self.assert_says(structure.text(), "UserWarning: max-time is 1 s in ", "which decides")
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertIs(summary["completed"], True)
+        self.assertGreater(summary["steps_in_contact"], 5)
+        self.assertEqual(summary["accepted_unconverged"], 0)
+        accepted = [line.split() for line in structure.text().splitlines() if re.match(r"[\d.]+ \S+$", line)]
+        self.assertEqual(len(accepted), summary["steps"])
+        self.assertAlmostEqual(float(accepted[-1][0]), summary["end_time"], delta=1e-6)
+        self.assertGreater(max(float(ux) for _, ux in accepted), 1e-5)
 
     def test_a_foreign_code_that_dies(self) -> None:
         run = self.start_coupler_and_soil()

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import launch
@@ -32,11 +33,11 @@ class TutorialCase(IntegrationCase):
             file.parent.mkdir(exist_ok=True)
             file.write_text(text, encoding="utf-8")
 
-    def expect_wall_moved(self) -> None:
+    def expect_moved(self, probe: str) -> None:
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertIs(summary["completed"], True)
         self.assertGreater(summary["steps_in_contact"], 15)
-        self.assertGreater(max(float(row["structure.top.ux"]) for row in read_table(self.out / "probes.csv")), 5e-4)
+        self.assertGreater(max(float(row[probe]) for row in read_table(self.out / "probes.csv")), 5e-4)
 
 
 class FirstScene(TutorialCase):
@@ -55,14 +56,18 @@ class FirstScene(TutorialCase):
 
     def test_soil_meets_the_wall(self) -> None:
         self.run_launch(*SHORT, code=0)
-        self.expect_wall_moved()
+        self.expect_moved("structure.top.ux")
 
 
 class FirstStructure(TutorialCase):
+    """The plate that scripts/new-structure writes by the page's command, then the page's hinge."""
+
     def setUp(self) -> None:
         super().setUp()
         self.write_files("first_scene.md")
-        self.write_files("first_structure.md")
+        self.page = (ROOT / "docs" / "first_structure.md").read_text(encoding="utf-8")
+        command = re.search(r"^    (scripts/new-structure .*)$", self.page, re.MULTILINE)[1].split()
+        subprocess.run([ROOT / command[0], *command[1:]], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
         self.scene = self.folder / "my_wall"
         shutil.copy(self.folder / "my_scene" / "mpm.json", self.scene)
         self.endpoint = free_endpoint()
@@ -75,23 +80,37 @@ class FirstStructure(TutorialCase):
         self.addCleanup(started.end)
         return started
 
-    def test_check_alone(self) -> None:
+    def check_alone(self) -> None:
         coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
                           "--check-participant", "structure", "--coupler", self.endpoint], self.folder)
         self.addCleanup(coupler.end)
         self.start_structure()
         ended = coupler.wait()
         self.assertEqual(ended.code, 0, ended.text)
-        for check in re.findall(r"^    (\S.*?)  +passed$", (ROOT / "docs" / "first_structure.md").read_text(), re.M):
+        for check in re.findall(r"^    (\S.*?)  +passed$", self.page, re.MULTILINE):
             self.assert_says(ended.text, check, "passed")
 
-    def test_soil_meets_the_wall(self) -> None:
+    def run_with_soil(self) -> None:
         run = self.start("--coupler", self.endpoint, *SHORT, programs=("coupler",))
         soil = self.start("--coupler", self.endpoint, *SHORT, programs=("mpm_solver",))
         for each in (self.start_structure(), run, soil):
             ended = each.wait()
             self.assertEqual(ended.code, 0, ended.text)
-        self.expect_wall_moved()
+
+    def test_the_files_of_the_page(self) -> None:
+        named = re.findall(r"^\| `(\S+)` \|", self.page, re.MULTILINE)
+        self.assertEqual({path.name for path in self.scene.iterdir()}, {*named, "mpm.json"})
+
+    def test_plate(self) -> None:
+        self.check_alone()
+        self.run_with_soil()
+        self.expect_moved("structure.plate.ux")
+
+    def test_hinge(self) -> None:
+        self.write_files("first_structure.md")
+        self.check_alone()
+        self.run_with_soil()
+        self.expect_moved("structure.top.ux")
 
 
 if __name__ == "__main__":

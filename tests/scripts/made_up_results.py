@@ -3,6 +3,9 @@
 
 import csv
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -45,11 +48,12 @@ def write_tables(folder: Path, scale: float, iterations: int) -> None:
                 [[n + 1, t, DT, iterations if contact[t] else 1, "converged" if contact[t] else "inactive",
                   "none" if contact[t] else "structure", 1e-9, 1e-6, scale * FORCE * contact[t], 0.0,
                   4, 1, 0, 5 * t * (1 - t), *seconds(contact[t]), 0.01] for n, t in enumerate(times[1:])])
-    rows = [[n + 1, k, t - DT, DT, "going_on", 10.0 ** -(k + 4), 2e-8, 10.0**-k if k else "", 2e-4]
-            for n, t in enumerate(times[1:]) for k in range(iterations if contact[t] else 1)]
+    count = {t: iterations if contact[t] else 1 for t in times[1:]}
+    rows = [[n + 1, k, t - DT, DT, "converged" if k + 1 == count[t] else "going_on", 10.0 ** -(k + 4), 2e-8,
+             10.0**-k if k else "", 2e-4, 0.5, k] for n, t in enumerate(times[1:]) for k in range(count[t])]
     write_table(folder / "iterations.csv",
                 ["step", "iteration", "time", "dt", "status", "displacement_residual", "displacement_limit",
-                 "force_residual", "force_limit"], rows)
+                 "force_residual", "force_limit", "omega", "columns"], rows)
 
 
 def write_frame(path: Path, points: np.ndarray, cells: np.ndarray | None, fields: dict) -> None:
@@ -145,6 +149,64 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
                "wall_seconds": {"total": 12.5}}
     (folder / "summary.json").write_text(json.dumps(summary))
     return folder
+
+
+KINDS = ("finished", "cut", "failed", "stopped", "unfinished", "killed")
+REASON = 'step 501 at 0.5 s: dt would become 5e-07 s; participant "soil": <no> solution & no "end"'
+
+
+def write_kind(folder: Path, kind: str) -> Path:
+    """A results folder of a run that ended in one of KINDS, or did not."""
+    write_results(folder)
+    summary = json.loads((folder / "summary.json").read_text())
+    lines = []
+    if kind == "cut":
+        add_cut(folder)
+        summary["cuts"] = 3
+        lines = [f"[cpl] warning: step 251 at 0.25 s: dt cut from {DT} to {DT / 2} s: {reason}" for reason in (
+            *(f'participant "soil": Newton, iteration {k}: iteration limit reached; worst grid node {k} at (0.1, 0.2)'
+              for k in (20, 21)), "the residual grows")]
+    if kind in ("failed", "stopped"):
+        summary |= {"completed": False, "reason": REASON if kind == "failed" else "interrupted by signal 15 (Terminated)"}
+    if kind == "stopped":
+        (folder / "checkpoints" / "step_000500").mkdir(parents=True)
+        (folder / "checkpoints" / "step_000500" / "manifest.json").write_text("{}")
+    if kind in ("unfinished", "killed"):
+        (folder / "summary.json").unlink()
+        pid = os.getpid() if kind == "unfinished" else pid_of_the_dead()
+        lines = [f'[cpl] participant "soil" ({Path(sys.executable).name}, pid {pid}) is here']
+        with (folder / "steps.csv").open("a", encoding="utf-8") as file:
+            file.write("501,0.5")  # a row that is half written
+    else:
+        (folder / "summary.json").write_text(json.dumps(summary))
+    (folder / "coupler.log").write_text("".join(f"2026-01-01 00:00:00.000 {line}\n" for line in lines))
+    (folder / "resolved_config.json").write_text(json.dumps({"coupler.json": {
+        "time": {"end": 2 * END if kind in ("unfinished", "killed") else END, "dt": DT},
+        "coupling": {"scheme": "serial_implicit"},
+        "interfaces": [{"name": "wall", "soil": "soil", "structure": "structure"}]}}))
+    if kind == "killed":
+        for path in folder.rglob("*"):
+            os.utime(path, (0, 1e9))
+    return folder
+
+
+def add_cut(folder: Path) -> None:
+    """Step 251 was cut three times: its first iterations stand in iterations.csv once more, and diverged."""
+    steps = list(csv.reader((folder / "steps.csv").read_text(encoding="utf-8").splitlines()))
+    steps[251][steps[0].index("cuts")] = "3"
+    write_table(folder / "steps.csv", steps[0], steps[1:])
+    rows = list(csv.reader((folder / "iterations.csv").read_text(encoding="utf-8").splitlines()))
+    first = next(k for k, row in enumerate(rows) if row[0] == "251")
+    tried = [list(row) for row in rows[first:first + 2]]
+    tried[1][rows[0].index("status")] = "diverged"
+    write_table(folder / "iterations.csv", rows[0], rows[1:first] + tried * 3 + rows[first:])
+
+
+def pid_of_the_dead() -> int:
+    """Of a process that has ended."""
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    return ended.pid
 
 
 def space_frames(up: int) -> tuple[list[tuple], list[tuple]]:

@@ -31,6 +31,11 @@ class Reading(ScriptCase):
         with self.assertRaisesRegex(ResultsError, "no column y; there are time, verdict, x"):
             table["y"]
 
+    def test_half_a_number_is_left_out(self) -> None:
+        table = Table(self.write("a.csv", "time,x\n0,1e-3\n1,1e-"))
+        np.testing.assert_array_equal(table["x"], [1e-3])
+        self.assertEqual(Table(self.write("a.csv", "time,x")).num_rows, 0)
+
     def test_broken_table_is_refused(self) -> None:
         with self.assertRaisesRegex(ResultsError, "another number of cells"):
             Table(self.write("a.csv", "a,b\n1,2\n1\n1\n3,4\n"))

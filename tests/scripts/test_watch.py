@@ -4,6 +4,7 @@
 import json
 import unittest
 
+from made_up_results import KINDS, write_kind
 from script_case import ScriptCase
 
 CONFIG = json.dumps({"coupler.json": {"time": {"end": 0.5}}})
@@ -40,10 +41,10 @@ class WatchTest(ScriptCase):
         self.assertRegex(text, r"soil: +70 % computing, +5 % messages, +25 % waiting")
 
     def test_durations(self) -> None:
-        from plotting.live import _duration  # noqa: PLC0415
+        from plotting.words import duration  # noqa: PLC0415
         for seconds, text in ((0.2, "0 s"), (100, "100 s"), (119.6, "2 min 0 s"), (150.2, "2 min 30 s"),
-                              (3599.4, "59 min 59 s"), (3599.6, "1.0 h"), (5400, "1.5 h")):
-            self.assertEqual(_duration(seconds), text)
+                              (3599.4, "59 min 59 s"), (3599.6, "1.0 h"), (5400, "1.5 h"), (400000, "5 days")):
+            self.assertEqual(duration(seconds), text)
 
     def test_rows_are_read_once_and_only_when_complete(self) -> None:
         from plotting.live import Tail  # noqa: PLC0415
@@ -64,7 +65,22 @@ class WatchTest(ScriptCase):
         self.write("summary.json", '{"completed": false, "reason": "dt below dt_min"}')
         failed = self.python_script("watch", self.folder)
         self.assertEqual(failed.returncode, 1)
-        self.assertIn("failed: dt below dt_min", failed.stdout)
+        self.assertIn("Failed after 2 steps to t = 0.2 s: dt below dt_min.", failed.stdout)
+
+    def test_words_of_the_verdict(self) -> None:
+        """The same as on the page of scripts/report, one after the other, a mark in front of each."""
+        from plotting.live import Run  # noqa: PLC0415
+        from plotting.terminal import MARKS, words  # noqa: PLC0415
+        from plotting.verdict import verdict  # noqa: PLC0415
+        for kind in KINDS:
+            run = Run(write_kind(self.folder / kind, kind))
+            run.read_on()
+            lines = words(run)
+            self.assertLessEqual(max(map(len, lines)), 100)
+            self.assertEqual(" ".join(line.strip() for line in lines),
+                             " ".join(f"{MARKS[each.kind]} {each.text}" for each in verdict(run)))
+            shown = self.python_script("watch", self.folder / kind, "--once").stdout
+            self.assertIn("\n".join(lines), shown)
 
     def test_nothing_there(self) -> None:
         self.assertEqual(self.show()[0], 0)  # a folder that a run has just made

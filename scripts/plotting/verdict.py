@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is to be said of a run, in words: how it ended, whether it converged, what it waited for, what it conserved.
+
+scripts/watch and scripts/report say the same.
+"""
+
+import statistics
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from plotting.live import QUIET, Run, State
+from plotting.words import count, duration, percent, seconds
+
+SLOW = 10  # medians from which on a step is slow
+CLOSED, OPEN = 1e-3, 1e-2  # of the energy or momentum that went around: closed below, open above
+
+
+@dataclass(frozen=True)
+class Statement:
+    """kind: good, note (worth a look) or bad; topic: end, convergence, cuts, time, energy, momentum."""
+
+    kind: str
+    topic: str
+    text: str
+
+
+def verdict(run: Run) -> list[Statement]:
+    """All that can be said so far. `run` must have been read."""
+    return [statement for part in (_end, _convergence, _cuts, _time, _soil, _structures, _interface)
+            for statement in part(run)]
+
+
+def headline(run: Run) -> str:
+    """In a word, or a few."""
+    quiet = run.seconds_since_last_row()
+    if run.state() is State.RUNNING and quiet > QUIET:
+        return f"running, no new row for {duration(quiet)}"
+    return run.state().value
+
+
+def _end(run: Run) -> Iterator[Statement]:
+    state, steps = run.state(), run.account
+    reason = (run.summary or {}).get("reason", "no reason given")
+    until = f"{count(steps.count, 'step')} to t = {steps.time:.6g} s"
+    if state is State.COMPLETED:
+        wall = (run.summary or {}).get("wall_seconds")
+        total = wall.get("total") if isinstance(wall, dict) else wall
+        yield Statement("good", "end", f"Completed: {until}{f' in {duration(total)}' if total else ''}.")
+        return
+    if state is State.RUNNING:
+        share = f" of {run.end:g} s ({100 * steps.time / run.end:.0f} %)" if run.end > 0 else ""
+        yield Statement("note", "end", f"Under way: {until}{share}. All that follows is of these steps.")
+        return
+    quiet = duration(run.seconds_since_last_row())
+    text = {
+        State.FAILED: f"Failed after {until}: {reason.rstrip('.')}.",
+        State.STOPPED: f"Stopped after {until}: {reason.rstrip('.')}.",
+        State.KILLED: f"Killed, or running on another machine: {until}, no summary.json, no new row for {quiet}, "
+                      "and none of its processes is here.",
+        State.SILENT: f"Killed, or in a step that takes long: {until}, no summary.json and no new row for "
+                      f"{quiet}.",
+    }[state]
+    step = run.checkpoint()
+    if step is not None:
+        text += f" It can go on from step {step}: scripts/run SCENE --restart {run.folder} --output NEW."
+    yield Statement("bad" if state is not State.STOPPED else "note", "end", text)
+
+
+def _convergence(run: Run) -> Iterator[Statement]:
+    steps = run.account
+    if not steps.count:
+        return
+    if set(steps.statuses) == {""}:  # no coupler: a step that does not converge is not accepted
+        mean = steps.newton_iterations / steps.count
+        yield Statement("good", "convergence",
+                        f"Every step converged: {mean:.3g} Newton iterations each, {steps.most_newton} at most.")
+        return
+    bad = steps.first_unconverged
+    if bad is not None:
+        words = ", ".join(f"{number} {status.replace('_', ' ')}" for status, number in steps.statuses.items()
+                          if status not in ("converged", "inactive", "explicit"))
+        number = steps.count - sum(steps.statuses[status] for status in ("converged", "inactive", "explicit"))
+        many = count(number, "step was", "steps were")
+        yield Statement("bad", "convergence", f"{many} accepted without convergence ({words}), the first is step "
+                        f"{bad['step']} at t = {float(bad['time']):.6g} s.")
+        return
+    if not steps.in_contact:
+        yield Statement("good", "convergence", "No contact so far: each step took one pass.")
+    elif steps.statuses["explicit"]:
+        many = count(steps.statuses["explicit"], "step")
+        yield Statement("note", "convergence", f"Explicit: {many} in contact in one pass; nothing is iterated, so "
+                        "nothing says how well both sides agree.")
+    else:
+        mean = steps.iterations_in_contact / steps.in_contact
+        yield Statement("good", "convergence",
+                        f"Every step converged: {steps.in_contact} in contact with {mean:.3g} iterations each, "
+                        f"{steps.most_iterations} at most; {steps.statuses['inactive']} without contact.")
+
+
+def _cuts(run: Run) -> Iterator[Statement]:
+    number, steps = run.num_cuts, run.account
+    if not number:
+        if steps.count:
+            yield Statement("good", "cuts", "No step was cut.")
+        return
+    row = steps.first_cut
+    first = f", first in step {row['step']} before t = {float(row['time']):.6g} s" if row else ""
+    reasons = run.cuts.why()
+    why = "; ".join(f"{times} × {reason}" for reason, times in reasons[:3])
+    more = f"; {count(len(reasons) - 3, 'other reason')}" if len(reasons) > 3 else ""
+    yield Statement("note", "cuts", f"{count(number, 'cut')} of the step size{first}"
+                    + (f". Why: {why}{more}." if reasons else "."))
+
+
+def _time(run: Run) -> Iterator[Statement]:
+    steps = run.account
+    total = sum(steps.wall)
+    if not total:
+        return
+    median = statistics.median(steps.wall)
+    text = f"A step took {seconds(total / steps.count)} on average, {seconds(median)} in the middle of all."
+    if steps.awaited:
+        shares = {name: sum(part[k] for part in steps.parts) / total for k, name in enumerate(steps.awaited)}
+        waits = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
+        text += f" The coupler waited for: {waits}."
+    slow = [k for k, wall in enumerate(steps.wall) if wall > SLOW * median]
+    spent = sum(steps.wall[k] for k in slow)
+    text += _slow_steps(run, slow, percent(spent / total)) if slow else " No step was slow."
+    yield Statement("note" if spent > 0.05 * total else "good", "time", text)
+
+
+def _slow_steps(run: Run, slow: list[int], share: str) -> str:
+    """Which they are and who was waited for. slow: their places in the rows."""
+    steps = run.account
+    worst = max(slow, key=steps.wall.__getitem__)
+    text = (f" {count(len(slow), 'slow step')}, over {SLOW} times that, took {share} of the time; the slowest "
+            f"is step {steps.numbers[worst]} with {seconds(steps.wall[worst])}")
+    if not steps.awaited:
+        return text + "."
+    waits = [sum(steps.parts[k][p] for k in slow) for p in range(len(steps.awaited))]
+    most = max(range(len(waits)), key=waits.__getitem__)
+    part = waits[most] / sum(steps.wall[k] for k in slow)
+    return f"{text}; {percent(part)} of that was for {steps.awaited[most]}."
+
+
+def _judged(topic: str, share: float, text: str) -> Statement:
+    kind = "good" if share < CLOSED else "note" if share < OPEN else "bad"
+    return Statement(kind, topic, text)
+
+
+def _soil(run: Run) -> Iterator[Statement]:
+    """The ledger of each soil (docs/theory/soil.md)."""
+    ledger, unit = run.ledger, run.ledger.per_metre
+    for prefix in ledger.owners("energy_balance"):
+        name = prefix.rstrip(".") or "soil"
+        around = ledger.size(prefix, "gravity_work", "boundary_work", "kinetic_energy", "elastic_energy")
+        if around > 0:
+            error = ledger.size(prefix, "energy_balance") / around
+            made = max(ledger.size(prefix, "created_energy"), ledger.size(prefix, "contact_created")) / around
+            closed = "closed" if max(error, made) < OPEN else "not closed"
+            yield _judged("energy", max(error, made),
+                          f"Energy of {name}: {closed}. Of the {around:.3g} J{unit} that went around the balance "
+                          f"misses {percent(error)}, and {percent(made)} was created.")
+        axes = [axis for axis in "xyz" if f"{prefix}momentum_error_{axis}" in ledger.first]
+        moved = ledger.size(prefix, *(f"momentum_{axis}" for axis in axes))
+        if moved > 0:
+            error = ledger.size(prefix, *(f"momentum_error_{axis}" for axis in axes)) / moved
+            closed = "closed" if error < OPEN else "not closed"
+            yield _judged("momentum", error, f"Momentum of {name}: {closed}. It misses {percent(error)} of its "
+                          f"largest, {moved:.3g} kg m/s{unit}.")
+
+
+def _structures(run: Run) -> Iterator[Statement]:
+    """Kinetic and elastic energy against the work that came in: less is damping, more must not be."""
+    ledger, unit = run.ledger, run.ledger.per_metre
+    for prefix in ledger.owners("external_work"):
+        around = ledger.size(prefix, "external_work", "kinetic_energy", "elastic_energy")
+        if not around > 0:
+            continue
+        kept = sum(ledger.last.get(prefix + part, 0) - ledger.first.get(prefix + part, 0)
+                   for part in ("kinetic_energy", "elastic_energy"))
+        gain = (kept - ledger.last[prefix + "external_work"]) / around
+        name = prefix.rstrip(".") or "structure"
+        word = ("lost {} of the {:.3g} J{} that went around, by damping" if gain <= 0
+                else "has {} more than the {:.3g} J{} that came in").format(percent(abs(gain)), around, unit)
+        yield _judged("energy", max(gain, 0.0), f"Energy of {name}: it {word}.")
+
+
+def _interface(run: Run) -> Iterator[Statement]:
+    steps = run.account
+    if not steps.most_soil_work > 0:
+        return
+    share = steps.made_work / steps.most_soil_work
+    word = "made" if share > 0 else "took"
+    yield _judged("energy", abs(share), f"The coupling {word} {percent(abs(share))} of the work that it passed on.")

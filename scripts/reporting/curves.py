@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves of a page: lists of numbers, thinned out where a screen shows no more."""
+
+from typing import Any
+
+import numpy as np
+
+from plotting import history
+from plotting.results import Results, Table
+
+BINS = 600  # of a curve: each keeps its first, lowest, highest and last value
+MAX_ROWS = 30000  # of the residuals of all steps together
+DIGITS = 5
+ITERATIONS = {"iterations": "coupling", "soil_newton": "Newton, soil", "structure_newton": "Newton, structure",
+              "newton_iterations": "Newton"}
+
+
+def plain(values: np.ndarray) -> list[float | None]:
+    """Of DIGITS digits; None for what JSON has no number for."""
+    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]
+
+
+def thinned(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Numbers of the points to keep so that no peak is lost."""
+    if len(x) <= 4 * BINS:
+        return np.arange(len(x))
+    keep = set()
+    for part in np.array_split(np.arange(len(x)), BINS):
+        known = part[np.isfinite(y[part])]
+        extremes = [known[np.argmin(y[known])], known[np.argmax(y[known])]] if len(known) else []
+        keep.update((part[0], part[-1], *extremes))
+    return np.array(sorted(keep))
+
+
+def curve(name: str, x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+    keep = thinned(x, y)
+    return {"name": name, "x": plain(x[keep]), "y": plain(y[keep])}
+
+
+def chart(name: str, title: str, curves: list[tuple[str, np.ndarray, np.ndarray]], **how: Any) -> dict[str, Any]:
+    """A chart against time [s]; `title` has the unit."""
+    return {"name": name, "title": title, "curves": [curve(*each) for each in curves], **how}
+
+
+def charts(results: Results) -> list[dict[str, Any]]:
+    """Those that the folder has data for."""
+    steps, probes, unit = results.table("steps.csv"), results.table("probes.csv"), results.per_metre
+    found = []
+    if steps is not None and steps.num_rows:
+        forces = [name for name in history.FORCES if name in steps]
+        found.append(chart("force", f"force of the soil on the structure [N{unit}]", _of(steps, forces)))
+    if probes is not None and probes.num_rows:
+        found.append(chart("displacement", "displacement [m]", _displacements(probes)))
+    if steps is not None and steps.num_rows:
+        names = [name for name in ITERATIONS if name in steps]
+        found += [chart("iterations", "iterations of a step",
+                        [(ITERATIONS[name], steps["time"], steps[name]) for name in names], floor=0),
+                  chart("dt", "step size [s]", _of(steps, ["dt"]), log=True),
+                  chart("wall", "wall time of a step [s]", _wall(steps), log=True)]
+    energies = [(name.replace("_", " "), table["time"], table[name])
+                for table, name in history.energy_curves(results)]
+    found.append(chart("energy", f"energies and work [J{unit}]", energies))
+    return [each for each in found if each["curves"]]
+
+
+def _of(table: Table, names: list[str]) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    return [(name, table["time"], table[name]) for name in names]
+
+
+def _displacements(probes: Table) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Of all probed points, but for components that are round-off of the largest."""
+    names = [name for point in history.probe_points(probes) for name in history.displacement_columns(probes, point)]
+    sizes = {name: float(np.nanmax(np.abs(probes[name]), initial=0)) for name in names}
+    least = 1e-6 * max(sizes.values(), default=0.0)
+    return _of(probes, [name for name in names if sizes[name] > least])
+
+
+def _wall(steps: Table) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    parts = [name for name in steps.names if name.endswith((".busy_seconds", ".message_seconds"))]
+    curves = [("whole", steps["time"], steps["wall_seconds"])] if "wall_seconds" in steps else []
+    for name in parts:
+        label = name.removesuffix("_seconds").replace(".busy", "").replace(".message", ", messages")
+        curves.append((label, steps["time"], steps[name]))
+    return curves
+
+
+def residuals(results: Results) -> dict[str, Any] | None:
+    """Of each try of a step that took iterations: residuals and limits, a number an iteration."""
+    table = results.table("iterations.csv")
+    if table is None or not table.num_rows:
+        return None
+    starts = np.flatnonzero(table["iteration"] == 0)
+    if not len(starts):
+        return None
+    ends = np.append(starts[1:], table.num_rows)
+    tries = [(begin, end) for begin, end in zip(starts, ends) if _tells(table, begin, end)]
+    kept = _chosen(table, tries)
+    columns = [name for name in ("displacement_residual", "displacement_limit", "force_residual", "force_limit")
+               if name in table]
+    rows = []
+    for begin, end in kept:
+        time, dt = plain([table["time"][begin], table["dt"][begin]])
+        rows.append([int(table["step"][begin]), time, dt, str(table["status"][end - 1]),
+                     *[plain(table[name][begin:end]) for name in columns]])
+    return {"columns": ["step", "time", "dt", "status", *columns], "tries": rows, "all": len(tries),
+            "unit": results.per_metre}
+
+
+def _tells(table: Table, begin: int, end: int) -> bool:
+    """Not of the one pass of a step without contact."""
+    return end - begin > 1 or table["status"][begin] != "converged" or table["displacement_residual"][begin] > 0
+
+
+def _chosen(table: Table, tries: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """As many as fit, in their order: those that did not converge, the longest, then evenly."""
+    if sum(end - begin for begin, end in tries) <= MAX_ROWS:
+        return tries
+    first = sorted(range(len(tries)), key=lambda k: (table["status"][tries[k][1] - 1] == "converged",
+                                                     tries[k][0] - tries[k][1]))[:200]
+    mean = sum(end - begin for begin, end in tries) / len(tries)
+    evenly = np.linspace(0, len(tries) - 1, int(0.8 * MAX_ROWS / mean)).astype(int)
+    return [tries[k] for k in sorted({*first, *evenly.tolist()})]

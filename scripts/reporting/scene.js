@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The scene on a canvas: soil points coloured by a field, structures as they deform.
+function bytes(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+}
+
+// A few colours of the map "viridis" (van der Walt and Smith, 2015), and what lies between.
+const MAP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const PALETTE = Array.from({length: 256}, (_, k) => {
+  const place = k / 255 * (MAP.length - 1);
+  const first = Math.min(Math.floor(place), MAP.length - 2);
+  const mix = MAP[first].map((c, n) => Math.round(c + (MAP[first + 1][n] - c) * (place - first)));
+  return `rgb(${mix.join(",")})`;
+});
+
+class Scene {
+  constructor(section, data) {
+    this.data = data;
+    this.frame = 0;
+    this.field = 0;
+    this.timer = null;
+    section.hidden = false;
+    this.canvas = section.querySelector("canvas");
+    const extent = data.high.map((high, k) => high - data.low[k]);
+    this.scale = Math.min(1120 / extent[0], 640 / extent[1]);
+    this.canvas.width = 1200;
+    this.canvas.height = Math.ceil(extent[1] * this.scale) + 90;
+    this.soil = data.soil.map((frame) => ({points: new Uint16Array(bytes(frame.points)),
+      values: frame.values.map((values) => new Uint8Array(bytes(values)))}));
+    this.structures = data.structures.map((each) => ({corners: each.corners, faces: new Uint32Array(bytes(each.faces)),
+      frames: each.frames.map((frame) => new Uint16Array(bytes(frame)))}));
+    this.addControls(section.querySelector(".controls"));
+    if (data.shown < data.points) {
+      html("p", {className: "hint"}, section, `${data.shown} of ${data.points} points are drawn, larger than they are.`);
+    }
+    document.addEventListener("time", (event) => this.show(nearest(data.times, event.detail), false));
+    this.show(data.times.length - 1, false);
+  }
+
+  addControls(controls) {
+    this.play = html("button", {type: "button", onclick: () => this.toggle()}, controls, "play");
+    this.slider = html("input", {type: "range", min: 0, max: this.data.times.length - 1}, controls);
+    this.slider.setAttribute("aria-label", "time");
+    this.slider.addEventListener("input", () => this.show(Number(this.slider.value), true));
+    this.text = html("span", {className: "readout"}, controls);
+    if (!this.data.fields.length) return;
+    const choice = html("select", {}, controls);
+    this.data.fields.forEach((field, k) => html("option", {value: k}, choice, field.label));
+    choice.addEventListener("change", () => {
+      this.field = Number(choice.value);
+      this.draw();
+    });
+  }
+
+  toggle() {
+    if (this.timer) {
+      clearInterval(this.timer);
+      this.timer = null;
+    } else {
+      this.timer = setInterval(() => this.show((this.frame + 1) % this.data.times.length, true), 90);
+    }
+    this.play.textContent = this.timer ? "stop" : "play";
+  }
+
+  show(frame, tell) {
+    this.frame = frame;
+    this.slider.value = frame;
+    this.text.textContent = `t = ${digits(this.data.times[frame])} s`;
+    if (tell) for (const chart of Scene.charts) chart.mark(this.data.times[frame]);
+    this.draw();
+  }
+
+  place(points, k) {
+    const across = points[2 * k] / 65535 * (this.data.high[0] - this.data.low[0]) * this.scale;
+    const up = points[2 * k + 1] / 65535 * (this.data.high[1] - this.data.low[1]) * this.scale;
+    return [40 + across, this.data.inverted ? 10 + up : this.canvas.height - 80 - up];
+  }
+
+  draw() {
+    const pen = this.canvas.getContext("2d");
+    pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.drawSoil(pen);
+    for (const structure of this.structures) this.drawStructure(pen, structure);
+    this.drawScales(pen);
+    this.canvas.dataset.drawn = this.frame;
+  }
+
+  drawSoil(pen) {
+    const frame = this.soil[this.frame];
+    if (!frame) return;
+    const size = Math.max(1.5, 1.05 * this.data.size * this.scale);
+    const values = frame.values[this.field];
+    for (let k = 0; 2 * k < frame.points.length; ++k) {
+      const [x, y] = this.place(frame.points, k);
+      pen.fillStyle = PALETTE[values ? values[k] : 128];
+      pen.fillRect(x - size / 2, y - size / 2, size, size);
+    }
+  }
+
+  drawStructure(pen, structure) {
+    const points = structure.frames[this.frame];
+    pen.fillStyle = "#bdbdbd";
+    pen.strokeStyle = "#4d4d4d";
+    pen.lineWidth = 0.5;
+    for (let f = 0; f < structure.faces.length; f += structure.corners) {
+      pen.beginPath();
+      for (let c = 0; c < structure.corners; ++c) pen.lineTo(...this.place(points, structure.faces[f + c]));
+      pen.closePath();
+      pen.fill();
+      pen.stroke();
+    }
+  }
+
+  drawScales(pen) {
+    const ink = getComputedStyle(document.body).color;
+    const floor = this.canvas.height - 80;
+    pen.fillStyle = pen.strokeStyle = ink;
+    pen.lineWidth = 1;
+    pen.font = "15px system-ui, sans-serif";
+    for (const x of ticks(this.data.low[0], this.data.high[0], 8)) {
+      const pixel = 40 + (x - this.data.low[0]) * this.scale;
+      pen.fillRect(pixel, floor, 1, 6);
+      pen.fillText(digits(x), pixel - 8, floor + 22);
+    }
+    pen.fillText(this.data.labels[0], 1140, floor + 22);
+    const field = this.data.fields[this.field];
+    if (!field) return;
+    PALETTE.forEach((colour, k) => {
+      pen.fillStyle = colour;
+      pen.fillRect(40 + k, floor + 40, 1, 12);
+    });
+    pen.fillStyle = ink;
+    pen.fillText(`${digits(field.low)} to ${digits(field.high)}: ${field.label}`, 310, floor + 52);
+  }
+}
+Scene.charts = [];

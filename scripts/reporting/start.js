@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+function dataOf(name) {
+  const block = document.getElementById(name + "-data");
+  return block ? JSON.parse(block.textContent) : null;
+}
+
+function start() {
+  const charts = dataOf("charts") || [];
+  const curves = document.getElementById("curves");
+  curves.hidden = !charts.length;
+  Scene.charts = charts.map((spec) => new Chart(curves, {...spec, followsTime: true}));
+  const residuals = dataOf("residuals");
+  if (residuals && residuals.tries.length) new Residuals(document.getElementById("residuals"), residuals);
+  const scene = dataOf("scene");
+  if (scene) new Scene(document.getElementById("scene"), scene);
+  for (const button of document.querySelectorAll("button.save")) {
+    button.onclick = (event) => {
+      event.preventDefault();
+      const text = button.closest("details").querySelector("pre").textContent;
+      const link = html("a", {href: URL.createObjectURL(new Blob([text + "\n"])), download: button.dataset.file.split("/").pop()});
+      link.click();
+      URL.revokeObjectURL(link.href);
+    };
+  }
+  document.body.dataset.ready = "yes";
+}
+start();

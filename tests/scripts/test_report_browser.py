@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of scripts/report in a browser: no error in its console, verdict and curves in its document, working controls.
+
+Exit code 77, not run, where there is no chromium (scripts/setup: tests_of_optional).
+"""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from made_up_results import KINDS, write_kind, write_space_results
+from script_case import ScriptCase
+
+CHROMIUM = shutil.which("chromium")
+# Uses the page as a reader does, and writes what it finds into the document.
+READER = """
+<script>
+const found = {fetched: performance.getEntriesByType("resource").length};
+const paths = (chart) => [...document.querySelectorAll(`#chart-${chart} path.curve`)].map((each) => each.getAttribute("d"));
+found.force = paths("force").map((d) => d.length);
+const slider = document.querySelector("#residuals input");
+const step = () => document.getElementById("residuals-step").textContent;
+if (slider) {
+  found.longest = step();
+  const before = paths("residual-displacement")[0];
+  slider.value = 0;
+  slider.dispatchEvent(new Event("input"));
+  found.firstStep = step();
+  found.otherCurve = paths("residual-displacement")[0] !== before;
+  document.querySelectorAll("#residuals .controls button")[1].click();
+  found.failedStep = step();
+}
+const button = document.querySelector("#chart-force .legend button");
+if (button) {
+  button.click();
+  found.hidden = document.querySelectorAll("#chart-force path.curve").length;
+  document.querySelector("#chart-force .legend button").click();
+  const svg = document.querySelector("#chart-force svg");
+  const box = svg.getBoundingClientRect();
+  const at = (share) => ({clientX: box.left + share * box.width, clientY: box.top + 20, bubbles: true});
+  const labels = () => [...svg.querySelectorAll("text")].map((text) => text.textContent).join();
+  const whole = labels();
+  svg.dispatchEvent(new PointerEvent("pointerdown", at(0.5)));
+  svg.dispatchEvent(new PointerEvent("pointermove", at(0.6)));
+  window.dispatchEvent(new PointerEvent("pointerup", at(0.6)));
+  found.enlarged = labels() !== whole;
+  svg.dispatchEvent(new Event("dblclick"));
+  found.back = labels() === whole;
+}
+const canvas = document.querySelector("#scene canvas");
+if (!document.getElementById("scene").hidden) {
+  const {width, height} = canvas;
+  const second = Object.assign(document.createElement("canvas"), {width, height});
+  const copy = second.getContext("2d", {willReadFrequently: true});
+  const pixels = () => {
+    copy.clearRect(0, 0, width, height);
+    copy.drawImage(canvas, 0, 0);
+    return copy.getImageData(0, 0, width, height).data;
+  };
+  const painted = (data) => { let n = 0; for (let k = 3; k < data.length; k += 4) n += data[k] > 0; return n; };
+  const last = pixels();
+  found.painted = painted(last) / (width * height);
+  const time = document.querySelector("#scene input");
+  time.value = 0;
+  time.dispatchEvent(new Event("input"));
+  found.moved = pixels().some((value, k) => value !== last[k]);
+  found.frame = canvas.dataset.drawn;
+}
+document.body.dataset.found = JSON.stringify(found);
+</script>
+</body>"""
+
+
+class Browser(ScriptCase):
+    def look(self, text: str) -> tuple[str, list[str]]:
+        """The document after its programs have run, and the lines of the console."""
+        file = self.write("page.html", text)
+        done = subprocess.run(
+            [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
+             "--virtual-time-budget=5000", f"--user-data-dir={self.folder / 'browser'}", "--dump-dom", f"file://{file}"],
+            capture_output=True, text=True, timeout=200, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        return done.stdout, [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
+
+    def read(self, folder) -> tuple[str, dict]:
+        done = self.python_script("report", folder, "--out", self.folder / "report.html")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = (self.folder / "report.html").read_text(encoding="utf-8")
+        dom, console = self.look(text.replace("</body>", READER))
+        self.assertEqual(console, [])
+        self.assertIn('data-ready="yes"', dom)
+        found = re.search(r'data-found="([^"]*)"', dom)[1]
+        return dom, json.loads(found.replace("&quot;", '"').replace("&amp;", "&"))
+
+    def test_an_error_would_be_seen(self) -> None:
+        _, console = self.look("<!DOCTYPE html><html><body><script>nothing.here();</script></body></html>")
+        self.assertEqual(len(console), 1)
+        self.assertIn("nothing is not defined", console[0])
+
+    def test_each_kind(self) -> None:
+        for kind in KINDS:
+            with self.subTest(kind):
+                dom, found = self.read(write_kind(self.folder / kind, kind))
+                self.assertGreaterEqual(len(re.findall(r'<li class="(?:good|note|bad)"', dom)), 4)
+                self.assertEqual(found["fetched"], 0)
+                self.assertEqual(len(found["force"]), 2)
+                self.assertGreater(min(found["force"]), 1000)
+                self.assertEqual(found["hidden"], 1)
+                self.assertIs(found["enlarged"] and found["back"], True)
+                self.assertIn("5 iterations, converged", found["longest"])
+                self.assertIn("step 1 from t = 0 s", found["firstStep"])
+                self.assertIs(found["otherCurve"], True)
+                self.assertIn("step 251" if kind == "cut" else "step 1 ", found["failedStep"])
+                self.assertIn("diverged" if kind == "cut" else "converged", found["failedStep"])
+                self.assertGreater(found["painted"], 0.1)
+                self.assertIs(found["moved"], True)
+                self.assertEqual(found["frame"], "0")
+
+    def test_in_space(self) -> None:
+        _, found = self.read(write_space_results(self.folder / "space"))
+        self.assertGreater(found["painted"], 0.1)
+        self.assertIs(found["moved"], True)
+
+    def test_a_run_that_has_just_begun(self) -> None:
+        self.write("begun/resolved_config.json", json.dumps({"coupler.json": {"time": {"end": 1}}}))
+        dom, found = self.read(self.folder / "begun")
+        self.assertEqual(found["force"], [])
+        for section in ("scene", "curves", "residuals"):
+            self.assertRegex(dom, f'<section id="{section}" hidden')
+
+
+if __name__ == "__main__":
+    if not CHROMIUM:
+        print("no chromium: not run")
+        sys.exit(77)
+    unittest.main()

@@ -1,0 +1,45 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/setup: which packages are missing, and what scripts/test says of tests that need another one."""
+
+import re
+import subprocess
+import unittest
+
+from script_case import ROOT, ScriptCase
+
+LISTED = "  Test  #1: structure\n  Test #20: scripts.report_browser\n"
+
+
+class Setup(ScriptCase):
+    def sourced(self, commands: str, *installed: str) -> str:
+        """Output of commands after scripts/setup, on a machine with these packages."""
+        answer = "".join(f"installed {name}\n" for name in installed)
+        script = f"source {ROOT}/scripts/setup; dpkg-query() {{ printf '%s' \"$installed\"; return 1; }}; {commands}"
+        done = subprocess.run(["bash", "-c", script], env={"installed": answer, "PATH": "/usr/bin:/bin"}, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        return done.stdout
+
+    def test_missing_packages(self) -> None:
+        self.assertEqual(self.sourced("missing_of b c a", "a", "x"), "b\nc\n")
+        self.assertEqual(self.sourced("missing_of b a", "a", "b"), "")
+
+    def test_tests_that_were_not_run(self) -> None:
+        say = f"say_not_run '{LISTED}'"
+        self.assertEqual(self.sourced(say, "chromium"), "")
+        self.assertEqual(self.sourced(say), "not run: scripts.report_browser; it needs: apt-get install "
+                                            "--no-install-recommends chromium\n")
+        self.assertEqual(self.sourced("say_not_run '  Test #1: structure'"), "")  # it was not asked for
+
+    def test_named_tests_exist_and_say_when_they_are_not_run(self) -> None:
+        named = re.search(r"tests_of_optional=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]
+        tests = re.findall(r"\[\S+\]=scripts\.(\S+)", named)
+        self.assertEqual(len(tests), named.count("["))
+        lists = (ROOT / "tests" / "scripts" / "CMakeLists.txt").read_text()
+        for name in tests:
+            self.assertIn(f"scripts.{name} PROPERTIES SKIP_RETURN_CODE 77", lists)
+            self.assertIn("sys.exit(77)", (ROOT / "tests" / "scripts" / f"test_{name}.py").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()

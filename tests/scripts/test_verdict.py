@@ -1,0 +1,155 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The words on a run that scripts/watch and scripts/report share."""
+
+import json
+import unittest
+
+from made_up_results import KINDS, REASON, write_kind
+from script_case import ScriptCase
+
+STEPS = "step,time,dt,iterations,status,cuts,soil_work,work_sum,soil.busy_seconds,soil.message_seconds,wall_seconds\n"
+
+
+class VerdictCase(ScriptCase):
+    def said(self) -> dict[str, list[tuple[str, str]]]:
+        """Topic -> kinds and texts."""
+        from plotting.live import Run  # noqa: PLC0415
+        from plotting.verdict import verdict  # noqa: PLC0415
+        run = Run(self.folder)
+        run.read_on()
+        found: dict[str, list[tuple[str, str]]] = {}
+        for statement in verdict(run):
+            found.setdefault(statement.topic, []).append((statement.kind, statement.text))
+        return found
+
+    def one(self, topic: str) -> tuple[str, str]:
+        said = self.said()
+        self.assertEqual(len(said.get(topic, [])), 1, said)
+        return said[topic][0]
+
+
+class Ends(VerdictCase):
+    def test_each_kind(self) -> None:
+        expected = {
+            "finished": ("good", "Completed: 500 steps to t = 0.5 s in 12 s."),
+            "cut": ("good", "Completed: 500 steps to t = 0.5 s in 12 s."),
+            "failed": ("bad", f"Failed after 500 steps to t = 0.5 s: {REASON}."),
+            "stopped": ("note", "Stopped after 500 steps to t = 0.5 s: interrupted by signal 15 (Terminated). It can go "
+                        "on from step 500: scripts/run SCENE --restart "),
+            "unfinished": ("note", "Under way: 500 steps to t = 0.5 s of 1 s (50 %). All that follows is of these steps."),
+            "killed": ("bad", "Killed, or running on another machine: 500 steps to t = 0.5 s, no summary.json, no new row "
+                       "for "),
+        }
+        self.assertEqual(set(expected), set(KINDS))
+        for kind, (judged, text) in expected.items():
+            with self.subTest(kind):
+                self.setUp()
+                write_kind(self.folder, kind)
+                found = self.one("end")
+                self.assertEqual(found[0], judged)
+                self.assertTrue(found[1].startswith(text), found[1])
+
+    def test_the_word_in_front(self) -> None:
+        from plotting.live import Run  # noqa: PLC0415
+        from plotting.verdict import headline  # noqa: PLC0415
+        words = {"finished": "completed", "cut": "completed", "failed": "failed", "stopped": "stopped",
+                 "unfinished": "running", "killed": "killed"}
+        for kind in KINDS:
+            run = Run(write_kind(self.folder / kind, kind))
+            run.read_on()
+            self.assertEqual(headline(run), words[kind])
+
+    def test_nobody_can_be_asked(self) -> None:
+        """Without a log, as of a run without coupler: only time tells."""
+        write_kind(self.folder, "killed")
+        (self.folder / "coupler.log").unlink()
+        kind, text = self.one("end")
+        self.assertEqual(kind, "bad")
+        self.assertIn("Killed, or in a step that takes long", text)
+
+
+class Words(VerdictCase):
+    def test_cuts_and_why(self) -> None:
+        write_kind(self.folder, "cut")
+        kind, text = self.one("cuts")
+        self.assertEqual(kind, "note")
+        self.assertEqual(text, "3 cuts of the step size, first in step 251 before t = 0.251 s. "
+                               'Why: 2 × "soil": Newton: iteration limit reached; 1 × the residual grows.')
+        (self.folder / "coupler.log").unlink()
+        self.assertIn("Why: 3 × diverged.", self.one("cuts")[1])
+
+    def test_no_cut(self) -> None:
+        write_kind(self.folder, "finished")
+        self.assertEqual(self.one("cuts"), ("good", "No step was cut."))
+
+    def test_convergence(self) -> None:
+        write_kind(self.folder, "finished")
+        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 300 in contact with 5 iterations each, "
+                                                           "5 at most; 200 without contact."))
+        text = (self.folder / "steps.csv").read_text()
+        (self.folder / "steps.csv").write_text(text.replace("converged", "limit_reached", 2))
+        kind, text = self.one("convergence")
+        self.assertEqual(kind, "bad")
+        self.assertEqual(text, "2 steps were accepted without convergence (2 limit reached), the first is step 201 at "
+                               "t = 0.201 s.")
+
+    def test_convergence_that_is_not_asked(self) -> None:
+        self.write("steps.csv", STEPS + "1,0.1,0.1,1,explicit,0,1,0,0.5,0.1,1\n")
+        self.assertEqual(self.one("convergence")[0], "note")
+        self.write("steps.csv", "step,time,dt,newton_iterations,cuts,wall_seconds\n1,0.1,0.1,3,0,1\n2,0.2,0.1,6,0,1\n")
+        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 4.5 Newton iterations each, 6 at most."))
+        self.write("steps.csv", STEPS)
+        self.assertNotIn("convergence", self.said())
+
+    def test_slow_steps_and_who_was_waited_for(self) -> None:
+        quick = "".join(f"{k},0.{k},0.1,2,converged,0,1,0,0.006,0.002,0.01\n" for k in range(1, 10))
+        self.write("steps.csv", STEPS + quick)
+        self.assertEqual(self.one("time"), ("good", "A step took 10 ms on average, 10 ms in the middle of all. The coupler "
+                                                    "waited for: soil 60 %, messages 20 %. No step was slow."))
+        self.write("steps.csv", STEPS + quick + "17,1.0,0.1,2,converged,0,1,0,0.01,1.8,1.91\n")
+        kind, text = self.one("time")
+        self.assertEqual(kind, "note")
+        self.assertIn("1 slow step, over 10 times that, took 96 % of the time; the slowest is step 17 with 1.91 s; 94 % of "
+                      "that was for messages.", text)
+
+    def test_work_of_the_coupling(self) -> None:
+        for made, kind, word in ((1e-4, "good", "made 0.01 %"), (-5e-3, "note", "took 0.5 %"), (0.2, "bad", "made 20 %")):
+            self.write("steps.csv", STEPS + f"1,0.1,0.1,2,converged,0,-1,{made},0,0,1\n")
+            self.assertEqual(self.one("energy"), (kind, f"The coupling {word} of the work that it passed on."))
+
+
+class Ledgers(VerdictCase):
+    HEAD = ("time,soil.gravity_work,soil.energy_balance,soil.created_energy,soil.momentum_x,soil.momentum_error_x\n"
+            "0,0,0,0,0,0\n")
+
+    def test_soil(self) -> None:
+        for row, energy, momentum in (
+                ("1,10,1e-4,0,2,0", ("good", "closed. Of the 10 J/m that went around the balance misses 0.001 %, and 0 % was"),
+                 ("good", "closed. It misses 0 % of its largest, 2 kg m/s/m.")),
+                ("1,10,0,-0.05,2,0.01", ("note", "closed. Of the 10 J/m"), ("note", "closed. It misses 0.5 %")),
+                ("1,10,2,0,2,1", ("bad", "not closed. Of the 10 J/m that went around the balance misses 20 %"),
+                 ("bad", "not closed. It misses 50 %")),
+                ("1,10,0,3,2,0", ("bad", "not closed. Of the 10 J/m that went around the balance misses 0 %, and 30 % was"),
+                 ("good", "closed"))):
+            self.write("probes.csv", f"{self.HEAD}{row}\n")
+            said = self.said()
+            for topic, (kind, words) in (("energy", energy), ("momentum", momentum)):
+                self.assertEqual(said[topic][0][0], kind, said)
+                self.assertIn(f"{topic.capitalize()} of soil: {words}", said[topic][0][1])
+
+    def test_structure(self) -> None:
+        head = "time,fence.kinetic_energy,fence.elastic_energy,fence.external_work,soil.momentum_z\n0,0,1,0,0\n"
+        for row, kind, words in (("1,1,1.5,2,0", "good", "it lost 25 % of the 2 J that went around, by damping"),
+                                 ("1,1,2.5,2,0", "bad", "it has 20 % more than the 2.5 J that came in")):
+            self.write("probes.csv", f"{head}{row}\n")
+            self.assertEqual(self.one("energy"), (kind, f"Energy of fence: {words}."))
+
+    def test_a_run_without_coupler(self) -> None:
+        self.write("probes.csv", self.HEAD.replace("soil.", "") + "1,10,0,0,2,0\n")
+        self.write("summary.json", json.dumps({"completed": True}))
+        self.assertIn("Energy of soil: closed", self.one("energy")[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
