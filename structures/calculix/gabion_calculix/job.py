@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What ccx is given: the deck's own steps once, then one *STEP for each solution of a coupled step."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .deck import Card, Deck, DeckError
+from .settings import Settings
+from .wet_surface import WetSurface
+
+PROCEDURES = ("*STATIC", "*DYNAMIC")
+OTHER_PROCEDURES = ("*FREQUENCY", "*BUCKLE", "*HEATTRANSFER", "*MODALDYNAMIC", "*STEADYSTATEDYNAMICS", "*VISCO",
+                    "*COUPLEDTEMPERATURE-DISPLACEMENT", "*UNCOUPLEDTEMPERATURE-DISPLACEMENT", "*CFD", "*GREEN",
+                    "*SENSITIVITY", "*COMPLEXFREQUENCY", "*ELECTROMAGNETICS", "*CRACKPROPAGATION", "*FEASIBLEDIRECTION",
+                    "*ROBUSTDESIGN", "*REFINEMESH", "*SUBSTRUCTUREGENERATE")
+SMALLEST = 1e-98  # [N] that 20 characters hold, which is what ccx reads of a number
+
+Load = tuple[int, int, float]  # node, direction 1 to 3, [N]
+
+
+def number_text(value: float) -> str:
+    """Of at most 20 characters: ccx ignores the rest of a longer one, its exponent too."""
+    return f"{value:.13e}" if abs(value) > SMALLEST else "0."
+
+
+def loads_of(surfaces: Iterable[WetSurface], forces: dict[str, np.ndarray]) -> list[Load]:
+    """All degrees of freedom of all wet nodes, zeros too: a load makes the node of a shell, beam or plane element, which
+    ccx expands to a solid, a degree of freedom of its own, so that its displacement does work with the force."""
+    total: dict[tuple[int, int], float] = {}
+    for surface in surfaces:
+        force = forces.get(surface.name, np.zeros_like(surface.coordinates)) * surface.thickness
+        for node, row in zip(surface.nodes.tolist(), force.tolist()):
+            for k, value in enumerate(row):
+                total[node, k + 1] = total.get((node, k + 1), 0.0) + value
+    return [(node, direction, value) for (node, direction), value in total.items()]
+
+
+def load_lines(loads: list[Load]) -> list[str]:
+    return ["*CLOAD", *(f"{node}, {direction}, {number_text(value)}" for node, direction, value in loads)]
+
+
+def check_deck(deck: Deck, surfaces: Iterable[WetSurface]) -> None:
+    """Refuse what steps of a coupled run cannot keep. Raises DeckError."""
+    wet = {node for surface in surfaces for node in surface.nodes.tolist()}
+    for card in deck.cards:
+        if card.keyword in OTHER_PROCEDURES or (card.keyword == "*STEP" and "PERTURBATION" in card.parameters):
+            raise card.line.error(f'"{card.line.text}"', f"steps of {', '.join(PROCEDURES)}")
+        if card.keyword == "*RESTART" and "READ" in card.parameters:
+            raise card.line.error("*RESTART, READ", "a deck that starts at the beginning")
+        if card.keyword == "*DYNAMIC" and "EXPLICIT" in card.parameters:
+            raise card.line.error("*DYNAMIC, EXPLICIT", "implicit steps")
+        if card.keyword == "*AMPLITUDE" and card.parameters.get("TIME") != "TOTALTIME":
+            raise card.line.error("an *AMPLITUDE over the time of a step, which would begin anew in each coupled step",
+                                  "TIME=TOTAL TIME")
+        if card.keyword == "*TRANSFORM":
+            refuse_wet(card, wet, deck.nodes_of(card.line, card.name("NSET")))
+        if card.keyword == "*CLOAD":
+            for line in card.data:
+                refuse_wet(card, wet, deck.nodes_of(line, line.cells()[0]))
+
+
+def refuse_wet(card: Card, wet: set[int], nodes: list[int]) -> None:
+    if common := sorted(wet & set(nodes)):
+        raise card.line.error(f"{card.keyword} at node {common[0]} of a wet surface", "nodes that are not wet")
+
+
+def has_steps(deck: Deck) -> bool:
+    return bool(deck.cards_of("*STEP"))
+
+
+def own_steps(deck: Deck, loads: list[Load]) -> str:
+    """The whole deck, with what a later step needs: the wet nodes' degrees of freedom and the energy, which ccx wants
+    from the first step on, and a restart file of the last one."""
+    ends = deck.cards_of("*ENDSTEP")
+    if len(ends) != len(deck.cards_of("*STEP")):
+        raise DeckError(f"{deck.path}: found {len(deck.cards_of('*STEP'))} *STEP and {len(ends)} *END STEP, allowed: "
+                        "as many of both")
+    before = {ends[0].first: [*load_lines(loads), "*EL FILE", "ENER"]}
+    before.setdefault(ends[-1].first, []).append("*RESTART, WRITE, FREQUENCY=1")
+    written = {k for card in deck.cards_of("*RESTART") for k in range(card.first, card.last)}
+    text = []
+    for k, line in enumerate(deck.lines):
+        text += before.get(k, [])
+        if k not in written:
+            text.append(line.text)
+    return "\n".join(text) + "\n"
+
+
+def model_text(deck: Deck) -> str:
+    """Of a deck without steps."""
+    written = {k for card in deck.cards_of("*RESTART") for k in range(card.first, card.last)}
+    return "".join(line.text + "\n" for k, line in enumerate(deck.lines) if k not in written)
+
+
+def coupled_step(settings: Settings, begin: str, dt: float, loads: list[Load]) -> str:
+    """One increment. begin: the model of a first step, or that ccx is to read its restart file."""
+    nlgeom = "" if settings.nlgeom else "=NO"
+    procedure = f"*DYNAMIC, DIRECT, ALPHA={settings.alpha:.6f}" if settings.procedure == "dynamic" else "*STATIC, DIRECT"
+    tolerance = number_text(settings.newton_tolerance)
+    return "\n".join([
+        begin.rstrip("\n"), f"*STEP, NLGEOM{nlgeom}, INC=1",
+        "*CONTROLS, PARAMETERS=FIELD", f"{tolerance}, {tolerance}, 0., 0., {tolerance}",
+        procedure, f"{number_text(dt)}, {number_text(dt)}", *load_lines(loads),
+        "*NODE FILE", "*EL FILE", "*RESTART, WRITE, FREQUENCY=1", "*END STEP", ""])
+
+
+def with_output(job: str, plastic: bool) -> str:
+    """The same step, which now writes fields into its .frd."""
+    stress = "S, E, PEEQ" if plastic else "S, E"
+    return job.replace("*NODE FILE\n*EL FILE\n", f"*NODE FILE\nU, V\n*EL FILE\n{stress}\n")
