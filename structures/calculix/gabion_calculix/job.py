@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What ccx is given: the deck's own steps once, then one *STEP for each solution of a coupled step."""
 
+import json
 from collections.abc import Iterable
 
 import numpy as np
@@ -60,6 +61,16 @@ def check_deck(deck: Deck, surfaces: Iterable[WetSurface]) -> None:
                 refuse_wet(card, wet, deck.nodes_of(line, line.cells()[0]))
 
 
+def check_nlgeom(deck: Deck, wanted: bool) -> None:
+    """A state of small displacements is no equilibrium of large ones. Raises DeckError."""
+    large = False  # NLGEOM holds until NLGEOM=NO
+    for card in deck.cards_of("*STEP"):
+        large = card.parameters.get("NLGEOM", "" if large else "NO") != "NO"
+        if large != wanted:
+            raise card.line.error(f'"{card.line.text}" with "nlgeom": {json.dumps(wanted)} in structure.json',
+                                  "NLGEOM on the *STEPs of the deck and true, or neither")
+
+
 def refuse_wet(card: Card, wet: set[int], nodes: list[int]) -> None:
     if common := sorted(wet & set(nodes)):
         raise card.line.error(f"{card.keyword} at node {common[0]} of a wet surface", "nodes that are not wet")
@@ -108,4 +119,4 @@ def coupled_step(settings: Settings, begin: str, dt: float, loads: list[Load]) -
 def with_output(job: str, plastic: bool) -> str:
     """The same step, which now writes fields into its .frd."""
     stress = "S, E, PEEQ" if plastic else "S, E"
-    return job.replace("*NODE FILE\n*EL FILE\n", f"*NODE FILE\nU, V\n*EL FILE\n{stress}\n")
+    return job.replace("*NODE FILE\n*EL FILE\n", f"*NODE FILE\nU\n*EL FILE\n{stress}\n")

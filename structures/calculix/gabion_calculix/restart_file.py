@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-VERSION = "Version 2.20"
+VERSION, VERSION_RECORD = "Version 2.20", bytes(80)
 # Records of one integer each, in the order of the file; a number in brackets: so many in one record.
 HEADER = ("step", "nset", "nalset", "nload", "nbody", "nforc", "nboun", "nflow", "nk", "ne", "nef", "nkon", "mi[3]",
           "nmpc", "mpcend", "maxlenmpc", "memmpc", "nfc", "ndc", "nmat", "ntmat", "npmat", "ncmat", "nprop", "norien",
@@ -56,6 +56,26 @@ def read_header(stream: Iterator[bytes]) -> dict[str, int]:
     return header
 
 
+def limit_reserve(path: Path, reserve: int | None) -> int:
+    """Set the file's reserve of room for multi-point constraints to this one, where it is larger; None: leave it. Returns
+    it. Each *RESTART, READ adds to it what a new model would need, so that ccx clears ever more memory, step by step."""
+    with path.open("r+b") as file:
+        head = records(file.read(20 + 4096))
+        next(head)
+        at = 8 + len(VERSION_RECORD)
+        for name in HEADER:
+            record = next(head)
+            if name == "memmpc":
+                break
+            at += 8 + len(record)
+        found = struct.unpack("<i", record)[0]
+        if reserve is None or found <= reserve:
+            return found
+        file.seek(at + 4)
+        file.write(struct.pack("<i", reserve))
+    return reserve
+
+
 def records_before_displacement(header: dict[str, int]) -> int:
     """Between the header and the displacements."""
     amplitudes = header["nam"] > 0
@@ -85,7 +105,7 @@ def read_nodal_state(path: Path) -> NodalState:
         velocity = as_table(next(stream), header["nk"], columns) if moves else np.zeros_like(displacement)
         return NodalState(displacement, velocity)
     except (RestartFileError, StopIteration, struct.error) as problem:
-        raise RestartFileError(f"{path}: {problem or 'it ends too early'}") from problem
+        raise RestartFileError(f"{path}: {str(problem) or 'it ends too early'}") from problem
 
 
 def as_table(record: bytes, nodes: int, columns: int) -> np.ndarray:

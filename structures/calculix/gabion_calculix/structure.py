@@ -25,8 +25,8 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
-from .job import check_deck, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
-from .restart_file import NodalState, read_nodal_state
+from .job import check_deck, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
+from .restart_file import NodalState, limit_reserve, read_nodal_state
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
 
@@ -46,6 +46,7 @@ class Structure(Solver):
         self.thickness = self.surfaces[0].thickness
         self.check_probes()
         check_deck(self.deck, self.surfaces)
+        check_nlgeom(self.deck, settings.nlgeom)
         self.ccx = Ccx(settings.program, folder, settings.threads, settings.deadline)
         self.mean_forces: set[str] = set()  # interfaces whose forces are means over the step
         self.forces: InterfaceValues = self.zero_forces()  # of the accepted step
@@ -55,6 +56,7 @@ class Structure(Solver):
         self.trial_job, self.accepted_job = "", ""
         self.steps = self.newton = 0
         self.frames: Path | None = None  # folder of the results
+        self.reserve: int | None = None  # of multi-point constraints in restart files
         self.accepted = self.trial = self.begin()
 
     def begin(self) -> NodalState:
@@ -107,7 +109,8 @@ class Structure(Solver):
         if not all(np.isfinite(value).all() for value in values.values()):
             raise ConvergenceError("ccx: the displacement is not finite")
         self.newton += outcome.iterations
-        self.trial_energies = {name: value / self.thickness for name, value in outcome.energies.items()}
+        if outcome.internal_energy is not None:
+            self.trial_energies = {"internal_energy": outcome.internal_energy / self.thickness}  # [J], 2D: [J/m]
         return values, StepReport(newton_iterations=outcome.iterations)
 
     def wet_displacement(self, surface: WetSurface) -> np.ndarray:
@@ -130,6 +133,7 @@ class Structure(Solver):
     def take_result(self) -> NodalState:
         """What ccx wrote is the state from now on."""
         os.replace(self.folder / f"{JOB}.rout", self.state_file)
+        self.reserve = limit_reserve(self.state_file, self.reserve)
         return read_nodal_state(self.state_file)
 
     def write_output(self, time: float) -> None:
@@ -161,6 +165,7 @@ class Structure(Solver):
         self.accepted_job = ""
         if content:
             self.state_file.write_bytes(content)
+            self.reserve = limit_reserve(self.state_file, None)
             self.accepted = read_nodal_state(self.state_file)
         else:
             self.accepted = self.begin()
