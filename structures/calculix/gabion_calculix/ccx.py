@@ -2,11 +2,9 @@
 """The program ccx: run to its end, within a deadline, and never left behind."""
 
 import os
-import re
 import shutil
 import signal
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 
 LAST_LINES = 8
@@ -23,12 +21,6 @@ class NoSolution(Exception):
     """ccx ran, and found no solution."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    iterations: int  # of Newton
-    internal_energy: float | None  # [J], of *DYNAMIC
-
-
 class Ccx:
     def __init__(self, program: str, folder: Path, threads: int, deadline: float) -> None:
         found = shutil.which(program)
@@ -43,15 +35,15 @@ class Ccx:
                                          "OMP_THREAD_LIMIT": count, "OPENBLAS_NUM_THREADS": "1"}
         self.runs = 0
 
-    def run(self, job: str, text: str) -> Outcome:
-        """Solve `job`.inp with this text. Raises CcxError, NoSolution; the job's own results are gone then."""
+    def run(self, job: str, text: str) -> int:
+        """Solve `job`.inp with this text; the iterations of Newton. Raises CcxError, NoSolution; the job's own results are gone then."""
         (self.folder / f"{job}.inp").write_text(text, encoding="utf-8")
         for suffix in (".rout", ".frd", ".sta"):
             (self.folder / (job + suffix)).unlink(missing_ok=True)
         self.runs += 1
         said, code = self._wait(job)
         if code == 0 and "Job finished" in said and (self.folder / f"{job}.rout").exists():
-            return Outcome(iterations_of(self.folder / f"{job}.sta"), internal_energy_of(said))
+            return iterations_of(self.folder / f"{job}.sta")
         for reason in NO_SOLUTION:
             if reason in said:
                 raise NoSolution(f"ccx: {reason}")
@@ -82,10 +74,3 @@ def iterations_of(path: Path) -> int:
     """Sum over the increments in the table: step, increment, attempt, iterations, ..."""
     rows = [line.split() for line in path.read_text(encoding="utf-8").splitlines()[2:]]
     return sum(int(row[3]) for row in rows if len(row) > 3 and row[3].isdigit())
-
-
-def internal_energy_of(text: str) -> float | None:
-    """[J], of *DYNAMIC. Its kinetic energy is of no use: where multi-point constraints tie the nodes of expanded shells and
-    beams, round-off makes accelerations that act on nothing."""
-    values = re.findall(r"^ *internal energy = +(\S+)", text, re.MULTILINE)
-    return float(values[-1]) if values else None

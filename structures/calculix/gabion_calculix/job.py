@@ -15,6 +15,7 @@ OTHER_PROCEDURES = ("*FREQUENCY", "*BUCKLE", "*HEATTRANSFER", "*MODALDYNAMIC", "
                     "*COUPLEDTEMPERATURE-DISPLACEMENT", "*UNCOUPLEDTEMPERATURE-DISPLACEMENT", "*CFD", "*GREEN",
                     "*SENSITIVITY", "*COMPLEXFREQUENCY", "*ELECTROMAGNETICS", "*CRACKPROPAGATION", "*FEASIBLEDIRECTION",
                     "*ROBUSTDESIGN", "*REFINEMESH", "*SUBSTRUCTUREGENERATE")
+HALF_MASS = ("CPE4", "CPS4", "CAX4")
 SMALLEST = 1e-98  # [N] that 20 characters hold, which is what ccx reads of a number
 
 Load = tuple[int, int, float]  # node, direction 1 to 3, [N]
@@ -39,6 +40,14 @@ def loads_of(surfaces: Iterable[WetSurface], forces: dict[str, np.ndarray]) -> l
 
 def load_lines(loads: list[Load]) -> list[str]:
     return ["*CLOAD", *(f"{node}, {direction}, {number_text(value)}" for node, direction, value in loads)]
+
+
+def check_mass(deck: Deck) -> None:
+    """Raises DeckError."""
+    for card in deck.cards_of("*ELEMENT"):
+        if card.parameters["TYPE"] in HALF_MASS:
+            raise card.line.error(f"TYPE={card.parameters['TYPE']}, which has half of its mass in *DYNAMIC of ccx 2.20",
+                                  "CPE3, CPE6, CPE8, CPE8R and the like, or statics")
 
 
 def check_deck(deck: Deck, surfaces: Iterable[WetSurface]) -> None:

@@ -25,7 +25,7 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
-from .job import check_deck, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
+from .job import check_deck, check_mass, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
 from .restart_file import NodalState, limit_reserve, read_nodal_state
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
@@ -43,16 +43,15 @@ class Structure(Solver):
         self.surfaces = [make_wet_surface(self.deck, part.name, part.surface, part.element_set)
                          for part in settings.interfaces]
         self.dimension = one_dimension(self.surfaces)
-        self.thickness = self.surfaces[0].thickness
         self.check_probes()
         check_deck(self.deck, self.surfaces)
         check_nlgeom(self.deck, settings.nlgeom)
+        if settings.procedure == "dynamic":
+            check_mass(self.deck)
         self.ccx = Ccx(settings.program, folder, settings.threads, settings.deadline)
         self.mean_forces: set[str] = set()  # interfaces whose forces are means over the step
         self.forces: InterfaceValues = self.zero_forces()  # of the accepted step
         self.trial_forces = self.forces
-        self.energies: dict[str, float] = {}
-        self.trial_energies: dict[str, float] = {}
         self.trial_job, self.accepted_job = "", ""
         self.steps = self.newton = 0
         self.frames: Path | None = None  # folder of the results
@@ -101,17 +100,15 @@ class Structure(Solver):
         loads = loads_of(self.surfaces, self.constant_forces(self.trial_forces))
         self.trial_job = coupled_step(self.settings, begin, request.dt, loads)
         try:
-            outcome = self.ccx.run(JOB, self.trial_job)
+            iterations = self.ccx.run(JOB, self.trial_job)
         except NoSolution as problem:
             raise ConvergenceError(str(problem)) from problem
         self.trial = read_nodal_state(self.folder / f"{JOB}.rout")
         values = {surface.name: self.wet_displacement(surface) for surface in self.surfaces}
         if not all(np.isfinite(value).all() for value in values.values()):
             raise ConvergenceError("ccx: the displacement is not finite")
-        self.newton += outcome.iterations
-        if outcome.internal_energy is not None:
-            self.trial_energies = {"internal_energy": outcome.internal_energy / self.thickness}  # [J], 2D: [J/m]
-        return values, StepReport(newton_iterations=outcome.iterations)
+        self.newton += iterations
+        return values, StepReport(newton_iterations=iterations)
 
     def wet_displacement(self, surface: WetSurface) -> np.ndarray:
         return self.trial.displacement[surface.nodes - 1, :self.dimension]
@@ -122,9 +119,9 @@ class Structure(Solver):
                 os.replace(self.state_file, self.folder / "output.rin")
             self.trial = self.take_result()
             self.accepted, self.forces = self.trial, self.trial_forces
-            self.energies, self.accepted_job = self.trial_energies, self.trial_job
+            self.accepted_job = self.trial_job
             self.steps += 1
-        return AcceptReport(details=self.energies)
+        return AcceptReport()
 
     @property
     def state_file(self) -> Path:
@@ -196,6 +193,4 @@ def one_dimension(surfaces: list[WetSurface]) -> int:
         raise DeckError("structure.json: at /interfaces: found "
                         f"{ {surface.name: surface.dimension for surface in surfaces} }, allowed: one or more of one "
                         "dimension (2: plane elements, 3: all others)")
-    if len({surface.thickness for surface in surfaces}) != 1:
-        raise DeckError("structure.json: at /interfaces: found several thicknesses, allowed: one")
     return surfaces[0].dimension
