@@ -7,6 +7,8 @@ import signal
 import subprocess
 from pathlib import Path
 
+from .settings import Settings
+
 LAST_LINES = 8
 # What ccx says when Newton's iteration finds no solution; a smaller step may have one.
 NO_SOLUTION = ("solution seems to diverge", "too many iterations", "too many cutbacks",
@@ -22,21 +24,23 @@ class NoSolution(Exception):
 
 
 class Ccx:
-    def __init__(self, program: str, folder: Path, threads: int, deadline: float) -> None:
-        found = shutil.which(program)
+    def __init__(self, settings: Settings, folder: Path) -> None:
+        found = shutil.which(settings.program)
         if found is None:
-            raise CcxError(f'found no program "{program}" in PATH, allowed: ccx of CalculiX 2.20 (package calculix-ccx)')
+            raise CcxError(f'found no program "{settings.program}" in PATH, allowed: ccx of CalculiX 2.20 (package '
+                           "calculix-ccx)")
         # ccx dies with this process, whatever ends it.
         self.command = ["setpriv", "--pdeathsig", "KILL", found, "-i"]
-        self.folder, self.deadline = folder, deadline
-        count = str(threads)
-        self.environment = os.environ | {"OMP_NUM_THREADS": count, "CCX_NPROC_STIFFNESS": count,
-                                         "CCX_NPROC_EQUATION_SOLVER": count, "CCX_NPROC_RESULTS": count,
-                                         "OMP_THREAD_LIMIT": count, "OPENBLAS_NUM_THREADS": "1"}
+        self.folder, self.deadline = folder, settings.deadline
+        threads, solver = str(settings.threads), str(settings.solver_threads)
+        most = str(max(settings.threads, settings.solver_threads))
+        self.environment = os.environ | {"OMP_NUM_THREADS": most, "OMP_THREAD_LIMIT": most, "OPENBLAS_NUM_THREADS": "1",
+                                         "CCX_NPROC_STIFFNESS": threads, "CCX_NPROC_RESULTS": threads,
+                                         "CCX_NPROC_EQUATION_SOLVER": solver}
         self.runs = 0
 
     def run(self, job: str, text: str) -> int:
-        """Solve `job`.inp with this text; the iterations of Newton. Raises CcxError, NoSolution; the job's own results are gone then."""
+        """Solve `job`.inp with this text; returns the iterations of Newton. Raises CcxError, NoSolution."""
         (self.folder / f"{job}.inp").write_text(text, encoding="utf-8")
         for suffix in (".rout", ".frd", ".sta"):
             (self.folder / (job + suffix)).unlink(missing_ok=True)
@@ -45,10 +49,10 @@ class Ccx:
         if code == 0 and "Job finished" in said and (self.folder / f"{job}.rout").exists():
             return iterations_of(self.folder / f"{job}.sta")
         for reason in NO_SOLUTION:
-            if reason in said:
+            if code > 0 and reason in said:
                 raise NoSolution(f"ccx: {reason}")
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        raise CcxError(f"ccx {how} on {self.folder / job}.inp; its last lines:\n{last_lines(said)}")
+        raise CcxError(f"ccx {how} on {job}.inp; its last lines:\n{last_lines(said)}")
 
     def _wait(self, job: str) -> tuple[str, int]:
         with subprocess.Popen([*self.command, job], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,

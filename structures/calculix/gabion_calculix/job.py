@@ -113,15 +113,17 @@ def model_text(deck: Deck) -> str:
     return "".join(line.text + "\n" for k, line in enumerate(deck.lines) if k not in written)
 
 
-def coupled_step(settings: Settings, begin: str, dt: float, loads: list[Load]) -> str:
-    """One increment. begin: the model of a first step, or that ccx is to read its restart file."""
+def coupled_step(settings: Settings, begin: str, duration: tuple[float, int], loads: list[Load]) -> str:
+    """begin: the model of a first step, or that ccx is to read its restart file; duration: dt [s], in so many equal
+    increments."""
+    dt, increments = duration
     nlgeom = "" if settings.nlgeom else "=NO"
     procedure = f"*DYNAMIC, DIRECT, ALPHA={settings.alpha:.6f}" if settings.procedure == "dynamic" else "*STATIC, DIRECT"
     tolerance = number_text(settings.newton_tolerance)
     return "\n".join([
-        begin.rstrip("\n"), f"*STEP, NLGEOM{nlgeom}, INC=1",
+        begin.rstrip("\n"), f"*STEP, NLGEOM{nlgeom}, INC={increments}",
         "*CONTROLS, PARAMETERS=FIELD", f"{tolerance}, {tolerance}, 0., 0., {tolerance}",
-        procedure, f"{number_text(dt)}, {number_text(dt)}", *load_lines(loads),
+        procedure, f"{number_text(dt / increments)}, {number_text(dt)}", *load_lines(loads),
         "*NODE FILE", "*EL FILE", "*RESTART, WRITE, FREQUENCY=1", "*END STEP", ""])
 
 

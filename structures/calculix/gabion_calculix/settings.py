@@ -31,7 +31,9 @@ class Settings:
     nlgeom: bool = True  # large displacements
     alpha: float = 0.0  # of *DYNAMIC, -1/3 to 0
     newton_tolerance: float = 1e-6  # of the residual by the mean force, and of the correction by the increment
-    threads: int = 1
+    max_increments: int = 16  # of ccx in a coupled step: 1, and 4, 16, ... where that has no solution
+    threads: int = 1  # of matrices and stresses
+    solver_threads: int = 1  # of the linear solver; with more a repeated step has not the same bits
     deadline: float = 3600.0  # [s] for one run of ccx
     program: str = "ccx"
     probes: tuple[Probe, ...] = ()
@@ -45,7 +47,9 @@ KEYS = {
     "nlgeom": (bool, lambda value: True, "true, false"),
     "alpha": (float, lambda value: -1 / 3 <= value <= 0, "-1/3 to 0"),
     "newton_tolerance": (float, lambda value: 0 < value < 1, "a number between 0 and 1"),
+    "max_increments": (int, lambda value: value >= 1, "an integer >= 1"),
     "threads": (int, lambda value: value >= 1, "an integer >= 1"),
+    "solver_threads": (int, lambda value: value >= 1, "an integer >= 1"),
     "deadline": (float, lambda value: value > 0, "[s] > 0"),
     "program": (str, bool, "name or path of ccx"),
     "probes": (list, lambda value: True, 'a list of {"name": "A", "node": 7}'),

@@ -25,7 +25,7 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
-from .job import check_deck, check_mass, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
+from .job import Load, check_deck, check_mass, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
 from .restart_file import NodalState, limit_reserve, read_nodal_state
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
@@ -48,7 +48,7 @@ class Structure(Solver):
         check_nlgeom(self.deck, settings.nlgeom)
         if settings.procedure == "dynamic":
             check_mass(self.deck)
-        self.ccx = Ccx(settings.program, folder, settings.threads, settings.deadline)
+        self.ccx = Ccx(settings, folder)
         self.mean_forces: set[str] = set()  # interfaces whose forces are means over the step
         self.forces: InterfaceValues = self.zero_forces()  # of the accepted step
         self.trial_forces = self.forces
@@ -98,17 +98,25 @@ class Structure(Solver):
         self.trial_forces = self.zero_forces() | received
         begin = READ if self.state_file.exists() else model_text(self.deck)
         loads = loads_of(self.surfaces, self.constant_forces(self.trial_forces))
-        self.trial_job = coupled_step(self.settings, begin, request.dt, loads)
-        try:
-            iterations = self.ccx.run(JOB, self.trial_job)
-        except NoSolution as problem:
-            raise ConvergenceError(str(problem)) from problem
+        iterations = self.run_in_increments(begin, request.dt, loads)
         self.trial = read_nodal_state(self.folder / f"{JOB}.rout")
         values = {surface.name: self.wet_displacement(surface) for surface in self.surfaces}
         if not all(np.isfinite(value).all() for value in values.values()):
             raise ConvergenceError("ccx: the displacement is not finite")
         self.newton += iterations
         return values, StepReport(newton_iterations=iterations)
+
+    def run_in_increments(self, begin: str, dt: float, loads: list[Load]) -> int:
+        """In one increment, or in 4, 16, ... where there is no solution; the iterations."""
+        increments = 1
+        while True:
+            self.trial_job = coupled_step(self.settings, begin, (dt, increments), loads)
+            try:
+                return self.ccx.run(JOB, self.trial_job)
+            except NoSolution as problem:
+                increments *= 4
+                if increments > self.settings.max_increments:
+                    raise ConvergenceError(str(problem)) from problem
 
     def wet_displacement(self, surface: WetSurface) -> np.ndarray:
         return self.trial.displacement[surface.nodes - 1, :self.dimension]
