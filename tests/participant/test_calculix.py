@@ -112,6 +112,7 @@ class Decks(CalculixCase):
                 (("*END STEP", ""), "found 1 *STEP and 0 *END STEP"),
                 (("NAME=WET", "NAME=DRY"), "no *SURFACE, NAME=WET, allowed: DRY"),
                 (("*MATERIAL", "*ELEMENT, TYPE=CPE4\n99, 1, 2, 3, 4\n*MATERIAL"), "TYPE=CPE4", "half of its mass", "CPE8"),
+                (("*MATERIAL", "*KINEMATIC\n1, 3\n*MATERIAL"), "*KINEMATIC", "*RIGID BODY"),
                 (("ALL, SPOS", "ALL, S3"), "face S3 of a shell", "SPOS, SNEG")):
             with self.subTest(words):
                 with self.assertRaises(DeckError) as caught:
@@ -201,6 +202,19 @@ class Statics(CalculixCase):
                 start = structure.accepted.displacement[structure.surfaces[0].nodes[tip] - 1, 1]
                 ratio = (values["wall"][tip, 1] - start) / exact
                 np.testing.assert_allclose(ratio, 1, atol=5e-3)
+
+    def test_plastic_strain_stays(self) -> None:
+        """A bar under pressure, loaded and let go, over restarts: sigma / E + (sigma - yield) / H, then the second part."""
+        bar = CUBE.split("*MATERIAL")[0] + (
+            "*MATERIAL, NAME=M\n*ELASTIC\n1e7, 0.3\n*PLASTIC\n1e4, 0\n2e4, 0.1\n*DENSITY\n1000\n" + SECTIONS["C3D"]
+            + "*BOUNDARY\nFOOT, 3\n1, 1, 2\n2, 2\n4, 1\n")
+        structure = self.structure(bar, procedure="static", nlgeom=False)
+        heights = []
+        for step, pressure in enumerate((1.6e4, 1.6e4, 0.0, 0.0, 1.6e4), 1):
+            values, _ = structure.solve_step(StepRequest(step, 0, 0, 1), uniform(structure, (0, 0, -pressure * 0.01)))
+            structure.accept_step(StepRequest(step, 0, 0, 1), True)
+            heights.append(values["wall"][:, 2].mean())
+        np.testing.assert_allclose(heights, -0.1 * np.array([0.0616, 0.0616, 0.06, 0.06, 0.0616]), rtol=1e-6)
 
     def test_own_weight(self) -> None:
         structure = self.structure(plane("CPE8") + SMALL_WEIGHT, nlgeom=False, probes=[{"name": "A", "node": 63}])

@@ -15,6 +15,7 @@ OTHER_PROCEDURES = ("*FREQUENCY", "*BUCKLE", "*HEATTRANSFER", "*MODALDYNAMIC", "
                     "*COUPLEDTEMPERATURE-DISPLACEMENT", "*UNCOUPLEDTEMPERATURE-DISPLACEMENT", "*CFD", "*GREEN",
                     "*SENSITIVITY", "*COMPLEXFREQUENCY", "*ELECTROMAGNETICS", "*CRACKPROPAGATION", "*FEASIBLEDIRECTION",
                     "*ROBUSTDESIGN", "*REFINEMESH", "*SUBSTRUCTUREGENERATE")
+HISTORY = ("*PLASTIC", "*CYCLICHARDENING", "*CREEP", "*DEPVAR", "*USERMATERIAL", "*MOHRCOULOMB", "*DAMAGEINITIATION")
 HALF_MASS = ("CPE4", "CPS4", "CAX4")
 SMALLEST = 1e-98  # [N] that 20 characters hold, which is what ccx reads of a number
 
@@ -42,8 +43,11 @@ def load_lines(loads: list[Load]) -> list[str]:
     return ["*CLOAD", *(f"{node}, {direction}, {number_text(value)}" for node, direction, value in loads)]
 
 
-def check_mass(deck: Deck) -> None:
-    """Raises DeckError."""
+def check_dynamics(deck: Deck) -> None:
+    """Refuse what *DYNAMIC of ccx 2.20 does wrong without a word. Raises DeckError."""
+    for card in deck.cards_of("*KINEMATIC"):
+        raise card.line.error("*KINEMATIC, with which nothing moves in *DYNAMIC of ccx 2.20",
+                              "*RIGID BODY, *DISTRIBUTING, or statics")
     for card in deck.cards_of("*ELEMENT"):
         if card.parameters["TYPE"] in HALF_MASS:
             raise card.line.error(f"TYPE={card.parameters['TYPE']}, which has half of its mass in *DYNAMIC of ccx 2.20",
@@ -85,6 +89,26 @@ def refuse_wet(card: Card, wet: set[int], nodes: list[int]) -> None:
         raise card.line.error(f"{card.keyword} at node {common[0]} of a wet surface", "nodes that are not wet")
 
 
+def keeps_history(deck: Deck) -> str:
+    """Lines of a model that make ccx write the history of the material, plastic strains and the like, into its restart
+    file, which version 2.20 does only where there is contact: a fixed tetrahedron, and a fixed node far from it that may
+    touch it. None where nothing is to be kept, or the deck has contact."""
+    if not deck.cards_of(*HISTORY) or deck.cards_of("*CONTACTPAIR"):
+        return ""
+    node, element = max(deck.nodes) + 1, max(deck.elements) + 1
+    span = np.array(list(deck.nodes.values()))
+    far, size = span.max(axis=0), float(np.ptp(span, axis=0).max())
+    corners = far + size * np.array([[10, 10, 10], [11, 10, 10], [10, 11, 10], [10, 10, 11], [20, 20, 20]])
+    return "\n".join([
+        "*NODE, NSET=GABION_FIXED", *(f"{node + k}, {x:.6e}, {y:.6e}, {z:.6e}" for k, (x, y, z) in enumerate(corners)),
+        "*ELEMENT, TYPE=C3D4, ELSET=GABION_FIXED", f"{element}, {node}, {node + 1}, {node + 2}, {node + 3}",
+        "*MATERIAL, NAME=GABION_FIXED", "*ELASTIC", "1, 0", "*DENSITY", "1",
+        "*SOLID SECTION, ELSET=GABION_FIXED, MATERIAL=GABION_FIXED", "*BOUNDARY", "GABION_FIXED, 1, 3",
+        "*SURFACE, NAME=GABION_MASTER", f"{element}, S1", "*SURFACE, NAME=GABION_SLAVE, TYPE=NODE", f"{node + 4}",
+        "*SURFACE INTERACTION, NAME=GABION_FAR", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", "1",
+        "*CONTACT PAIR, INTERACTION=GABION_FAR, TYPE=NODE TO SURFACE", "GABION_SLAVE, GABION_MASTER", ""])
+
+
 def has_steps(deck: Deck) -> bool:
     return bool(deck.cards_of("*STEP"))
 
@@ -97,6 +121,7 @@ def own_steps(deck: Deck, loads: list[Load]) -> str:
         raise DeckError(f"{deck.path}: found {len(deck.cards_of('*STEP'))} *STEP and {len(ends)} *END STEP, allowed: "
                         "as many of both")
     before = {ends[0].first: [*load_lines(loads), "*EL FILE", "ENER"]}
+    before[deck.cards_of("*STEP")[0].first] = keeps_history(deck).splitlines()
     before.setdefault(ends[-1].first, []).append("*RESTART, WRITE, FREQUENCY=1")
     written = {k for card in deck.cards_of("*RESTART") for k in range(card.first, card.last)}
     text = []
@@ -110,7 +135,7 @@ def own_steps(deck: Deck, loads: list[Load]) -> str:
 def model_text(deck: Deck) -> str:
     """Of a deck without steps."""
     written = {k for card in deck.cards_of("*RESTART") for k in range(card.first, card.last)}
-    return "".join(line.text + "\n" for k, line in enumerate(deck.lines) if k not in written)
+    return "".join(line.text + "\n" for k, line in enumerate(deck.lines) if k not in written) + keeps_history(deck)
 
 
 def coupled_step(settings: Settings, begin: str, duration: tuple[float, int], loads: list[Load]) -> str:

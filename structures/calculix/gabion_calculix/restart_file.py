@@ -97,6 +97,9 @@ def read_nodal_state(path: Path) -> NodalState:
     try:
         stream = records(path.read_bytes())
         header = read_header(stream)
+        if header["nstate"] > 0 and header["mortar"] not in (0, 1):
+            raise RestartFileError("found state variables that ccx has not written, allowed: materials without them, or "
+                                   "contact in the deck")
         for _ in range(records_before_displacement(header)):
             next(stream)
         columns = header["mi2"] + 1

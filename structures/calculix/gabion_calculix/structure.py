@@ -25,7 +25,7 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
-from .job import Load, check_deck, check_mass, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
+from .job import Load, check_deck, check_dynamics, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
 from .restart_file import NodalState, limit_reserve, read_nodal_state
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
@@ -47,7 +47,7 @@ class Structure(Solver):
         check_deck(self.deck, self.surfaces)
         check_nlgeom(self.deck, settings.nlgeom)
         if settings.procedure == "dynamic":
-            check_mass(self.deck)
+            check_dynamics(self.deck)
         self.ccx = Ccx(settings, folder)
         self.mean_forces: set[str] = set()  # interfaces whose forces are means over the step
         self.forces: InterfaceValues = self.zero_forces()  # of the accepted step
@@ -60,6 +60,7 @@ class Structure(Solver):
 
     def begin(self) -> NodalState:
         """Of the deck's own steps, such as its weight; at rest where it has none."""
+        self.state_file.unlink(missing_ok=True)
         if has_steps(self.deck):
             try:
                 self.ccx.run(JOB, own_steps(self.deck, loads_of(self.surfaces, {})))

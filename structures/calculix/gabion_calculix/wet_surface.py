@@ -122,8 +122,10 @@ def of_nodes(deck: Deck, name: str, surface: Surface) -> WetSurface:
     if not len(nodes):
         raise surface.line.error("no node", "at least one")
     wet = set(nodes.tolist())
+    if loose := sorted(wet - {node for element in deck.elements.values() for node in element.nodes}):
+        raise surface.line.error(f"node {loose[0]}, which no element has (a reference node)", "nodes of elements")
     of_plane = [is_plane(element.type) for element in deck.elements.values() if wet & set(element.nodes)]
-    if any(of_plane) != all(of_plane):
+    if any(of_plane) and not all(of_plane):
         raise surface.line.error("nodes of plane elements and of others", "one kind")
     dimension = 2 if any(of_plane) else 3
     thickness = thickness_of(deck, wet) if dimension == 2 else 1.0
