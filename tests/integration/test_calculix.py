@@ -21,8 +21,8 @@ def wall() -> str:
     def node(i: int, j: int) -> int:
         return 1 + i + (ACROSS + 1) * j
 
-    nodes = [f"{node(i, j)}, {0.25 + 0.01 * i / ACROSS}, {0.05 * j / UP}" for j in range(UP + 1) for i in range(ACROSS + 1)
-             if i % 2 == 0 or j % 2 == 0]
+    nodes = [f"{node(i, j)}, {0.25 + 0.01 * i / ACROSS}, {0.05 * j / UP}"
+             for j in range(UP + 1) for i in range(ACROSS + 1) if i % 2 == 0 or j % 2 == 0]
     shape = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
     places = [(i, j) for j in range(0, UP, 2) for i in range(0, ACROSS, 2)]
     elements = [f"{number}, " + ", ".join(str(node(i + x, j + y)) for x, y in shape)
@@ -62,7 +62,8 @@ class CalculixCase(IntegrationCase):
         self.assertEqual(summary["accepted_unconverged"], 0)
         self.assertGreater(summary["steps_in_contact"], 5)
         counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
-        return max(float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")), sum(counts) / len(counts)
+        way = [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
+        return max(way), sum(counts) / len(counts)
 
 
 class Calculix(CalculixCase):
@@ -102,8 +103,8 @@ class Calculix(CalculixCase):
 
     def test_a_killed_ccx_ends_the_run_with_its_name(self) -> None:
         program = self.folder / "mortal_ccx"
-        program.write_text(f"#!/bin/sh\necho run >> {self.folder}/runs\n"
-                           f"[ $(wc -l < {self.folder}/runs) -lt 8 ] || kill -{signal.SIGKILL.value} $$\nexec ccx \"$@\"\n")
+        program.write_text(f"#!/bin/sh\necho run >> {self.folder}/runs\n[ $(wc -l < {self.folder}/runs) -lt 8 ] || "
+                           f"kill -{signal.SIGKILL.value} $$\nexec ccx \"$@\"\n")
         program.chmod(0o755)
         run = self.start(programs=("coupler", "mpm_solver"))
         structure = self.start_structure(program=str(program))

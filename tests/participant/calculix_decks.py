@@ -25,7 +25,8 @@ def lattice(counts: tuple[int, int, int], size: tuple[float, float, float]) -> s
     """Nodes, x fastest; y and z around 0."""
     nx, ny, nz = counts
     return "*NODE\n" + numbered([
-        f"{size[0] * i / max(nx - 1, 1)}, {size[1] * (j / max(ny - 1, 1) - 0.5)}, {size[2] * (k / max(nz - 1, 1) - 0.5)}"
+        f"{size[0] * i / max(nx - 1, 1)}, {size[1] * (j / max(ny - 1, 1) - 0.5)}, "
+        f"{size[2] * (k / max(nz - 1, 1) - 0.5)}"
         for k in range(nz) for j in range(ny) for i in range(nx)])
 
 

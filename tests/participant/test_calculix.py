@@ -28,8 +28,8 @@ from gabion_participant import END_OF_STEP, STEP_MEAN, ConvergenceError, StepReq
 SMALL_WEIGHT = "*STEP\n*STATIC\n*DLOAD\nALL, GRAV, 0.1, 0, -1, 0\n*END STEP\n"
 KINDS = {"C3D20": solid(), "S8R": shell(), "S4": shell("S4"), "B32": beam(), "B31": beam("B31"), "CPE8R": plane()}
 # Of 1 kg in free flight, wet on the top: a cube, and a square.
-CUBE = ("*NODE\n1, 0, 0, 0\n2, .1, 0, 0\n3, .1, .1, 0\n4, 0, .1, 0\n5, 0, 0, .1\n6, .1, 0, .1\n7, .1, .1, .1\n8, 0, .1, .1\n"
-        "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n"
+CUBE = ("*NODE\n1, 0, 0, 0\n2, .1, 0, 0\n3, .1, .1, 0\n4, 0, .1, 0\n"
+        "5, 0, 0, .1\n6, .1, 0, .1\n7, .1, .1, .1\n8, 0, .1, .1\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n"
         f"*SURFACE, NAME=WET\nALL, S2\n{MATERIAL}{SECTIONS['C3D']}")
 SQUARE = ("*NODE\n1, 0, 0\n2, .1, 0\n3, .1, .1\n4, 0, .1\n5, .05, 0\n6, .1, .05\n7, .05, .1\n8, 0, .05\n"
           "*ELEMENT, TYPE=CPE8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*SURFACE, NAME=WET\nALL, S3\n"
@@ -111,7 +111,8 @@ class Decks(CalculixCase):
                 (("*STEP, NLGEOM", "*STEP"), '"*STEP" with "nlgeom": true', "or neither"),
                 (("*END STEP", ""), "found 1 *STEP and 0 *END STEP"),
                 (("NAME=WET", "NAME=DRY"), "no *SURFACE, NAME=WET, allowed: DRY"),
-                (("*MATERIAL", "*ELEMENT, TYPE=CPE4\n99, 1, 2, 3, 4\n*MATERIAL"), "TYPE=CPE4", "half of its mass", "CPE8"),
+                (("*MATERIAL", "*ELEMENT, TYPE=CPE4\n99, 1, 2, 3, 4\n*MATERIAL"), "TYPE=CPE4", "half of its mass",
+                 "CPE8"),
                 (("*MATERIAL", "*KINEMATIC\n1, 3\n*MATERIAL"), "*KINEMATIC", "*RIGID BODY"),
                 (("ALL, SPOS", "ALL, S3"), "face S3 of a shell", "SPOS, SNEG")):
             with self.subTest(words):
@@ -126,7 +127,8 @@ class Decks(CalculixCase):
                 ("{", "structure.json"), ('{"deck": "a"}', "/interfaces: found nothing"),
                 (start + ', "step": 1}', "/step: found this key", "threads"),
                 (start + ', "alpha": -0.5}', "/alpha: found -0.5, allowed: -1/3 to 0"),
-                (start + ', "threads": 1.5}', "/threads", ">= 1"), (start + ', "procedure": "modal"}', "dynamic, static"),
+                (start + ', "threads": 1.5}', "/threads", ">= 1"),
+                (start + ', "procedure": "modal"}', "dynamic, static"),
                 (start + ', "probes": [{"name": "A"}]}', "/probes/0", '"node"'),
                 ('{"deck": "a", "interfaces": [{"name": "wall"}]}', "/interfaces/0", "element_set")):
             with self.subTest(text):
@@ -169,7 +171,8 @@ class Surfaces(CalculixCase):
             numbers[0] = "1"
             element = ", ".join(numbers[:12]) + (",\n" + ", ".join(numbers[12:]) if count > 11 else "")
             with self.subTest(kind):
-                surface = make_wet_surface(self.read(f"*NODE\n{rows}*ELEMENT, TYPE={kind}, ELSET=E\n{element}\n"), "w", "", "E")
+                deck = self.read(f"*NODE\n{rows}*ELEMENT, TYPE={kind}, ELSET=E\n{element}\n")
+                surface = make_wet_surface(deck, "w", "", "E")
                 self.assertEqual(len(surface.nodes), count)
                 fan = [(f[0], f[k], f[k + 1]) for f in surface.facets for k in range(1, len(f) - 1)]
                 parts = surface.coordinates[np.array(fan)]
@@ -196,7 +199,8 @@ class Statics(CalculixCase):
         exact = force * LENGTH**3 / (3 * YOUNG * INERTIA) * (1 + 0.6 * (HEIGHT / LENGTH)**2)
         for kind, text in KINDS.items():
             with self.subTest(kind):
-                structure = self.structure(text + SMALL_WEIGHT if kind in ("S8R", "CPE8R") else text, procedure="static", nlgeom=False)
+                weight = SMALL_WEIGHT if kind in ("S8R", "CPE8R") else ""
+                structure = self.structure(text + weight, procedure="static", nlgeom=False)
                 forces, tip = at_tip(structure, force)
                 values, _ = structure.solve_step(StepRequest(1, 0, 0, 1), forces)
                 start = structure.accepted.displacement[structure.surfaces[0].nodes[tip] - 1, 1]
@@ -204,7 +208,7 @@ class Statics(CalculixCase):
                 np.testing.assert_allclose(ratio, 1, atol=5e-3)
 
     def test_plastic_strain_stays(self) -> None:
-        """A bar under pressure, loaded and let go, over restarts: sigma / E + (sigma - yield) / H, then the second part."""
+        """A bar loaded and let go, over restarts: sigma / E + (sigma - yield) / H, then the second part."""
         bar = CUBE.split("*MATERIAL")[0] + (
             "*MATERIAL, NAME=M\n*ELASTIC\n1e7, 0.3\n*PLASTIC\n1e4, 0\n2e4, 0.1\n*DENSITY\n1000\n" + SECTIONS["C3D"]
             + "*BOUNDARY\nFOOT, 3\n1, 1, 2\n2, 2\n4, 1\n")
@@ -246,8 +250,9 @@ class Dynamics(CalculixCase):
         return heights
 
     def test_impulse_of_a_mean_force(self) -> None:
-        """8 N on 1 kg: 4 t^2, whatever alpha; of forces at the end of the step the first one begins at zero: by the
-        trapezoidal rule v1 = 2, u1 = 0.5, then v grows by 4 a step of 0.5 s. The force acts at the top: means over it."""
+        """8 N on 1 kg: 4 t^2, whatever alpha; of forces at the end of the step the first one begins at zero: by
+        the trapezoidal rule v1 = 2, u1 = 0.5, then v grows by 4 a step of 0.5 s. Means over the top, where the
+        force acts."""
         np.testing.assert_allclose(self.fly(STEP_MEAN, 3), [1.0, 4.0, 9.0], rtol=1e-5)
         np.testing.assert_allclose(self.fly(STEP_MEAN, 3, SQUARE), [1.0, 4.0, 9.0], rtol=1e-5)
         np.testing.assert_allclose(self.fly(STEP_MEAN, 2, alpha=-0.2), [1.0, 4.0], rtol=1e-5)
@@ -357,8 +362,8 @@ class Problems(CalculixCase):
         structure = self.structure(KINDS["B31"])
         structure.solve_step(StepRequest(1, 0, 0, 1e-3), {})
         whole = (structure.folder / "step.rout").read_bytes()
-        for content, word in ((whole.replace(b"Version 2.20", b"Version 9.99"), "Version 9.99"), (whole[:5000], "broken"),
-                              (b"", "ends too early"), (b"something else at all", "broken")):
+        for content, word in ((whole.replace(b"Version 2.20", b"Version 9.99"), "Version 9.99"),
+                              (whole[:5000], "broken"), (b"", "ends too early"), (b"something else at all", "broken")):
             path = self.folder / "x.rin"
             path.write_bytes(content)
             with self.assertRaisesRegex(RestartFileError, word):

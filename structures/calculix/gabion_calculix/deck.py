@@ -104,7 +104,8 @@ def members(line: Line, name: str, there: dict, sets: dict[str, list[int]], kind
             raise line.error(f"{kind} {number}, which is not defined", f"a {kind} of the deck")
         return [number]
     if name not in sets:
-        raise line.error(f'{kind} set "{name}", which is not defined here', f"a number, {', '.join(sets) or 'no set yet'}")
+        raise line.error(f'{kind} set "{name}", which is not defined here',
+                         f"a number, {', '.join(sets) or 'no set yet'}")
     return sets[name]
 
 

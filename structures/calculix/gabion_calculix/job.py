@@ -28,8 +28,9 @@ def number_text(value: float) -> str:
 
 
 def loads_of(surfaces: Iterable[WetSurface], forces: dict[str, np.ndarray]) -> list[Load]:
-    """All degrees of freedom of all wet nodes, zeros too: a load makes the node of a shell, beam or plane element, which
-    ccx expands to a solid, a degree of freedom of its own, so that its displacement does work with the force."""
+    """All degrees of freedom of all wet nodes, zeros too: a load makes the node of a shell, beam or plane
+    element, which ccx expands to a solid, a degree of freedom of its own, so that its displacement does work with
+    the force."""
     total: dict[tuple[int, int], float] = {}
     for surface in surfaces:
         force = forces.get(surface.name, np.zeros_like(surface.coordinates)) * surface.thickness
@@ -90,9 +91,9 @@ def refuse_wet(card: Card, wet: set[int], nodes: list[int]) -> None:
 
 
 def keeps_history(deck: Deck) -> str:
-    """Lines of a model that make ccx write the history of the material, plastic strains and the like, into its restart
-    file, which version 2.20 does only where there is contact: a fixed tetrahedron, and a fixed node far from it that may
-    touch it. None where nothing is to be kept, or the deck has contact."""
+    """Lines of a model that make ccx write the history of the material, plastic strains and the like, into its
+    restart file, which version 2.20 does only where there is contact: a fixed tetrahedron, and a fixed node far
+    from it that may touch it. None where nothing is to be kept, or the deck has contact."""
     if not deck.cards_of(*HISTORY) or deck.cards_of("*CONTACTPAIR"):
         return ""
     node, element = max(deck.nodes) + 1, max(deck.elements) + 1
@@ -143,7 +144,8 @@ def coupled_step(settings: Settings, begin: str, duration: tuple[float, int], lo
     increments."""
     dt, increments = duration
     nlgeom = "" if settings.nlgeom else "=NO"
-    procedure = f"*DYNAMIC, DIRECT, ALPHA={settings.alpha:.6f}" if settings.procedure == "dynamic" else "*STATIC, DIRECT"
+    procedure = {"dynamic": f"*DYNAMIC, DIRECT, ALPHA={settings.alpha:.6f}",
+                 "static": "*STATIC, DIRECT"}[settings.procedure]
     tolerance = number_text(settings.newton_tolerance)
     return "\n".join([
         begin.rstrip("\n"), f"*STEP, NLGEOM{nlgeom}, INC={increments}",

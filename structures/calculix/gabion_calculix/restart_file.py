@@ -57,8 +57,8 @@ def read_header(stream: Iterator[bytes]) -> dict[str, int]:
 
 
 def limit_reserve(path: Path, reserve: int | None) -> int:
-    """Set the file's reserve of room for multi-point constraints to this one, where it is larger; None: leave it. Returns
-    it. Each *RESTART, READ adds to it what a new model would need, so that ccx clears ever more memory, step by step."""
+    """Set the file's reserve of room for multi-point constraints to this one, where it is larger; None: leave it.
+    Returns it. Each *RESTART, READ adds to it what a new model would need, so that ccx clears ever more memory."""
     with path.open("r+b") as file:
         head = records(file.read(20 + 4096))
         next(head)
@@ -98,8 +98,8 @@ def read_nodal_state(path: Path) -> NodalState:
         stream = records(path.read_bytes())
         header = read_header(stream)
         if header["nstate"] > 0 and header["mortar"] not in (0, 1):
-            raise RestartFileError("found state variables that ccx has not written, allowed: materials without them, or "
-                                   "contact in the deck")
+            raise RestartFileError("found state variables that ccx has not written, allowed: materials without "
+                                   "them, or contact in the deck")
         for _ in range(records_before_displacement(header)):
             next(stream)
         columns = header["mi2"] + 1

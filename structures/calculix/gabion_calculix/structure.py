@@ -25,7 +25,8 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
-from .job import Load, check_deck, check_dynamics, check_nlgeom, coupled_step, has_steps, loads_of, model_text, own_steps, with_output
+from .job import (Load, check_deck, check_dynamics, check_nlgeom, coupled_step, has_steps, loads_of, model_text,
+                  own_steps, with_output)
 from .restart_file import NodalState, limit_reserve, read_nodal_state
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
@@ -77,8 +78,8 @@ class Structure(Solver):
                  for node in element.nodes}
         for probe in self.settings.probes:
             if probe.node not in wet | solid:
-                raise DeckError(f'{self.settings.deck}: found probe "{probe.name}" at node {probe.node}, allowed: nodes of '
-                                "the wet surface or of solids")
+                raise DeckError(f'{self.settings.deck}: found probe "{probe.name}" at node {probe.node}, allowed: '
+                                "nodes of the wet surface or of solids")
 
     def zero_forces(self) -> InterfaceValues:
         return {surface.name: np.zeros_like(surface.coordinates) for surface in self.surfaces}
@@ -143,8 +144,8 @@ class Structure(Solver):
         return read_nodal_state(self.state_file)
 
     def write_output(self, time: float) -> None:
-        """A .frd of the accepted step: solved once more, as ccx writes fields only while it solves. Before the first step,
-        and after a restart until the next one, there is none to solve."""
+        """A .frd of the accepted step: solved once more, as ccx writes fields only while it solves. Before the
+        first step, and after a restart until the next one, there is none to solve."""
         if self.frames is None or not self.accepted_job:
             return
         table = self.frames / "frames.csv"
@@ -164,8 +165,8 @@ class Structure(Solver):
     def load_state(self, state: bytes) -> None:
         saved = json.loads(state)
         if saved["deck"] != self.fingerprint():
-            raise ValueError(f"{self.settings.deck}: found another deck, or other interfaces, procedure, nlgeom or alpha in "
-                             "structure.json, allowed: those of the run that is continued")
+            raise ValueError(f"{self.settings.deck}: found another deck, or other interfaces, procedure, nlgeom or "
+                             "alpha in structure.json, allowed: those of the run that is continued")
         self.state_file.unlink(missing_ok=True)
         content = zlib.decompress(base64.b64decode(saved["restart_file"]))
         self.accepted_job = ""
@@ -193,8 +194,8 @@ class Structure(Solver):
                 for value in self.accepted.displacement[probe.node - 1, :self.dimension]]
 
     def summary(self) -> dict:
-        return {"program": "CalculiX", "steps": self.steps, "newton_iterations": self.newton, "runs_of_ccx": self.ccx.runs,
-                "nodes": len(self.deck.nodes), "elements": len(self.deck.elements)}
+        return {"program": "CalculiX", "steps": self.steps, "newton_iterations": self.newton,
+                "runs_of_ccx": self.ccx.runs, "nodes": len(self.deck.nodes), "elements": len(self.deck.elements)}
 
 
 def one_dimension(surfaces: list[WetSurface]) -> int:

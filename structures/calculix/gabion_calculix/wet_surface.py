@@ -37,7 +37,8 @@ def make_wet_surface(deck: Deck, name: str, surface: str, element_set: str) -> W
     if element_set:
         return of_faces(deck, name, list(faces_of_set(deck, element_set)), element_set)
     if surface not in deck.surfaces:
-        raise DeckError(f'{deck.path}: found no *SURFACE, NAME={surface}, allowed: {", ".join(deck.surfaces) or "none"}')
+        raise DeckError(f"{deck.path}: found no *SURFACE, NAME={surface}, allowed: "
+                        f"{', '.join(deck.surfaces) or 'none'}")
     found = deck.surfaces[surface]
     if found.of_nodes:
         return of_nodes(deck, name, found)
