@@ -39,7 +39,7 @@ class CalculixCase(IntegrationCase):
         super().setUp()
         self.files = meeting()
         self.fem = self.files.pop("fem")
-        self.files["coupler"]["time"] |= {"end": 0.0036, "dt": 2e-4}
+        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
         self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
         self.endpoint = free_endpoint()
         self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}

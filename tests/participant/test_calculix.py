@@ -29,7 +29,8 @@ SMALL_WEIGHT = "*STEP\n*STATIC\n*DLOAD\nALL, GRAV, 0.1, 0, -1, 0\n*END STEP\n"
 KINDS = {"C3D20": solid(), "S8R": shell(), "S4": shell("S4"), "B32": beam(), "B31": beam("B31"), "CPE8R": plane()}
 # Of 1 kg in free flight, wet on the top: a cube, and a square.
 CUBE = ("*NODE\n1, 0, 0, 0\n2, .1, 0, 0\n3, .1, .1, 0\n4, 0, .1, 0\n"
-        "5, 0, 0, .1\n6, .1, 0, .1\n7, .1, .1, .1\n8, 0, .1, .1\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n"
+        "5, 0, 0, .1\n6, .1, 0, .1\n7, .1, .1, .1\n8, 0, .1, .1\n"
+        "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n"
         f"*SURFACE, NAME=WET\nALL, S2\n{MATERIAL}{SECTIONS['C3D']}")
 SQUARE = ("*NODE\n1, 0, 0\n2, .1, 0\n3, .1, .1\n4, 0, .1\n5, .05, 0\n6, .1, .05\n7, .05, .1\n8, 0, .05\n"
           "*ELEMENT, TYPE=CPE8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*SURFACE, NAME=WET\nALL, S3\n"
