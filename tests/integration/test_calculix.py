@@ -13,7 +13,7 @@ from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = str(ROOT / "structures" / "calculix" / "calculix_structure")
-ACROSS, UP = 4, 40  # halves of elements of the wall
+ACROSS, UP = 4, 20  # halves of elements of the wall
 
 
 def wall() -> str:
@@ -91,7 +91,7 @@ class Calculix(CalculixCase):
         self.assertGreater((self.out / "structure" / frames[-1]["file"]).stat().st_size, 10000)
         peak, iterations = self.result()
         del self.files["coupler"]["protocol"]
-        self.fem["mesh"]["box"]["cells"] = [ACROSS, UP]
+        self.fem["mesh"]["box"]["cells"] = [4, 40]
         self.write_scene(self.files | {"fem": self.fem})
         shutil.rmtree(self.out)
         self.run_launch(code=0)
