@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""CalculiX as the structure of a coupled run: checked alone, against fem_solver, and when ccx is killed."""
+
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import launch
+from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = str(ROOT / "structures" / "calculix" / "calculix_structure")
+ACROSS, UP = 4, 20  # halves of elements of the wall
+
+
+def wall() -> str:
+    """The wall of meeting(), as an input deck of quadratic elements. Node of (i, j): 1 + i + (ACROSS + 1) j."""
+    def node(i: int, j: int) -> int:
+        return 1 + i + (ACROSS + 1) * j
+
+    nodes = [f"{node(i, j)}, {0.25 + 0.01 * i / ACROSS}, {0.05 * j / UP}"
+             for j in range(UP + 1) for i in range(ACROSS + 1) if i % 2 == 0 or j % 2 == 0]
+    shape = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    places = [(i, j) for j in range(0, UP, 2) for i in range(0, ACROSS, 2)]
+    elements = [f"{number}, " + ", ".join(str(node(i + x, j + y)) for x, y in shape)
+                for number, (i, j) in enumerate(places, 1)]
+    return "\n".join([
+        "*NODE", *nodes, "*ELEMENT, TYPE=CPE8, ELSET=WALL", *elements, "*NSET, NSET=FOOT, GENERATE", f"1, {ACROSS + 1}",
+        "*MATERIAL, NAME=RUBBER", "*HYPERELASTIC, NEO HOOKE", "2.5e5, 6e-6", "*DENSITY", "1100",
+        "*SOLID SECTION, ELSET=WALL, MATERIAL=RUBBER", "*BOUNDARY", "FOOT, 1, 2",
+        "*STEP, NLGEOM", "*STATIC", "*DLOAD", "WALL, GRAV, 9.81, 0, -1, 0", "*END STEP", ""])
+
+
+class CalculixCase(IntegrationCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.files = meeting()
+        self.fem = self.files.pop("fem")
+        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
+        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
+        self.endpoint = free_endpoint()
+        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
+        self.write_scene(self.files)
+        (self.scene / "wall.inp").write_text(wall(), encoding="utf-8")
+
+    def start_structure(self, **settings) -> Launch:
+        path = self.scene / "structure.json"
+        path.write_text(json.dumps({
+            "deck": "wall.inp", "interfaces": [{"name": "wall", "element_set": "WALL"}],
+            "probes": [{"name": "A", "node": 1 + (ACROSS + 1) * UP}]} | settings), encoding="utf-8")
+        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
+        started = Launch([PROGRAM, "--coupler", self.endpoint, "--settings", str(path)], self.folder)
+        self.addCleanup(started.end)
+        return started
+
+    def result(self) -> tuple[float, float]:
+        """The largest displacement of A [m], and the mean iterations of steps in contact."""
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual(summary["accepted_unconverged"], 0)
+        self.assertGreater(summary["steps_in_contact"], 5)
+        counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
+        way = [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
+        return max(way), sum(counts) / len(counts)
+
+
+class Calculix(CalculixCase):
+    def test_check_participant(self) -> None:
+        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
+                          "--check-participant", "structure"], self.folder)
+        self.addCleanup(coupler.end)
+        structure = self.start_structure()
+        text = coupler.wait().text
+        self.assertEqual(structure.wait().code, 0, structure.text())
+        self.assertNotIn("FAILED", text)
+        self.assertNotIn("inexact", text)
+        for check in ("the same bits after reject_step ", "half of dt, rejected: the same bits again",
+                      "the same steps after save, other steps and load", "the end"):
+            self.assert_says(text, check, "passed")
+
+    def test_goes_the_way_of_the_finite_elements(self) -> None:
+        run = self.start(programs=("coupler", "mpm_solver"))
+        structure = self.start_structure()
+        for each in (run, structure):
+            ended = each.wait()
+            self.assertEqual(ended.code, 0, ended.text)
+        structure.wait_none_left()
+        frames = read_table(self.out / "structure" / "frames.csv")
+        self.assertGreater((self.out / "structure" / frames[-1]["file"]).stat().st_size, 10000)
+        peak, iterations = self.result()
+        del self.files["coupler"]["protocol"]
+        self.fem["mesh"]["box"]["cells"] = [4, 40]
+        self.write_scene(self.files | {"fem": self.fem})
+        shutil.rmtree(self.out)
+        self.run_launch(code=0)
+        expected, expected_iterations = self.result()
+        self.assertGreater(expected, 1e-5)
+        self.assertAlmostEqual(peak / expected, 1, delta=0.02)
+        self.assertAlmostEqual(iterations, expected_iterations, delta=1)
+        print(f"A: {peak:.6g}, {expected:.6g}; iterations {iterations:.2f}, {expected_iterations:.2f}")
+
+    def test_a_killed_ccx_ends_the_run_with_its_name(self) -> None:
+        program = self.folder / "mortal_ccx"
+        program.write_text(f"#!/bin/sh\necho run >> {self.folder}/runs\n[ $(wc -l < {self.folder}/runs) -lt 8 ] || "
+                           f"kill -{signal.SIGKILL.value} $$\nexec ccx \"$@\"\n")
+        program.chmod(0o755)
+        run = self.start(programs=("coupler", "mpm_solver"))
+        structure = self.start_structure(program=str(program))
+        self.assertEqual(structure.wait().code, 3, structure.text())
+        self.assert_says(structure.text(), "[calculix] error: ccx was ended by SIGKILL")
+        ended = run.wait()
+        self.assertEqual(ended.code, 4, ended.text)
+        self.assert_says(ended.text, "[cpl] error: ", 'participant "structure"', "ccx was ended by SIGKILL")
+        run.wait_none_left()
+        structure.wait_none_left()
+
+
+if __name__ == "__main__":
+    launch.main()
