@@ -22,6 +22,9 @@ namespace {
 // error of the scheme, large enough for double precision.
 constexpr double mass_floor = 1e-8;
 
+// Of the mean stiffness of a node.
+constexpr double support_share = 1e-4;
+
 // Where soil flies freely no force is left to compare the residual with. The force that would stop
 // a node within the step counts by this share.
 constexpr double share_of_stopping = 1e-3;
@@ -127,6 +130,10 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   std::fill(r.begin(), r.end(), 0.0);
   for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
+  if (K && supported_) {
+    const double support = support_share * K->mean_diagonal();
+    for (std::int32_t i = 0; i < K->num_nodes(); ++i) K->add_diagonal(i, support);
+  }
   if (!parts_.contacts.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
 
   double external = add_weight(r);
@@ -147,6 +154,13 @@ template <int dim>
 bool Equilibrium<dim>::brace(double share) {
   brace_ = share;
   return max_over_ranks(parts_.comm, internal_.yielded() ? 1 : 0) > 0;
+}
+
+template <int dim>
+bool Equilibrium<dim>::support(bool on) {
+  const bool may_be_loose = !parts_.with_inertia && !parts_.contacts.empty();
+  supported_ = on && may_be_loose;
+  return may_be_loose;
 }
 
 template <int dim>

@@ -61,6 +61,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   /// The stiffness of points that yielded since the solution began (YieldingPoints).
   bool brace(double share) override;
+  /// In quasi-static analysis with contact: bodies may have to move before a surface holds them.
+  bool support(bool on) override;
   double increment_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;
   /// Number, body, position, strain increment, volume ratio and yield region of the material point
@@ -96,6 +98,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Parts parts_;
   InternalForces<dim> internal_;
+  bool supported_ = false;             // K holds a little stiffness everywhere
   double brace_ = 0;                   // share of the stiffness that K holds besides the tangent
   std::vector<double> v_, a_;          // walls applied
   std::vector<double> m_;              // nodal mass; with inertia not below the floor

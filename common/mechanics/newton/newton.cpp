@@ -81,6 +81,7 @@ class Newton {
   void accept(const Iterate& next);
   void provide_matrix();
   void solve_linear();
+  int solve_supported(double tolerance, const std::string& reason);
   bool next_is_last() const;
   double predicted_relative() const;
   bool cycles() const;
@@ -103,6 +104,7 @@ class Newton {
   std::string rejection_;       // why the last trial state was refused
   double step_size_ = 0;        // largest |step| of a node before any cut
   double cut_ = 1;              // s of the last line search
+  bool supported_ = false;      // the step at hand
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
   Brace brace_;
   std::size_t unbraced_since_ = 0;  // first of the residuals since the last brace
@@ -174,14 +176,32 @@ void Newton<block_size>::solve_linear() {
   // The solver's own setting is the lower bound: a value <= 0 asks for it.
   const double wanted = std::min(needed / current_.relative, loosest_linear_tolerance);
   const ScopedTimer timer(times_, "solve");
+  supported_ = false;
   try {
     report_.linear_iterations += matrix_.linear.solve(r_, step_, wanted);
   } catch (const ConvergenceError& error) {
-    fail(error.what(), "linear_solver");
+    report_.linear_iterations += solve_supported(wanted, error.what());
   }
   ++report_.iterations;
   report_.braced += brace_.active();
   step_size_ = worst_node<block_size>(step_).size;
+}
+
+// K alone has no solution, for this reason. @returns linear iterations
+template <int block_size>
+int Newton<block_size>::solve_supported(double tolerance, const std::string& reason) {
+  if (!problem_.support(true)) fail(reason, "linear_solver");
+  evaluate(du_, r_, true);
+  problem_.support(false);
+  current_.has_matrix = false;
+  supported_ = true;
+  ++report_.supported;
+  try {
+    matrix_.linear.set_matrix(matrix_.K);
+    return matrix_.linear.solve(r_, step_, tolerance);
+  } catch (const ConvergenceError& error) {
+    fail(error.what(), "linear_solver");
+  }
 }
 
 template <int block_size>
@@ -253,7 +273,7 @@ bool Newton<block_size>::goes_in_circles() const {
 // After a step was taken.
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
-  if (brace_.active()) return false;
+  if (brace_.active() || supported_) return false;
   const double scale = problem_.increment_scale();
   return (current_.small_residual && cut_ * step_size_ <= settings_.increment_tolerance * scale) ||
          (!matrix_is_old_ && step_size_ <= round_off * scale);
@@ -280,7 +300,7 @@ NewtonReport Newton<block_size>::run() {
     const double norm_before = current_.norm;
     if (line_search()) {
       converged = is_converged();
-      matrix_is_usable = settings_.reuse_matrix && !brace_.active() &&
+      matrix_is_usable = settings_.reuse_matrix && !brace_.active() && !supported_ &&
                          (converged || current_.norm <= reuse_reduction * norm_before);
       follow_brace(norm_before);
     } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace()) {

@@ -13,7 +13,8 @@
 
 namespace gabion {
 
-/// Share of the forces that their own rounding may leave in |r|: some thousand terms of either sign.
+/// Share of the forces that their own rounding may leave in |r|: some thousand terms of either
+/// sign.
 inline constexpr double likely_round_off = 1e-13;
 
 /// The "newton" object of a solver's config.
@@ -54,6 +55,13 @@ class NewtonProblem {
     static_cast<void>(share);
     return false;
   }
+  /// Let K hold a little stiffness everywhere besides -dr/du, for parts that nothing holds as yet,
+  /// such as soil before it rests on a surface; until it is called with false.
+  /// @returns whether there can be such parts, the same on all ranks
+  virtual bool support(bool on) {
+    static_cast<void>(on);
+    return false;
+  }
   /// What the norm of a node's block_size increments is compared with, in their unit: a cell size
   /// [m] for displacements. Unknowns of several units have to be scaled to one.
   virtual double increment_scale() const = 0;
@@ -83,6 +91,7 @@ struct NewtonReport {
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
   int braced = 0;                 ///< linear systems solved with a brace
+  int supported = 0;              ///< linear systems that had no solution without support
   std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
 
@@ -99,7 +108,8 @@ struct NewtonReport {
 /// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
 /// may jump to and fro for ever. Then K gets a brace there (NewtonProblem::brace, Brace), s counts
 /// as good up to twice |r|, and only a step without brace ends the search. The brace is in K alone:
-/// the solution does not depend on it.
+/// the solution does not depend on it. Where K alone is singular, it gets support for one step
+/// (NewtonProblem::support).
 ///
 /// K comes with the residual in one evaluation unless quadratic convergence predicts that the
 /// iterate is the last one. The linear tolerance is 0.3 of what the next residual has to reach,

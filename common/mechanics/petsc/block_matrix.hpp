@@ -37,6 +37,7 @@ class BlockMatrix {
   /// Add one block. @pre i and j share a cell of the pattern
   void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
+  double mean_diagonal() const;                     ///< of all unknowns
 
   /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
   /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where `owned` is true, add scale_i (1 - Q_i) to the
@@ -63,7 +64,6 @@ class BlockMatrix {
   double* block(std::int32_t s) {
     return values_.data() + static_cast<std::size_t>(s) * block_size * block_size;
   }
-  double mean_diagonal() const;
   void list_cells_of_nodes();
   void list_neighbours();
   void sort_columns();

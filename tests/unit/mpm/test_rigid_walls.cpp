@@ -135,5 +135,33 @@ TEST(RigidWalls, soil_on_either_side_of_a_grid_line_is_felt) {
   }
 }
 
+/// Nothing but contact that is open at first holds the block: each stiffness matrix of the first
+/// steps is singular, and without friction those of all.
+TEST(RigidWalls, a_block_at_rest_comes_to_lie_on_one) {
+  for (const double friction : {0.0, 0.3}) {
+    const Json json = {{"dimension", 2},
+                       {"analysis", "quasi_static"},
+                       {"grid", box({0, -0.5}, {2, 1}, {8, 6}, "quad4")},
+                       {"gravity", {0, -10}},
+                       {"gravity_ramp", {{"duration", 1}}},
+                       {"bodies",
+                        {body("block", box({0.5, 0}, {1.5, 0.5}, {4, 2}, "quad4"), 4,
+                              elastic_soil("neo_hookean", 1e6, 0.3, 1000))}},
+                       {"rigid_walls",
+                        {{{"name", "bed"},
+                          {"surface", {{"polyline", {{2, 0}, {0, 0}}}, {"spacing", 0.25}}},
+                          {"friction", friction}}}}};
+    const auto solver = mpm_solver<2>(json);
+    for (int n = 1; n <= 5; ++n) {
+      InterfaceValues sent;
+      ASSERT_NO_THROW(solver->solve_step({n, 0, 0.2 * (n - 1), 0.2}, {}, sent)) << friction;
+      solver->accept_step({n, 0, 0.2 * (n - 1), 0.2}, true);
+      const double weight = 0.2 * n * 0.5 * 1000 * 10;
+      EXPECT_NEAR(probe(*solver, "bed.fy"), -weight, 2e-5 * weight) << friction << ' ' << n;
+      EXPECT_NEAR(probe(*solver, "bed.fx"), 0, 2e-5 * weight) << friction << ' ' << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gabion::test
