@@ -203,8 +203,7 @@ std::array<double, 3> weights_on_triangle(const std::array<Vector<3>, 3>& c, con
     const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
     return {0, 1 - t, t};
   }
-  const double sum = at_a + at_b + at_c;
-  return {at_a / sum, at_b / sum, at_c / sum};
+  return weights_of_foot(c, y);
 }
 
 }  // namespace
