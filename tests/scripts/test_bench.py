@@ -9,6 +9,7 @@ import json
 import platform
 import re
 import unittest
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -17,7 +18,7 @@ from script_case import ROOT, ScriptCase
 import made_up_results as made_up
 import measured
 from plotting.results import Results, ResultsError
-from studies import coupling
+from studies import coupling, instructions
 from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import LIMITS, STUDIES, acceleration, error_vs_time, speed
 from studies.measures import Curve, Measured, relative_rms
@@ -276,6 +277,29 @@ class Coupling(ScriptCase):
         coupling.SETUP = "/bin/false"
         with self.assertRaisesRegex(ResultsError, "coupling_benchmark could not be built"):
             self.run_study()
+
+
+class Instructions(unittest.TestCase):
+    def test_a_row_is_the_difference_of_two_runs(self) -> None:
+        few = instructions.Count(points=100, newton=6, krylov=20, total=9_000_000, stress=4_000_000, solve=2_000_000)
+        many = instructions.Count(points=100, newton=10, krylov=40, total=17_000_000, stress=8_000_000,
+                                  solve=3_000_000)
+        self.assertEqual(instructions.row("form", 2, few, many),
+                         ["form", 100, 2, 5, 4, 2, "50 %", "12 %", 20_000])
+
+    def test_inclusive_counts_are_read_by_name(self) -> None:
+        listing = ("--------\n"
+                   " 9,000 (90.0%)  ???:gabion::mpm::InternalForces<2>::evaluate(std::span<double>) [mpm_solver]\n"
+                   " 1,234 (12.3%)  ???:gabion::LinearSolver<2>::solve(std::span<double>) [mpm_solver]\n"
+                   " 1,200 (12.0%)  ???:gabion::LinearSolver<2>::Implementation::solve(int) [mpm_solver]\n")
+        self.assertEqual(instructions.inclusive(listing, r"gabion::LinearSolver<\d>::solve"), 1234)
+        self.assertEqual(instructions.inclusive(listing, r"gabion::mpm::InternalForces<\d>::evaluate"), 9000)
+        self.assertEqual(instructions.inclusive(listing, "gabion::mpm::Absent"), 0)
+
+    def test_without_valgrind_it_says_how_to_get_it(self) -> None:
+        with mock.patch.object(instructions.shutil, "which", return_value=None):
+            with self.assertRaisesRegex(ResultsError, "apt-get install .* valgrind"):
+                instructions.instructions(Runner(Path("unused"), reuse=False, settings=[]))
 
 
 class Columns(ScriptCase):
