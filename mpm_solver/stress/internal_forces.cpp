@@ -97,36 +97,12 @@ bool InternalForces<dim>::add_simplex(const Law& law, const GroupRequest& reques
   return true;
 }
 
-// Of cells whose points share one gradient.
+// Stresses of the points of cells that have gradients of their own.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRange& range,
-                                         std::span<const double> du, BlockMatrix<dim>* K,
-                                         std::int32_t& worst) {
-  const auto& weights = parts_.weights;
-  CellForces<dim> sum;
-  std::int32_t active[max_group_nodes<dim>];
-  GroupDisplacements<dim> of_group;
-  for (std::int32_t g = range.first; g < range.last; ++g) {
-    const CellGroup& group = weights.groups[g];
-    parts_.nodes.list_active(weights.nodes_of(group), active);
-    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
-    sum.set_zero(group.num_nodes, K != nullptr);
-    const GroupRequest request{
-        .number = g, .du = of_group.data(), .with_K = K != nullptr, .sum = sum, .worst = worst};
-    if (!add_simplex(law, request)) return false;
-    sum.scatter(group.num_nodes, active, f_int_.data());
-    if (K) K->add_cell_blocks(g, sum.K);
-  }
-  return true;
-}
-
-// Of cells whose points have gradients of their own.
-template <int dim>
-template <class Law>
-bool InternalForces<dim>::general_forces(const Law& law, const GroupRange& range,
-                                         std::span<const double> du, BlockMatrix<dim>* K,
-                                         std::int32_t& worst) {
+bool InternalForces<dim>::find_stresses(const Law& law, const GroupRange& range,
+                                        std::span<const double> du, bool with_K,
+                                        std::int32_t& worst) {
   const auto& weights = parts_.weights;
   stresses_.start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
   GroupDisplacements<dim> of_group;
@@ -137,21 +113,48 @@ bool InternalForces<dim>::general_forces(const Law& law, const GroupRange& range
       stresses_.H(e) = displacement_gradient(weights, e, of_group.data());
     }
   }
-  if (!stresses_.evaluate(parts_, law, K != nullptr, worst)) return false;
+  return stresses_.evaluate(parts_, law, with_K, worst);
+}
+
+// Forces and stiffness of these stresses.
+template <int dim>
+void InternalForces<dim>::add_points(const CellGroup& group, bool with_K,
+                                     CellForces<dim>& sum) const {
+  const auto& weights = parts_.weights;
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const int n = weights.num_nodes(e);
+    const std::uint8_t* local = weights.local_of(e);
+    const double V0 = parts_.points.V0[weights.point[e]];
+    sum.add_stress(n, local, V0 * stresses_.P(e), weights.grad_of(e));
+    if (!with_K) continue;
+    sum.add_tangent(n, local, group.num_nodes, V0 * stresses_.A(e), weights.grad_of(e));
+  }
+}
+
+// f_int and its derivative of some cells of one body.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
+                                       std::span<const double> du, BlockMatrix<dim>* K,
+                                       std::int32_t& worst) {
+  const auto& weights = parts_.weights;
+  const bool with_K = K != nullptr, shared_gradient = weights.constant_gradient;
+  if (!shared_gradient && !find_stresses(law, range, du, with_K, worst)) return false;
   CellForces<dim> sum;
   std::int32_t active[max_group_nodes<dim>];
+  GroupDisplacements<dim> of_group;
   for (std::int32_t g = range.first; g < range.last; ++g) {
     const CellGroup& group = weights.groups[g];
-    parts_.nodes.list_active(weights.nodes_of(group), active);
-    sum.set_zero(group.num_nodes, K != nullptr);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const int n = weights.num_nodes(e);
-      const std::uint8_t* local = weights.local_of(e);
-      const double V0 = parts_.points.V0[weights.point[e]];
-      sum.add_stress(n, local, V0 * stresses_.P(e), weights.grad_of(e));
-      if (!K) continue;
-      sum.add_tangent(n, local, group.num_nodes, V0 * stresses_.A(e), weights.grad_of(e));
+    sum.set_zero(group.num_nodes, with_K);
+    if (shared_gradient) {
+      parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
+      const GroupRequest request{
+          .number = g, .du = of_group.data(), .with_K = with_K, .sum = sum, .worst = worst};
+      if (!add_simplex(law, request)) return false;
+    } else {
+      add_points(group, with_K, sum);
     }
+    parts_.nodes.list_active(weights.nodes_of(group), active);
     sum.scatter(group.num_nodes, active, f_int_.data());
     if (K) K->add_cell_blocks(g, sum.K);
   }
@@ -168,10 +171,7 @@ bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::sp
   for (range.first = parts_.weights.body_groups[body]; range.first < last;
        range.first = range.last) {
     range.last = std::min(range.first + groups_at_once, last);
-    if (!(parts_.weights.constant_gradient ? simplex_forces(law, range, du, K, worst)
-                                           : general_forces(law, range, du, K, worst))) {
-      return false;
-    }
+    if (!range_forces(law, range, du, K, worst)) return false;
   }
   return true;
 }

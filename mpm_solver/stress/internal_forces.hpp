@@ -86,13 +86,14 @@ class InternalForces {
   bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
                    BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
-  bool simplex_forces(const Law& law, const GroupRange& range, std::span<const double> du,
-                      BlockMatrix<dim>* K, std::int32_t& worst);
+  bool range_forces(const Law& law, const GroupRange& range, std::span<const double> du,
+                    BlockMatrix<dim>* K, std::int32_t& worst);
+  template <class Law>
+  bool find_stresses(const Law& law, const GroupRange& range, std::span<const double> du,
+                     bool with_K, std::int32_t& worst);
+  void add_points(const CellGroup& group, bool with_K, CellForces<dim>& sum) const;
   template <class Law>
   bool add_simplex(const Law& law, const GroupRequest& request);
-  template <class Law>
-  bool general_forces(const Law& law, const GroupRange& range, std::span<const double> du,
-                      BlockMatrix<dim>* K, std::int32_t& worst);
   template <class Law>
   bool group_stress(const Law& law, const GroupRequest& request, const Matrix<dim>& H);
   Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {

@@ -8,6 +8,7 @@ import statistics
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from plotting.account import FINE
 from plotting.live import QUIET, Run, State
 from plotting.words import count, duration, percent, seconds
 
@@ -78,8 +79,8 @@ def _convergence(run: Run) -> Iterator[Statement]:
     bad = steps.first_unconverged
     if bad is not None:
         words = ", ".join(f"{number} {status.replace('_', ' ')}" for status, number in steps.statuses.items()
-                          if status not in ("converged", "inactive", "explicit"))
-        number = steps.count - sum(steps.statuses[status] for status in ("converged", "inactive", "explicit"))
+                          if status not in FINE)
+        number = steps.count - sum(steps.statuses[status] for status in FINE)
         many = count(number, "step was", "steps were")
         yield Statement("bad", "convergence", f"{many} accepted without convergence ({words}), the first is step "
                         f"{bad['step']} at t = {float(bad['time']):.6g} s.")

@@ -42,8 +42,9 @@ class Packer:
     def _mesh(self, structure: Series) -> tuple[np.ndarray, np.ndarray]:
         """Nodes that are seen, and faces of them."""
         first = structure.frame(0)
-        used, faces = np.unique(self.view.faces(first.points, first.cells), return_inverse=True)
-        return used, faces.reshape(-1, self.view.faces(first.points, first.cells).shape[1])
+        faces = self.view.faces(first.points, first.cells)
+        used, numbers = np.unique(faces, return_inverse=True)
+        return used, numbers.reshape(faces.shape)
 
     def _places(self, points: np.ndarray) -> str:
         span = self.scene.high - self.scene.low

@@ -18,6 +18,13 @@ struct Principal {
   Lanes squares() const { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; }
 };
 
+/// See hencky_stress() of one point.
+Principal stress_of(const PrincipalMohrCoulomb& law, const Principal& eps) {
+  const Lanes pressure = law.lambda * eps.sum();
+  return {pressure + 2 * law.mu * eps[0], pressure + 2 * law.mu * eps[1],
+          pressure + 2 * law.mu * eps[2]};
+}
+
 Principal choose(const LaneMask& mask, const Principal& a, const Principal& b) {
   return {mask ? a[0] : b[0], mask ? a[1] : b[1], mask ? a[2] : b[2]};
 }
@@ -87,8 +94,9 @@ struct PlaneReturn::Trial {
 
 /// State after the return, in descending order.
 struct PlaneReturn::Returned {
-  Principal eps_e, plastic;
-  LaneMask on[num_faces];
+  Principal eps_e, plastic{};
+  Principal tau;  // of eps_e, on the axes
+  LaneMask on[num_faces]{};
 };
 
 PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
@@ -162,7 +170,6 @@ void PlaneReturn::return_to_surface(const Trial& t, const Lanes (&tau)[3], Retur
   r.on[plane] = yields & ~breaks_12 & ~breaks_23;
   r.eps_e = choose(r.on[plane], flat, eps);
   r.plastic = choose(r.on[plane], plastic, {});
-  r.on[edge_12] = r.on[edge_23] = r.on[apex] = LaneMask{};
   if (!any(breaks_12 | breaks_23)) return;
 
   const Lanes mean_12 = 0.5 * (eps[0] + eps[1]), mean_23 = 0.5 * (eps[1] + eps[2]);
@@ -185,31 +192,21 @@ void PlaneReturn::return_to_surface(const Trial& t, const Lanes (&tau)[3], Retur
 
 PlaneReturn::Returned PlaneReturn::return_of(const Trial& t) const {
   Returned r;
-  const Lanes pressure = law_.lambda * t.eps.sum();
-  const Lanes tau[3] = {pressure + 2 * law_.mu * t.eps[0], pressure + 2 * law_.mu * t.eps[1],
-                        pressure + 2 * law_.mu * t.eps[2]};
+  const Principal tau = stress_of(law_, t.eps);
   const Lanes largest = abs(t.eps[0]) > abs(t.eps[2]) ? abs(t.eps[0]) : abs(t.eps[2]);
   const double size = yield_tolerance * (law_.k + 1) * (law_.lambda + 2 * law_.mu);
   const LaneMask yields = law_.k * tau[0] - tau[2] - law_.strength > size * largest;
   r.on[elastic] = ~yields;
-  if (any(yields)) {
-    return_to_surface(t, tau, r);
-  } else {
-    r.eps_e = t.eps;
-    r.plastic = {};
-    for (const Face face : {plane, edge_12, edge_23, apex}) r.on[face] = LaneMask{};
-  }
+  r.eps_e = t.eps;
+  if (any(yields)) return_to_surface(t, tau.x, r);
+  r.tau = t.on_axes(stress_of(law_, r.eps_e));
   return r;
 }
 
 void PlaneReturn::store(const Trial& t, const Returned& r, PlaneBatch& batch) const {
   auto& out = batch.out;
   const Lanes volumetric = r.eps_e.sum();
-  const Lanes pressure = law_.lambda * volumetric;
-  const Principal tau_sorted = {pressure + 2 * law_.mu * r.eps_e[0],
-                                pressure + 2 * law_.mu * r.eps_e[1],
-                                pressure + 2 * law_.mu * r.eps_e[2]};
-  const LaneBlock tau = t.compose(t.on_axes(tau_sorted));
+  const LaneBlock tau = t.compose(r.tau);
   const Lanes* G = t.F_inverse;
   const LaneBlock P = {tau[0] * G[0] + tau[3] * G[1], tau[3] * G[0] + tau[1] * G[1],
                        tau[0] * G[2] + tau[3] * G[3], tau[3] * G[2] + tau[1] * G[3]};
@@ -263,9 +260,8 @@ void PlaneReturn::store_tangent(const Trial& t, const Returned& r, PlaneBatch& b
     }
     D.load(rows[0], rows[1], rows[2], rows[3]);
   }
-  const Lanes pressure = law_.lambda * r.eps_e.sum();
-  const Principal eps_e = t.on_axes(r.eps_e), plastic = t.on_axes(r.plastic);
-  const Lanes tau_0 = pressure + 2 * law_.mu * eps_e[0], tau_1 = pressure + 2 * law_.mu * eps_e[1];
+  const Principal plastic = t.on_axes(r.plastic);
+  const Lanes &tau_0 = r.tau[0], &tau_1 = r.tau[1];
   const Lanes b_0 = 1 + t.v[0], b_1 = 1 + t.v[1];
   const Lanes elastic_G = 2 * law_.mu * hencky_slope(b_0, b_1);
   const Lanes change = plastic[0] - plastic[1];
