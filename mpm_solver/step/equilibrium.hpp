@@ -46,6 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double same_strain;  ///< see InternalForces
     double dt;
     bool with_inertia = true;             ///< false: quasi-static
+    bool short_step = false;              ///< waves cross at most a cell: nearly linear
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     std::span<const double> f_body_start = {};   ///< the same at the start of the step
     bool average_volumes = false;                ///< F-bar, see AveragedForces
@@ -69,6 +70,11 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// with the largest |E| (point_motion.hpp).
   std::string describe_worst_point(std::span<const double> du) const override;
 
+  /// A new solution with other interface values begins.
+  void begin_solution() {
+    first_evaluation_ = true;
+    internal_.begin_solution();
+  }
   InternalForces<dim>& internal_forces() { return internal_; }
   const InternalForces<dim>& internal_forces() const { return internal_; }
   const Parts& parts() const { return parts_; }
@@ -98,6 +104,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Parts parts_;
   InternalForces<dim> internal_;
+  bool first_evaluation_ = true;       // of a solution
   bool supported_ = false;             // K holds a little stiffness everywhere
   double brace_ = 0;                   // share of the stiffness that K holds besides the tangent
   std::vector<double> v_, a_;          // walls applied

@@ -125,11 +125,16 @@ void SoilStep<dim>::begin(const StepRequest& request) {
   make_equilibrium(ramp.at(request.time) * gravity, ramp.at(end) * gravity, request.dt);
 }
 
+// Cells that an elastic wave crosses in the step.
+template <int dim>
+double SoilStep<dim>::courant() const {
+  return model_.wave_speed * dt_ / model_.cell_size;
+}
+
 template <int dim>
 LinearRegime SoilStep<dim>::regime() const {
   const bool symmetric = model_.symmetric_laws && state_.surfaces.symmetric();
-  const double courant = model_.wave_speed * dt_ / model_.cell_size;
-  return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
+  return {symmetric, with_inertia_ ? courant() : std::numeric_limits<double>::infinity()};
 }
 
 /// @param gravity_n, gravity  at the start and at the end of the step
@@ -170,6 +175,7 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
       .same_strain = same_strain_share * model_.settings.newton.residual_tolerance,
       .dt = dt,
       .with_inertia = with_inertia_,
+      .short_step = with_inertia_ && courant() <= 1,
       .f_body = f_body_,
       .f_body_start = f_body_start_,
       .average_volumes = model_.settings.locking.average_volumes,
@@ -185,7 +191,7 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
     du_ = std::move(guess.du);
     linear_iterations_ += guess.linear_iterations;
   }
-  equilibrium_->internal_forces().begin_solution();
+  equilibrium_->begin_solution();
   NewtonSettings settings = model_.settings.newton;
   double& tolerance = settings.residual_tolerance;
   if (request.iteration > 0) {

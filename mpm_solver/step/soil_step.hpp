@@ -57,6 +57,7 @@ class SoilStep {
   void begin(const StepRequest& request);
   void enter_phase(double time);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
+  double courant() const;
   LinearRegime regime() const;
   NewtonReport solve_balance(const StepRequest& request, bool begins);
   StepMeasures measure(const NodalMotion<dim>& motion) const;

@@ -195,10 +195,12 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
   first_evaluation_ = false;
   if (stress_known && (!K || is_near(du, du_K_, near))) {
+    neighbours_matrix_ = K && !std::equal(du.begin(), du.end(), du_K_.begin(), du_K_.end());
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
     yielding_.add(parts_.trial.region);
     return true;
   }
+  neighbours_matrix_ = false;
   du_known_.clear();
   std::fill(f_int_.begin(), f_int_.end(), 0.0);
   if (K) K->set_zero();

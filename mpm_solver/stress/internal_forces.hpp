@@ -36,6 +36,8 @@ class InternalForces {
   /// @param worst  set to the point that made the state inadmissible
   /// @returns false when a point would be squeezed below min_J_ratio of its volume
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
+  /// Whether K of the last evaluation was that of a neighbouring state.
+  bool neighbours_matrix() const { return neighbours_matrix_; }
   const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
   /// Forces of the accepted stresses on the nodes of this step, those of du = 0: num_nodes x dim
   /// [N].
@@ -111,6 +113,7 @@ class InternalForces {
   std::vector<double> du_K_;        // where K_int_ was evaluated; empty: nowhere
   std::vector<double> K_int_;       // values of the matrix
   bool first_evaluation_ = true;
+  bool neighbours_matrix_ = false;
   YieldingPoints<dim> yielding_;
   PointStresses<dim> stresses_;  // of the groups at hand
 };

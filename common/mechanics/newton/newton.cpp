@@ -75,6 +75,7 @@ class Newton {
     double relative = 0;  // |r| / force_scale
     bool small_residual = false;
     bool has_matrix = false;  // K was evaluated with it
+    bool likely_last = false;
   };
 
   Iterate evaluate(std::span<const double> du, std::span<double> r, bool with_matrix);
@@ -121,6 +122,7 @@ typename Newton<block_size>::Iterate Newton<block_size>::evaluate(std::span<cons
   rejection_.clear();
   Iterate next;
   next.has_matrix = with_matrix;
+  next.likely_last = evaluation.likely_last;
   next.norm = norm_of(r);
   if (!evaluation.admissible) {
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
@@ -225,7 +227,7 @@ bool Newton<block_size>::cycles() const {
 template <int block_size>
 bool Newton<block_size>::line_search() {
   const double energy = dot(step_, r_);
-  const bool speculate = !settings_.reuse_matrix && !next_is_last();
+  const bool speculate = !settings_.reuse_matrix && !current_.likely_last && !next_is_last();
   cut_ = !brace_.active() && cycles() ? 0.5 : 1;
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];

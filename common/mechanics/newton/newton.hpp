@@ -34,6 +34,8 @@ struct Evaluation {
   bool admissible = true;
   /// What |r| is compared with: the largest norm of the forces that balance each other in r.
   double force_scale = 0;
+  /// One step with this K likely suffices: no K is wanted with the residual after it.
+  bool likely_last = false;
   std::string reason;  ///< worst place when not admissible
 };
 
@@ -111,9 +113,9 @@ struct NewtonReport {
 /// the solution does not depend on it. Where K alone is singular, it gets support for one step
 /// (NewtonProblem::support).
 ///
-/// K comes with the residual in one evaluation unless quadratic convergence predicts that the
-/// iterate is the last one. The linear tolerance is 0.3 of what the next residual has to reach,
-/// not looser than 1e-2 and not tighter than the linear solver's setting.
+/// K comes with the residual in one evaluation unless the iterate is likely the last one: quadratic
+/// convergence predicts it, or the problem does. The linear tolerance is 0.3 of what the next
+/// residual has to reach, not looser than 1e-2 and not tighter than the linear solver's setting.
 ///
 /// @param[in,out] matrix  -dr/du; `is_usable` lets `reuse_matrix` reach from one call to the next
 /// @param[in,out] du      guess, then solution                               num_nodes x block_size
