@@ -11,6 +11,8 @@ from petsc4py import PETSc
 from .history import History
 from .model import Model, ModelError
 
+EACH_ALONE = 5000  # up to so many unknowns each rank factorises the whole matrix
+
 
 class Balance:
     """Of internal forces, weight and inertia in the function space of the model."""
@@ -84,8 +86,11 @@ class Factor:
         self.solver.setOperators(self.matrix)
         self.solver.setType("preonly")
         pc = self.solver.getPC()
-        pc.setType("lu")
-        pc.setFactorSolverType("petsc" if balance.comm.size == 1 else "mumps")
+        if balance.comm.size > 1 and balance.V.dofmap.index_map.size_global * balance.V.dofmap.index_map_bs <= EACH_ALONE:
+            pc.setType("redundant")  # every rank the whole matrix: one exchange a solution
+        else:
+            pc.setType("lu")
+            pc.setFactorSolverType("petsc" if balance.comm.size == 1 else "mumps")
         self.right, self.left = self.matrix.createVecs()
 
     def assemble(self, u: np.ndarray, inertia: float) -> None:

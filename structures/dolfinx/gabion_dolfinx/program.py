@@ -34,7 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     comm = MPI.COMM_WORLD
     interrupt.install()
     try:
-        structure = Structure(read_model(arguments.model), comm, arguments.model.read_text(encoding="utf-8"))
+        structure = Structure(read_model(arguments.model), comm, arguments.model.read_text(encoding="utf-8"),
+                              arguments.name)
         settings = ParticipantSettings(arguments.name, arguments.coupler, dimension=structure.dimension,
                                        program="dolfinx_structure")
         serve_ranks(structure, settings, comm)

@@ -25,10 +25,10 @@ KEEP = 0.25  # a factor is kept while the residual falls by more than this an it
 
 
 class Structure(Solver):
-    """source: of the model, compared at a restart. Raises ModelError, and ConvergenceError of the initial state."""
+    """name: of the participant; source: of the model, compared at a restart. Raises ModelError, and ConvergenceError of the initial state."""
 
-    def __init__(self, model: Model, comm: Any, source: str = "") -> None:
-        self.model, self.source = model, source
+    def __init__(self, model: Model, comm: Any, source: str = "", name: str = "structure") -> None:
+        self.model, self.source, self.name = model, source, name
         domain = model.mesh(comm)
         self.comm, self.dimension = comm, domain.geometry.dim
         check_model(model, self.dimension)
@@ -75,7 +75,7 @@ class Structure(Solver):
 
     def begin_run(self, run: Mapping[str, Any]) -> None:
         if not run.get("check") and "output" in run:
-            self.output = Output(self.balance, Path(run["output"]) / "structure")
+            self.output = Output(self.balance, Path(run["output"]) / self.name)
 
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
         self.mean_forces = {name for name, kind in kinds.items() if kind == STEP_MEAN}
@@ -172,12 +172,12 @@ class Structure(Solver):
         return motion | {f"field.{name}": array for name, array in self.balance.history.arrays().items()}
 
     def save_state(self) -> bytes:
-        """Of all ranks, on all ranks: each takes its own part back."""
-        parts = self.comm.gather(self.state_arrays())
+        """Of all ranks, on rank 0: each takes its own part back."""
+        parts, fingerprint = self.comm.gather(self.state_arrays()), self.fingerprint()
         if self.comm.rank:
             return b""
         content = {f"{rank}.{name}": array for rank, part in enumerate(parts) for name, array in part.items()}
-        content |= {"steps": np.array(self.steps), "fingerprint": np.array(self.fingerprint())}
+        content |= {"steps": np.array(self.steps), "fingerprint": np.array(fingerprint)}
         file = io.BytesIO()
         np.savez(file, **content)
         return file.getvalue()
