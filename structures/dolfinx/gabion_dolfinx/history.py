@@ -25,7 +25,7 @@ class History:
         self.points = len(points)
         cells = domain.topology.index_map(domain.topology.dim)
         self.cells = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
-        self.new = {name: fem.Expression(ufl.as_ufl(value), points) for name, value in new.items()}
+        self.new = {name: fem.Expression(on_mesh(domain, value), points) for name, value in new.items()}
         for name, expression in self.new.items():
             if (size := self.size(name)) != expression.value_size:
                 raise ModelError(f'new_fields: found {expression.value_size} components of "{name}", allowed: {size}')
@@ -46,6 +46,14 @@ class History:
     def cell_means(self, name: str) -> np.ndarray:
         """cells x components."""
         return self.old[name].x.array.reshape(len(self.cells), self.points, self.size(name)).mean(axis=1)
+
+
+def on_mesh(domain, value) -> ufl.core.expr.Expr:
+    """A number is a constant of the mesh, as Expression wants it."""
+    expression = ufl.as_ufl(value)
+    if expression.ufl_domain() is None and expression.ufl_shape == ():
+        return fem.Constant(domain, float(expression))
+    return expression
 
 
 def make_field(domain, name: str, value, degree: int) -> fem.Function:
