@@ -139,6 +139,11 @@ class Steps(unittest.TestCase):
         again, _ = structure.solve_step(request, on_top(structure, 60.0))
         np.testing.assert_array_equal(first["wall"], again["wall"])
 
+    def test_forces_as_small_as_rounding(self) -> None:
+        """1 + grad u has lost the strain of the first touch."""
+        way = march(Structure(SoftTop(), COMM), 3, 1e-4, 1e-9)
+        self.assertGreater(np.abs(way[-1]).max(), 0)
+
     def test_no_solution_leaves_the_state(self) -> None:
         class Breaks(SoftTop):
             """Has no forces where u_x > 1 mm."""

@@ -6,6 +6,7 @@ import numpy as np
 import ufl
 from dolfinx import fem, la
 from dolfinx.fem.petsc import assemble_matrix
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .history import History
@@ -65,8 +66,14 @@ class Balance:
         squares = np.array([array @ array for array in arrays])
         return np.sqrt(self.comm.allreduce(squares)).tolist()
 
-    def make_factor(self) -> "Factor":
-        return Factor(self)
+    def rounding(self, at_rest: "Factor") -> float:
+        """[N] that rounding alone leaves in the norm of forces: an error of a strain of 1 + grad u, by the stiffness
+        at u = 0."""
+        geometry = self.V.mesh.geometry
+        corners = geometry.x[geometry.dofmap.array.reshape(geometry.dofmap.num_nodes, -1)]
+        largest = self.comm.allreduce(np.ptp(corners, axis=1).max(initial=0.0), op=MPI.MAX)  # of the cells
+        at_rest.assemble(np.zeros(self.size), 0.0)
+        return np.finfo(float).eps * largest * self.norms(at_rest.matrix.getDiagonal().array)[0]
 
     def mass_factor(self) -> "Factor":
         """Of the mass on free unknowns; the others stay zero."""
@@ -86,7 +93,7 @@ class Factor:
         self.solver.setOperators(self.matrix)
         self.solver.setType("preonly")
         pc = self.solver.getPC()
-        if balance.comm.size > 1 and balance.V.dofmap.index_map.size_global * balance.V.dofmap.index_map_bs <= EACH_ALONE:
+        if balance.comm.size > 1 and self.matrix.getSize()[0] <= EACH_ALONE:
             pc.setType("redundant")  # every rank the whole matrix: one exchange a solution
         else:
             pc.setType("lu")

@@ -30,7 +30,7 @@ class Model(ABC):
     gravity: Sequence[float] = ()  # [m/s^2]; (): none
     bossak_alpha = 0.0  # -1/3 to 0; 0: the trapezoidal rule
     initial_equilibrium = False  # the run starts in balance with gravity, not at u = 0
-    newton_tolerance = 1e-8  # residual over the largest of internal, external, inertial force
+    newton_tolerance = 1e-8  # residual over the largest of internal, external, inertial force, or rounding
     newton_iterations = 20  # after so many the step has failed
 
     @abstractmethod

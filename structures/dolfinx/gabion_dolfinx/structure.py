@@ -41,6 +41,7 @@ class Structure(Solver):
         self.first, self.later = Factor(self.balance), Factor(self.balance)
         self.first_of: tuple[Motion, float] | None = None  # what the first factor is of: accepted motion, dt
         self.mass = self.balance.mass_factor()
+        self.rounding = self.balance.rounding(self.later)
         self.output: Output | None = None
         self.steps = self.newton = self.factored = 0
         self.motion = self.trial = self.begin()
@@ -117,7 +118,8 @@ class Structure(Solver):
             residual, scale = self.residual(old, u, load, dt)
             if not np.isfinite(residual[1]):
                 raise ConvergenceError(f"Newton iteration {iteration}: forces are not finite")
-            if residual[1] <= self.model.newton_tolerance * scale:
+            allowed = max(self.model.newton_tolerance * scale, self.rounding)
+            if residual[1] <= allowed:
                 return u, iteration
             if factor is None:
                 factor = self.first_factor(old, u, dt)
@@ -127,7 +129,7 @@ class Structure(Solver):
             before = residual[1]
             u = u + factor.solve(residual[0])
         raise ConvergenceError(f"no balance after {iteration} iterations of Newton: residual {residual[1]:.3g} N, "
-                               f"allowed {self.model.newton_tolerance * scale:.3g}")
+                               f"allowed {allowed:.3g}")
 
     def residual(self, old: Motion, u: np.ndarray, load: np.ndarray,
                  dt: float) -> tuple[tuple[np.ndarray, float], float]:
