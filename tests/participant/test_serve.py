@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """serve(): handshake, requests, failures, deadlines."""
 
+import io
 import os
+import pickle
+import queue
 import signal
 import struct
 import subprocess
@@ -18,7 +21,7 @@ import numpy as np
 import zmq
 from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
 from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, ProtocolError, Solver, StepReport,
-                                UsageError, interrupt, serve)
+                                UsageError, interrupt, serve, serve_ranks)
 from gabion_participant.connection import Connection
 from gabion_participant.keys import PUBLIC, SECRET
 from gabion_participant.message import Message
@@ -327,6 +330,85 @@ class Serve(ParticipantCase):
         self.begin()
         self.coupler.send(Message("abort", 0, {"reason": "disk full"}))
         self.assertEqual(self.end(), "ProtocolError: the coupler ended the run: disk full")
+
+
+class FakeComm:
+    """Of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
+
+    size = 2
+
+    def __init__(self, rank: int, orders: queue.Queue) -> None:
+        self.rank, self.orders = rank, orders
+        self.aborted: int | None = None
+
+    def send(self, order: Any, rank: int, tag: int) -> None:
+        self.orders.put(pickle.loads(pickle.dumps(order)))
+
+    def iprobe(self, source: int, tag: int) -> bool:
+        return not self.orders.empty()
+
+    def recv(self, source: int, tag: int) -> Any:
+        return self.orders.get()
+
+    def Abort(self, code: int) -> None:
+        self.aborted = code
+
+
+class RankSpring(KeepingSpring):
+    def begin_run(self, run):
+        self.calls.append(f"begins {run['end']}")
+
+
+class Ranks(ParticipantCase):
+    def begin(self) -> None:
+        self.solvers = RankSpring(), RankSpring()
+        orders = queue.Queue()
+        self.comms = FakeComm(0, orders), FakeComm(1, orders)
+        self.follower = threading.Thread(
+            target=lambda: serve_ranks(self.solvers[1], self.settings(), self.comms[1]))
+        self.follower.start()
+        self.start(lambda: serve_ranks(self.solvers[0], self.settings(), self.comms[0]))
+        self.coupler.welcome()
+
+    def test_all_ranks_answer_and_one_speaks(self) -> None:
+        self.begin()
+        coupler = self.coupler
+        reply = coupler.solve(1, 2.0)
+        np.testing.assert_array_equal(reply.arrays["displacement:wall"], np.full((3, 2), 0.5))
+        coupler.ask("reject_step")
+        coupler.solve(1, 2.0)
+        coupler.accept(1)
+        state = coupler.ask("save")
+        coupler.solve(2, 2.0)
+        coupler.accept(2)
+        coupler.ask("load", dict(state.arrays), state=state.fields["state"])
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.follower.join(50)
+        calls = ["begins 1.0", "reject", "accept True", "accept True"]
+        for solver, comm in zip(self.solvers, self.comms):
+            self.assertEqual((solver.calls, solver.accepted, comm.aborted), (calls, 0.1, None))
+
+    def test_an_error_of_another_rank_ends_all(self) -> None:
+        self.begin()
+        self.solvers[1].problem = KeyError("lost")
+        with mock.patch("sys.stderr", io.StringIO()) as printed, mock.patch("gabion_participant.ranks.ANSWER_TIME", 0):
+            self.coupler.solve(1, 2.0)
+            self.follower.join(50)
+        self.assertEqual((self.comms[0].aborted, self.comms[1].aborted), (None, 3))
+        self.assertIn("error: rank 1: KeyError: 'lost'", printed.getvalue())
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_no_solution_is_no_error(self) -> None:
+        self.begin()
+        for solver in self.solvers:
+            solver.problem = ConvergenceError("too steep")
+        self.assertEqual(self.coupler.solve(1, 2.0).fields["reason"], "too steep")
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.follower.join(50)
+        self.assertEqual(self.comms[1].aborted, None)
 
 
 class Handshake(ParticipantCase):
