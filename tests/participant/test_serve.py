@@ -19,7 +19,7 @@ from unittest import mock
 
 import numpy as np
 import zmq
-from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
+from fake_coupler import ROOT, SEGMENTS, SQUARE, ParticipantCase
 from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, ProtocolError, Solver, StepReport,
                                 UsageError, interrupt, serve, serve_ranks)
 from gabion_participant.connection import Connection
@@ -337,18 +337,19 @@ class FakeComm:
 
     size = 2
 
-    def __init__(self, rank: int, orders: queue.Queue) -> None:
-        self.rank, self.orders = rank, orders
+    def __init__(self, rank: int, orders: queue.Queue, words: queue.Queue) -> None:
+        self.rank = rank
+        self.sent, self.received = (orders, words) if rank == 0 else (words, orders)
         self.aborted: int | None = None
 
     def send(self, order: Any, rank: int, tag: int) -> None:
-        self.orders.put(pickle.loads(pickle.dumps(order)))
+        self.sent.put(pickle.loads(pickle.dumps(order)))
 
     def iprobe(self, source: int, tag: int) -> bool:
-        return not self.orders.empty()
+        return not self.received.empty()
 
     def recv(self, source: int, tag: int) -> Any:
-        return self.orders.get()
+        return self.received.get()
 
     def Abort(self, code: int) -> None:
         self.aborted = code
@@ -362,8 +363,8 @@ class RankSpring(KeepingSpring):
 class Ranks(ParticipantCase):
     def begin(self) -> None:
         self.solvers = RankSpring(), RankSpring()
-        orders = queue.Queue()
-        self.comms = FakeComm(0, orders), FakeComm(1, orders)
+        orders, words = queue.Queue(), queue.Queue()
+        self.comms = FakeComm(0, orders, words), FakeComm(1, orders, words)
         self.follower = threading.Thread(
             target=lambda: serve_ranks(self.solvers[1], self.settings(), self.comms[1]))
         self.follower.start()
@@ -399,6 +400,25 @@ class Ranks(ParticipantCase):
         self.assertIn("error: rank 1: KeyError: 'lost'", printed.getvalue())
         self.coupler.ask("finish")
         self.assertEqual(self.end(), "")
+
+    def test_a_rank_that_dies_ends_rank_0(self) -> None:
+        other = subprocess.Popen(["sleep", "1000"])
+        self.addCleanup(other.wait)
+        self.addCleanup(other.kill)
+        state = read_stat(other.pid)
+        identity = repr((this_host(), other.pid, state[1]))
+        leader = ("import time\nfrom gabion_participant.process import ProcessIdentity\n"
+                  "from gabion_participant.rank_watch import RankWatch\n"
+                  f"with RankWatch('wall', [ProcessIdentity(*{identity})]):\n    print('here', flush=True)\n"
+                  "    time.sleep(1000)\n")
+        led = subprocess.Popen([sys.executable, "-c", leader], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               env={**os.environ, "PYTHONPATH": str(ROOT / "protocol" / "python")})
+        self.addCleanup(led.kill)
+        self.assertEqual(led.stdout.readline(), "here\n")
+        other.kill()
+        _, text = led.communicate(timeout=50)
+        self.assertEqual(led.returncode, -signal.SIGKILL)
+        self.assertIn(f"[wall] error: rank 1 (pid {other.pid}) has died", text)
 
     def test_no_solution_is_no_error(self) -> None:
         self.begin()

@@ -14,6 +14,8 @@ from typing import Any
 from .connection import Connection
 from .errors import text_of
 from .handshake import ParticipantSettings
+from .process import this_process
+from .rank_watch import RankWatch
 from .service import Service, introduce, serve, serve_over
 from .solver import Solver
 
@@ -42,7 +44,8 @@ def _lead(solver: Solver, settings: ParticipantSettings, comm: Any) -> None:
         for rank in range(1, comm.size):
             comm.send(order, rank, TAG)
 
-    with Connection(settings) as connection:
+    others = [comm.recv(source=rank, tag=TAG) for rank in range(1, comm.size)]
+    with Connection(settings) as connection, RankWatch(settings.name, others):
         introduce(solver, connection)
         give_on(connection.run_settings())
         serve_over(solver, connection, give_on)
@@ -50,6 +53,7 @@ def _lead(solver: Solver, settings: ParticipantSettings, comm: Any) -> None:
 
 def _follow(solver: Solver, settings: ParticipantSettings, comm: Any) -> None:
     try:
+        comm.send(this_process(), 0, TAG)
         solver.interfaces(), solver.probe_names(), solver.probes()  # as rank 0 for the handshake
         run = _next_order(comm)
         service = Service(solver, settings)

@@ -98,8 +98,8 @@ class Solver(ABC):
         on."""
 
     def begin_run(self, run: Mapping[str, Any]) -> None:
-        """Optional: comes once, after the handshake, with the settings of the run: "end_time" and "dt" [s], "output",
-        the folder of the results, and "check", true where nothing shall be written (protocol/README.md, section 7)."""
+        """Optional: comes once, after the handshake, with the settings of the run: "output", the folder of the
+        results, "end" and "dt" [s]; "check", true where nothing shall be written (protocol/README.md, section 4)."""
 
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
         """Of a structure, optional: which forces it will receive, by interface, END_OF_STEP or STEP_MEAN.

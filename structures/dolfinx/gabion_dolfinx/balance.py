@@ -4,7 +4,7 @@ this rank owns."""
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
+from dolfinx import fem, jit, la
 from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -12,6 +12,8 @@ from petsc4py import PETSc
 from .history import History
 from .model import Model, ModelError
 
+# Where several processes want the same form, one compiles; 10 s, the default, is short on a machine that is busy.
+jit.DOLFINX_DEFAULT_JIT_PARAMETERS["timeout"] = (120, "[s] that others wait")
 EACH_ALONE = 5000  # up to so many unknowns each rank factorises the whole matrix
 
 

@@ -3,6 +3,7 @@
 
 import argparse
 import importlib.util
+import logging
 import sys
 import traceback
 from pathlib import Path
@@ -32,6 +33,7 @@ def read_model(path: Path) -> Model:
 def run(arguments: argparse.Namespace) -> int:
     """The exit code. On several ranks an error ends all of them."""
     comm = MPI.COMM_WORLD
+    logging.disable(logging.INFO)  # each command of the compiler
     interrupt.install()
     try:
         structure = Structure(read_model(arguments.model), comm, arguments.model.read_text(encoding="utf-8"),
