@@ -27,7 +27,8 @@ def frame(results: Path, time: float) -> tuple[np.ndarray, np.ndarray]:
     """Corners of the cells in their present place [mm], cells x 4 x 2, and the mean damage of each."""
     index = ElementTree.parse(results / "structure" / "structure.pvd").getroot()
     files = [entry.get("file") for entry in index.iter("DataSet") if abs(float(entry.get("timestep")) - time) < 1e-9]
-    piece = ElementTree.parse(results / "structure" / files[0].replace("structure", "structure_p0_").replace(".pvtu", ".vtu"))
+    name = files[0].replace("structure", "structure_p0_").replace(".pvtu", ".vtu")  # of a run on one rank
+    piece = ElementTree.parse(results / "structure" / name)
     arrays = {item.get("Name") or "points": np.array(item.text.split(), dtype=float)
               for item in piece.iter("DataArray") if item.get("type") != "UInt8"}
     places = arrays["points"].reshape(-1, 3) + arrays["displacement"].reshape(-1, 3)
@@ -39,7 +40,8 @@ def main() -> None:
     results, intact = Path(sys.argv[1]), Path(sys.argv[2])
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), width_ratios=(3, 3, 2), constrained_layout=True)
     for folder, label, colour in ((intact, "intact", "0.6"), (results, "weakens", "C3")):
-        axes[0].plot(column(folder / "steps.csv", "time"), column(folder / "steps.csv", "fx"), colour, label=label, lw=0.9)
+        axes[0].plot(column(folder / "steps.csv", "time"), column(folder / "steps.csv", "fx"), colour, label=label,
+                     lw=0.9)
         axes[1].plot(column(folder / "probes.csv", "time"), 1e3 * column(folder / "probes.csv", "structure.A.ux"), colour,
                      label=label)
     for axis, text in zip(axes, ("horizontal force on the wall [N/m]", "displacement of A [mm]")):
