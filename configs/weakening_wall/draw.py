@@ -39,11 +39,10 @@ def frame(results: Path, time: float) -> tuple[np.ndarray, np.ndarray]:
 def main() -> None:
     results, intact = Path(sys.argv[1]), Path(sys.argv[2])
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), width_ratios=(3, 3, 2), constrained_layout=True)
-    for folder, label, colour in ((intact, "intact", "0.6"), (results, "weakens", "C3")):
-        axes[0].plot(column(folder / "steps.csv", "time"), column(folder / "steps.csv", "fx"), colour, label=label,
-                     lw=0.9)
-        axes[1].plot(column(folder / "probes.csv", "time"), 1e3 * column(folder / "probes.csv", "structure.A.ux"), colour,
-                     label=label)
+    for folder, label, line in ((intact, "intact", "0.6"), (results, "weakens", "C3")):
+        steps, probes = folder / "steps.csv", folder / "probes.csv"
+        axes[0].plot(column(steps, "time"), column(steps, "fx"), line, label=label, lw=0.9)
+        axes[1].plot(column(probes, "time"), 1e3 * column(probes, "structure.A.ux"), line, label=label)
     for axis, text in zip(axes, ("horizontal force on the wall [N/m]", "displacement of A [mm]")):
         axis.set(xlabel="t [s]", title=text, xlim=(0.1, 0.5))
         axis.legend()

@@ -170,8 +170,8 @@ class History(unittest.TestCase):
         structure = Structure(Yielding(degree=2, gravity=(0.0, pull), initial_equilibrium=True), COMM)
         p = structure.balance.history.cell_means("p")[:, 0]
         # Above 1 kPa the whole cell yields: the lowest two rows of three, of 0.1 m; mean stresses 2943 and 1766 Pa.
-        expected = np.array([DENSITY * pull * (SIZE[1] - y) - Yielding.YIELD for y in (0.05, 0.15)]) / Yielding.HARDENING
-        np.testing.assert_allclose(np.sort(p)[:1:-1], np.repeat(expected, 2), rtol=1e-6)
+        excess = np.array([DENSITY * pull * (SIZE[1] - y) - Yielding.YIELD for y in (0.05, 0.15)])
+        np.testing.assert_allclose(np.sort(p)[:1:-1], np.repeat(excess / Yielding.HARDENING, 2), rtol=1e-6)
         kept = structure.balance.history.old["p"].x.array.copy()
         structure.balance.set_u(np.zeros(structure.balance.size))
         structure.balance.history.renew()
@@ -266,7 +266,8 @@ class Mistakes(unittest.TestCase):
 
         for model, *words in (
                 (NoFacet(), 'interface "wall": found no facet'), (NoNode(), "supports: found no node at support 0"),
-                (NotAtANode(), 'probe "A"', "allowed: a node"), (OtherFields(), "new_fields: found ['q'], allowed: ['p']"),
+                (NotAtANode(), 'probe "A"', "allowed: a node"),
+                (OtherFields(), "new_fields: found ['q'], allowed: ['p']"),
                 (Block(density=0.0), "Block.density: found 0.0"), (Block(gravity=(1, 2, 3)), "gravity", "2 components"),
                 (Block(bossak_alpha=0.1), "-1/3 to 0")):
             with self.subTest(words[0]):

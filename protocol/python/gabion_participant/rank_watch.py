@@ -24,7 +24,8 @@ class RankWatch:
 
     def __init__(self, name: str, others: Sequence[ProcessIdentity]) -> None:
         described = json.dumps([process.to_fields() for process in others])
-        environment = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_", "PMI_"))}
+        environment = {key: value for key, value in os.environ.items()
+                       if not key.startswith(("OMPI_", "PMIX_", "PMI_"))}
         self._process = subprocess.Popen(  # no rank itself
             [sys.executable, "-c", PROGRAM, name, str(os.getpid()), described],
             stdin=subprocess.PIPE, start_new_session=True,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Newmark's family with Bossak's averaged inertia, and mean forces in it: docs/theory/structure.md, (T4), (T8), (T9)."""
+"""Newmark's family with Bossak's averaged inertia, and mean forces in it: docs/theory/structure.md, (T4) to (T9)."""
 
 from dataclasses import dataclass
 

@@ -25,7 +25,8 @@ KEEP = 0.25  # a factor is kept while the residual falls by more than this an it
 
 
 class Structure(Solver):
-    """name: of the participant; source: of the model, compared at a restart. Raises ModelError, and ConvergenceError of the initial state."""
+    """name: of the participant; source: of the model, compared at a restart. Raises ModelError, and
+    ConvergenceError of the initial state."""
 
     def __init__(self, model: Model, comm: Any, source: str = "", name: str = "structure") -> None:
         self.model, self.source, self.name = model, source, name
