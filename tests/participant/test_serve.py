@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """serve(): handshake, requests, failures, deadlines."""
 
+import io
 import os
+import pickle
+import queue
 import signal
 import struct
 import subprocess
@@ -16,9 +19,9 @@ from unittest import mock
 
 import numpy as np
 import zmq
-from fake_coupler import SEGMENTS, SQUARE, ParticipantCase
+from fake_coupler import ROOT, SEGMENTS, SQUARE, ParticipantCase
 from gabion_participant import (AcceptReport, ConvergenceError, InterfaceMesh, ProtocolError, Solver, StepReport,
-                                UsageError, interrupt, serve)
+                                UsageError, interrupt, serve, serve_ranks)
 from gabion_participant.connection import Connection
 from gabion_participant.keys import PUBLIC, SECRET
 from gabion_participant.message import Message
@@ -327,6 +330,105 @@ class Serve(ParticipantCase):
         self.begin()
         self.coupler.send(Message("abort", 0, {"reason": "disk full"}))
         self.assertEqual(self.end(), "ProtocolError: the coupler ended the run: disk full")
+
+
+class FakeComm:
+    """Of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
+
+    size = 2
+
+    def __init__(self, rank: int, orders: queue.Queue, words: queue.Queue) -> None:
+        self.rank = rank
+        self.sent, self.received = (orders, words) if rank == 0 else (words, orders)
+        self.aborted: int | None = None
+
+    def send(self, order: Any, rank: int, tag: int) -> None:
+        self.sent.put(pickle.loads(pickle.dumps(order)))
+
+    def iprobe(self, source: int, tag: int) -> bool:
+        return not self.received.empty()
+
+    def recv(self, source: int, tag: int) -> Any:
+        return self.received.get()
+
+    def Abort(self, code: int) -> None:
+        self.aborted = code
+
+
+class RankSpring(KeepingSpring):
+    def begin_run(self, run):
+        self.calls.append(f"begins {run['end']}")
+
+
+class Ranks(ParticipantCase):
+    def begin(self) -> None:
+        self.solvers = RankSpring(), RankSpring()
+        orders, words = queue.Queue(), queue.Queue()
+        self.comms = FakeComm(0, orders, words), FakeComm(1, orders, words)
+        self.follower = threading.Thread(
+            target=lambda: serve_ranks(self.solvers[1], self.settings(), self.comms[1]))
+        self.follower.start()
+        self.start(lambda: serve_ranks(self.solvers[0], self.settings(), self.comms[0]))
+        self.coupler.welcome()
+
+    def test_all_ranks_answer_and_one_speaks(self) -> None:
+        self.begin()
+        coupler = self.coupler
+        reply = coupler.solve(1, 2.0)
+        np.testing.assert_array_equal(reply.arrays["displacement:wall"], np.full((3, 2), 0.5))
+        coupler.ask("reject_step")
+        coupler.solve(1, 2.0)
+        coupler.accept(1)
+        state = coupler.ask("save")
+        coupler.solve(2, 2.0)
+        coupler.accept(2)
+        coupler.ask("load", dict(state.arrays), state=state.fields["state"])
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.follower.join(50)
+        calls = ["begins 1.0", "reject", "accept True", "accept True"]
+        for solver, comm in zip(self.solvers, self.comms):
+            self.assertEqual((solver.calls, solver.accepted, comm.aborted), (calls, 0.1, None))
+
+    def test_an_error_of_another_rank_ends_all(self) -> None:
+        self.begin()
+        self.solvers[1].problem = KeyError("lost")
+        with mock.patch("sys.stderr", io.StringIO()) as printed, mock.patch("gabion_participant.ranks.ANSWER_TIME", 0):
+            self.coupler.solve(1, 2.0)
+            self.follower.join(50)
+        self.assertEqual((self.comms[0].aborted, self.comms[1].aborted), (None, 3))
+        self.assertIn("error: rank 1: KeyError: 'lost'", printed.getvalue())
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_a_rank_that_dies_ends_rank_0(self) -> None:
+        other = subprocess.Popen(["sleep", "1000"])
+        self.addCleanup(other.wait)
+        self.addCleanup(other.kill)
+        state = read_stat(other.pid)
+        identity = repr((this_host(), other.pid, state[1]))
+        leader = ("import time\nfrom gabion_participant.process import ProcessIdentity\n"
+                  "from gabion_participant.rank_watch import RankWatch\n"
+                  f"with RankWatch('wall', [ProcessIdentity(*{identity})]):\n    print('here', flush=True)\n"
+                  "    time.sleep(1000)\n")
+        led = subprocess.Popen([sys.executable, "-c", leader], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               env={**os.environ, "PYTHONPATH": str(ROOT / "protocol" / "python")})
+        self.addCleanup(led.kill)
+        self.assertEqual(led.stdout.readline(), "here\n")
+        other.kill()
+        _, text = led.communicate(timeout=50)
+        self.assertEqual(led.returncode, -signal.SIGKILL)
+        self.assertIn(f"[wall] error: rank 1 (pid {other.pid}) has died", text)
+
+    def test_no_solution_is_no_error(self) -> None:
+        self.begin()
+        for solver in self.solvers:
+            solver.problem = ConvergenceError("too steep")
+        self.assertEqual(self.coupler.solve(1, 2.0).fields["reason"], "too steep")
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.follower.join(50)
+        self.assertEqual(self.comms[1].aborted, None)
 
 
 class Handshake(ParticipantCase):

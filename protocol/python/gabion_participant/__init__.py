@@ -2,6 +2,7 @@
 """Couple a Python code with Gabion; the contract is protocol/README.md. Needs numpy and pyzmq.
 
 serve(solver, settings)   for codes that offer a few functions: derive from Solver
+serve_ranks(solver, settings, comm)   the same on the ranks of an MPI communicator
 Participant(settings)     for codes that keep their own time loop
 """
 
@@ -10,6 +11,7 @@ from .connection import Connection
 from .errors import ConvergenceError, ParticipantError, ProtocolError, UsageError
 from .handshake import PROTOCOL_VERSION, ParticipantSettings
 from .participant import Participant
+from .ranks import serve_ranks
 from .service import introduce, serve, serve_over
 from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, InterfaceValues, Solver,
                      StepReport, StepRequest)
@@ -17,4 +19,4 @@ from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, Interf
 __all__ = ["END_OF_STEP", "PROTOCOL_VERSION", "STEP_MEAN", "AcceptReport", "Connection",
            "ConvergenceError", "InterfaceMesh", "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
            "Solver", "StepReport", "StepRequest", "UsageError", "interrupt", "introduce", "serve",
-           "serve_over"]
+           "serve_over", "serve_ranks"]

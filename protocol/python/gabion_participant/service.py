@@ -2,6 +2,7 @@
 """serve(solver): for codes that offer a few functions."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from .connection import Connection
@@ -57,6 +58,11 @@ class Service(RequestHandler):
         self._machine = StateMachine(self, settings.receives, self._interfaces,
                                      f"protocol {PROTOCOL_VERSION}")
         self.under_way = ""  # the solver's function that was called last
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the run is over: there is no further request."""
+        return self._machine.is_finished
 
     def answer(self, request: Message) -> Message:
         begin = time.monotonic()
@@ -138,19 +144,23 @@ def reason(problem: BaseException, under_way: str) -> str:
     return f"{text_of(problem)} (in {under_way})"
 
 
-def serve_over(solver: Solver, connection: Connection) -> None:
-    """The same over a connection that the caller made, so as to read run_settings() after its handshake."""
+def serve_over(solver: Solver, connection: Connection, give_on: Callable[[Message], None] | None = None) -> None:
+    """The same over a connection that the caller made, so as to read run_settings() after its handshake.
+    give_on: called with each request before it is answered (ranks.py)."""
     if connection.welcome is None:
         introduce(solver, connection)
     service = Service(solver, connection.settings)
+    solver.begin_run(connection.run_settings())
     while True:
         request = connection.next_request()
         try:
+            if give_on:
+                give_on(request)
             reply = service.answer(request)
         except BaseException as problem:
             connection.abort(reason(problem, service.under_way))
             raise
         connection.reply(reply)
-        if request.type == "finish":
+        if service.is_finished:
             break
     connection.close()

@@ -97,6 +97,10 @@ class Solver(ABC):
         """Make the last solution the accepted state. `solved` false: this solver was skipped, only time goes
         on."""
 
+    def begin_run(self, run: Mapping[str, Any]) -> None:
+        """Optional: comes once, after the handshake, with the settings of the run: "output", the folder of the
+        results, "end" and "dt" [s]; "check", true where nothing shall be written (protocol/README.md, section 4)."""
+
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
         """Of a structure, optional: which forces it will receive, by interface, END_OF_STEP or STEP_MEAN.
         Comes before the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for

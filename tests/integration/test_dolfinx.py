@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A form of dolfinx as the structure of a coupled run: checked alone on two ranks, against fem_solver, restarted on two
+ranks, and when one of them is killed."""
+
+import json
+import os
+import shutil
+import signal
+import time
+from pathlib import Path
+
+import launch
+from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = str(ROOT / "structures" / "dolfinx" / "dolfinx_structure")
+MODEL = ROOT / "configs" / "granular_obstacle_dolfinx" / "structure.py"
+
+
+class DolfinxCase(IntegrationCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.files = meeting()
+        self.fem = self.files.pop("fem") | {"time_integration": {"scheme": "bossak", "alpha": -0.3}}
+        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
+        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
+        self.endpoint = free_endpoint()
+        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
+        self.write_scene(self.files)
+        model = MODEL.read_text(encoding="utf-8").replace("[4, 40]", "[2, 10]")  # as the fem_solver of meeting()
+        (self.scene / "structure.py").write_text(model, encoding="utf-8")
+
+    def start_structure(self, ranks: int = 1) -> Launch:
+        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
+        started = Launch([PROGRAM, "--coupler", self.endpoint, "--model", str(self.scene / "structure.py"),
+                          "--ranks", str(ranks)], self.folder)
+        self.addCleanup(started.end)
+        return started
+
+    def couple(self, *options: str, ranks: int = 1) -> None:
+        run = self.start(*options, programs=("coupler", "mpm_solver"))
+        structure = self.start_structure(ranks)
+        for each in (run, structure):
+            ended = each.wait()
+            self.assertEqual(ended.code, 0, ended.text)
+        structure.wait_none_left()
+
+    def result(self) -> tuple[float, float]:
+        """The largest displacement of A [m], and the mean iterations of steps in contact."""
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual(summary["accepted_unconverged"], 0)
+        self.assertGreater(summary["steps_in_contact"], 5)
+        counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
+        way = [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
+        return max(way), sum(counts) / len(counts)
+
+
+def rank_of(structure: Launch, rank: int) -> int:
+    """Its process."""
+    wanted = f"OMPI_COMM_WORLD_RANK={rank}".encode()
+    found = [pid for pid in structure.alive() if wanted in Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")]
+    assert len(found) == 1, f"rank {rank}: found processes {found}"
+    return found[0]
+
+
+class Dolfinx(DolfinxCase):
+    def test_check_participant_on_two_ranks(self) -> None:
+        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
+                          "--check-participant", "structure"], self.folder)
+        self.addCleanup(coupler.end)
+        structure = self.start_structure(ranks=2)
+        text = coupler.wait().text
+        self.assertEqual(structure.wait().code, 0, structure.text())
+        self.assertNotIn("FAILED", text)
+        self.assertNotIn("inexact", text)
+        for check in ("the same bits after reject_step ", "half of dt, rejected: the same bits again",
+                      "the same steps after save, other steps and load", "the end"):
+            self.assert_says(text, check, "passed")
+
+    def test_goes_the_way_of_the_finite_elements(self) -> None:
+        """On one rank and on two; both solvers have the same mesh, law and scheme."""
+        found = []
+        for ranks in (1, 2):
+            self.couple(ranks=ranks)
+            index = (self.out / "structure" / "structure.pvd").read_text()
+            self.assertGreater(index.count("DataSet"), 1)
+            found.append(self.result())
+            shutil.rmtree(self.out)
+        del self.files["coupler"]["protocol"]
+        self.write_scene(self.files | {"fem": self.fem})
+        self.run_launch(code=0)
+        expected, iterations = self.result()
+        self.assertGreater(expected, 1e-5)
+        for peak, mean_iterations in found:
+            self.assertAlmostEqual(peak / expected, 1, delta=1e-3)
+            self.assertAlmostEqual(mean_iterations, iterations, delta=0.2)
+        print(f"A: {found}, {expected:.6g}, {iterations:.2f}")
+
+    def test_a_killed_rank_ends_the_run_with_its_name(self) -> None:
+        """The rank with the socket, and the other one."""
+        self.files["coupler"]["time"]["end"] = 1000
+        self.write_scene(self.files)
+        for victim in (0, 1):
+            with self.subTest(f"rank {victim}"):
+                shutil.rmtree(self.out, ignore_errors=True)
+                run = self.start(programs=("coupler", "mpm_solver"))
+                structure = self.start_structure(ranks=2)
+                rows = self.out / "steps.csv"
+                run.wait_until(lambda: rows.exists() and rows.read_text().count("\n") > 20, "20 steps")
+                os.kill(rank_of(structure, victim), signal.SIGKILL)
+                killed = time.monotonic()
+                ended = run.wait()
+                print(f"rank {victim}: the run ended {time.monotonic() - killed:.2f} s after the kill")
+                self.assertEqual(ended.code, 4, ended.text)
+                self.assert_says(ended.text, "[cpl] error: ", 'participant "structure"')
+                self.assertNotEqual(structure.wait().code, 0)
+                run.wait_none_left()
+                structure.wait_none_left()
+                self.assertGreater(len(read_table(self.out / "steps.csv")), 19)
+                self.assertGreater((self.out / "structure" / "structure.pvd").read_text().count("DataSet"), 0)
+
+    def test_restart_on_two_ranks(self) -> None:
+        """The later half, from a checkpoint, has the bits of the straight run."""
+        self.couple(ranks=2)
+        straight = read_table(self.out / "probes.csv")
+        shutil.rmtree(self.out)
+        half = "coupler.json:/time/end=0.002"
+        self.couple("--set", half, ranks=2)
+        first = self.folder / "first"
+        self.out.rename(first)
+        self.couple("--restart", str(first), ranks=2)
+        again = read_table(self.out / "probes.csv")
+        self.assertGreater(len(again), 5)
+        self.assertEqual(again[1:], straight[-(len(again) - 1):])
+
+
+if __name__ == "__main__":
+    launch.main()
