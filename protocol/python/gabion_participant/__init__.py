@@ -3,6 +3,7 @@
 
 serve(solver, settings)   for codes that offer a few functions: derive from Solver
 Participant(settings)     for codes that keep their own time loop
+offset_surface            the wet surface of beams and shells, and its forces as forces and moments of their nodes
 """
 
 from . import interrupt
