@@ -16,9 +16,13 @@ ops.geomTransf("Corotational", 1)
 AREA = THICKNESS
 INERTIA = THICKNESS**3 / 12
 SHEAR = YOUNG / 2  # no Poisson's ratio
+ops.section("Elastic", 1, YOUNG, AREA, INERTIA, SHEAR, 5 / 6)
+ops.beamIntegration("Legendre", 1, 1, 1)
 for node in AXIS[:-1]:
-    ops.element("ElasticTimoshenkoBeam", node, node, node + 1, YOUNG, SHEAR, AREA, INERTIA, 5 / 6 * AREA, 1,
-                "-mass", DENSITY * AREA, "-cMass")
+    ops.element("timoshenkoBeamColumn", node, node, node + 1, 1, 1, "-mass", DENSITY * AREA)
+for node in AXIS:
+    share = 0.5 if node in (AXIS[0], AXIS[-1]) else 1.0
+    ops.mass(node, 0.0, 0.0, share * DENSITY * INERTIA * LENGTH / ELEMENTS)  # of the sections' rotation
 
 ops.timeSeries("Constant", 1)
 ops.pattern("Plain", 1, 1)

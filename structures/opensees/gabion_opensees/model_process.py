@@ -59,8 +59,9 @@ class Model:
 
     def mass(self) -> dict:
         """The mass matrix over the unknowns, by rows, and the unknowns of each node (-1: supported). Leaves another
-        analysis behind: call it in a child."""
+        analysis behind, and no messages: OpenSees warns of a singular matrix where an unknown has no mass. In a child."""
         ops = self.ops
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         ops.wipeAnalysis()
         ops.constraints("Transformation")
         ops.numberer("RCM")
