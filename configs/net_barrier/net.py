@@ -13,7 +13,8 @@ NET_AREA, TOP_AREA, STAY_AREA = 3e-6, 17e-6, 17e-6  # metallic [m2]
 NET_MASS = 3.0  # [kg/m2], with a fine mesh that holds the soil
 TENSION = 1e-3  # strain of the ropes across as built
 SLACK = 0.01  # of the stiffness of a rope in compression
-BRAKE = 700.0  # [N] at which the brakes of the stays run
+FOOT = 1000.0  # [N m] a radian, of the feet of the posts
+BRAKE = 250.0  # [N] at which the brakes of the stays run
 TOP_MASS = 0.15  # [kg/m]
 
 
@@ -22,25 +23,29 @@ def node(i: int, k: int) -> int:
 
 
 def supports() -> None:
-    """Feet of the posts clamped, the net pegged to the bed; nodes of ropes alone have no rotations."""
+    """Posts on feet that turn about y against a spring, the net pegged to the bed; ropes have no rotations."""
     for i in range(ACROSS + 1):
         post = i in (0, ACROSS)
         for k in range(UP + 1):
             ops.node(node(i, k), 1.0, WIDTH * i / ACROSS, HEIGHT * k / UP)
             fixed = int(k == 0)
-            ops.fix(node(i, k), fixed, fixed, fixed, *[int(fixed or not post)] * 3)
+            stiff = int(fixed or not post)
+            ops.fix(node(i, k), fixed, fixed, fixed, stiff, int(not post), stiff)
     for number, i in enumerate((0, ACROSS)):
-        ops.node(1001 + number, 0.4, WIDTH * i / ACROSS, 0.0)
-        ops.fix(1001 + number, 1, 1, 1, 1, 1, 1)
+        ops.node(1001 + number, 0.4, WIDTH * i / ACROSS, 0.0)  # anchors of the stays
+        ops.node(1011 + number, 1.0, WIDTH * i / ACROSS, 0.0)  # of the springs of the feet
+        for tag in (1001 + number, 1011 + number):
+            ops.fix(tag, 1, 1, 1, 1, 1, 1)
 
 
 def materials() -> None:
-    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope."""
+    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope; 5: foot."""
     ops.uniaxialMaterial("Steel02", 1, 235e6, STEEL, 0.01, 18.0, 0.925, 0.15)
     ops.uniaxialMaterial("Elastic", 12, MESH, 0.0, SLACK * MESH)
     ops.uniaxialMaterial("InitStrainMaterial", 2, 12, TENSION)
     ops.uniaxialMaterial("Elastic", 13, ROPE, 0.0, SLACK * ROPE)
     ops.uniaxialMaterial("InitStrainMaterial", 4, 13, 0.2 * TENSION)
+    ops.uniaxialMaterial("Elastic", 5, FOOT)
     ops.uniaxialMaterial("ElasticPPGap", 3, ROPE, BRAKE / STAY_AREA, 0.0, 0.0, "damage")
 
 
@@ -55,6 +60,7 @@ def posts() -> list[int]:
         for k in range(UP):
             ops.element("dispBeamColumn", first + k, node(i, k), node(i, k + 1), 1, 1, "-mass", 2.55, "-cMass")
             tags.append(first + k)
+        ops.element("zeroLength", first + 50, 1011 + int(i > 0), node(i, 0), "-mat", 5, "-dir", 5)
     return tags
 
 

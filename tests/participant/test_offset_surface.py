@@ -10,8 +10,8 @@ from fake_coupler import ROOT
 
 sys.path[:0] = [str(ROOT / "protocol" / "python")]
 from gabion_participant import offset_surface  # noqa: E402
-from gabion_participant.offset_surface import (OffsetSurface, circle, outline, rectangle, rotation_matrices,  # noqa: E402
-                                               shell, tube, turned)
+from gabion_participant.offset_surface import OffsetSurface, circle, outline, rectangle, rotation_matrices  # noqa: E402
+from gabion_participant.offset_surface import shell, tube, turned  # noqa: E402
 
 UPRIGHT = np.stack([np.full(6, 0.255), np.linspace(0, 0.05, 6)], axis=1)
 BENT = np.array([[0, 0], [1, 0.2], [1.7, 1], [1.5, 2.2], [2.5, 2.5]])
@@ -107,10 +107,12 @@ class Shapes(unittest.TestCase):
 
     def test_what_cannot_be(self) -> None:
         nodes, facets = grid(1, 1)
-        for call, word in ((lambda: outline(UPRIGHT), "a wet face"), (lambda: outline(UPRIGHT, 0.1, None, (0, 1)), "ends"),
+        for call, word in ((lambda: outline(UPRIGHT), "a wet face"),
+                           (lambda: outline(UPRIGHT, 0.1, None, (0, 1)), "ends"),
                            (lambda: outline(np.array([[0, 0], [1, 0], [0, 0.0]]), 0.1), "turns back"),
                            (lambda: outline(np.zeros((2, 2)), 0.1), "one place"),
-                           (lambda: shell(nodes, facets), "a wet face"), (lambda: shell(nodes, facets, 0.1, rim=True), "rim"),
+                           (lambda: shell(nodes, facets), "a wet face"),
+                           (lambda: shell(nodes, facets, 0.1, rim=True), "rim"),
                            (lambda: shell(0 * nodes, facets, 0.1), "without area"),
                            (lambda: tube(CURVE[:, [2, 2, 0]] * [0, 0, 1], circle(1, 5), (0, 0, 1)), "across")):
             with self.assertRaisesRegex(ValueError, word):
@@ -135,9 +137,10 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(matrices[0], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15)
         np.testing.assert_array_equal(matrices[1], np.eye(3))
         self.assertEqual(matrices[2][2, 1], 1e-9)
-        np.testing.assert_allclose(matrices @ matrices.swapaxes(1, 2), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-15)
+        one = np.broadcast_to(np.eye(3), (4, 3, 3))
+        np.testing.assert_allclose(matrices @ matrices.swapaxes(1, 2), one, atol=1e-15)
         np.testing.assert_allclose(matrices[3] @ vectors[3], vectors[3], atol=1e-15)
-        np.testing.assert_allclose(turned(matrices, -vectors), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-15)
+        np.testing.assert_allclose(turned(matrices, -vectors), one, atol=1e-15)
 
     def test_nodes_without_rotations_carry_in_parallel(self) -> None:
         for surface in surfaces().values():
@@ -172,7 +175,8 @@ class Work(unittest.TestCase):
                 def moved(step: float) -> np.ndarray:
                     return surface.displacement(u + step * du, rotation_matrices(step * spin, dimension) @ matrices)
 
-                work = np.sum(surface.forces(force) * du) + np.sum(surface.moments(force, surface.arms(matrices)) * spin)
+                moments = surface.moments(force, surface.arms(matrices))
+                work = np.sum(surface.forces(force) * du) + np.sum(moments * spin)
                 errors = [abs(np.sum(force * (moved(h) - moved(-h))) / (2 * h) - work) for h in (1e-2, 1e-3)]
                 self.assertLess(errors[1], 1e-5)
                 self.assertTrue(errors[1] < 1e-10 or errors[0] / errors[1] > 90, errors)

@@ -6,8 +6,8 @@
     surface = tube(axis, rectangle(0.1, 0.2), upwards=(0, 0, 1))        a line in space
 
 Point k has x_k = X[carrier] + offset, and moves by u[carrier] + (R - I) offset, R the rotation of its node, of any
-size. Its virtual displacement is du + dphi x arm, arm = R offset, dphi the spin; so by virtual work a force f on it is f
-on the node and the moment arm x f. Force, moment and virtual work are those of the points, to rounding.
+size. Its virtual displacement is du + dphi x arm, arm = R offset, dphi the spin; so by virtual work a force f on it is
+f on the node and the moment arm x f. Force, moment and virtual work are those of the points, to rounding.
 """
 
 from dataclasses import dataclass

@@ -13,12 +13,13 @@ class Inertia:
         """answer: of model_process: mass. Raises SettingsError."""
         size = answer["size"]
         if size > limit:
-            raise SettingsError(f"structure.json: at /max_unknowns: found a model of {size} unknowns, allowed: {limit}; its "
-                                f"mass matrix would take {16 * size**2 / 1e9:.1f} GB")
+            raise SettingsError(f"structure.json: at /max_unknowns: found a model of {size} unknowns, allowed: "
+                                f"{limit}; its mass matrix would take {40 * size**2 / 1e9:.1f} GB")
         matrix = np.array(answer["matrix"]).reshape(size, size)
         massive = np.flatnonzero(matrix.any(axis=0))
         if not len(massive):
-            raise SettingsError('structure.json: at /procedure: found "dynamic" for a model without mass, allowed: static')
+            raise SettingsError('structure.json: at /procedure: found "dynamic" and a model without mass, allowed: '
+                                "static, or masses")
         unknowns = answer["unknowns"]
         row = {int(unknown): k for k, unknown in enumerate(massive)}
         self.inverse = np.linalg.inv(matrix[np.ix_(massive, massive)])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The connection's end of model_process.py: trial, accept, reject, replay.
 
-The connection to the coupler lives in this process, which never runs OpenSees and never forks: processes of the model are
-its children by spawn, and grandchildren that come back to it (as their subreaper) when an accepted one takes over.
+The connection to the coupler lives in this process, which never runs OpenSees and never forks: the first process of the
+model is its child by spawn; those that take over come back to it, as their subreaper, when their parent has ended.
 """
 
 import ctypes
@@ -37,7 +37,8 @@ class Model:
         command = [self.settings.python, str(program), str(other.fileno()), str(os.getpid()),
                    str(self.settings.model.resolve())]
         try:
-            self.process = subprocess.Popen(command, pass_fds=[other.fileno()], stdin=subprocess.DEVNULL)
+            started = subprocess.Popen(command, pass_fds=[other.fileno()], stdin=subprocess.DEVNULL)
+            started.returncode = 0  # it is awaited by reap(), as those that take over
         except OSError as problem:
             raise SettingsError(f'at /python: found "{self.settings.python}": {problem}') from problem
         other.close()
@@ -62,7 +63,7 @@ class Model:
             self.socket.send(order)
             answer = self.socket.recv()
         except (EOFError, OSError) as problem:
-            raise OpenSeesError(f"{self.settings.model.name}: the process of the model {self.how_it_ended()}") from problem
+            raise self.lost() from problem
         if "error" in answer:
             raise OpenSeesError(f"{self.settings.model.name}: {answer['error']}")
         return answer
@@ -87,8 +88,7 @@ class Model:
             try:
                 self.socket.send({"order": "reject"})
             except OSError as problem:
-                raise OpenSeesError(f"{self.settings.model.name}: the process of the model "
-                                    f"{self.how_it_ended()}") from problem
+                raise self.lost() from problem
 
     def accept(self) -> list[list[float]]:
         """The probes."""
@@ -112,6 +112,9 @@ class Model:
                 del self.ends[:-8]
         except ChildProcessError:
             return
+
+    def lost(self) -> OpenSeesError:
+        return OpenSeesError(f"{self.settings.model.name}: the process of the model {self.how_it_ended()}")
 
     def how_it_ended(self) -> str:
         try:

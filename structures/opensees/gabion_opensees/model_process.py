@@ -3,8 +3,8 @@
 
     python model_process.py DESCRIPTOR PARENT MODEL      socket, process id of the parent, model file
 
-OpenSees commits what it has solved and cannot go back. So a trial is a child: fork() gives it the accepted state, history
-of materials and all, in 1 ms. It solves, answers and waits. Rejected, it ends and its parent, the accepted state, goes
+OpenSees commits what it has solved and cannot go back. So a trial is a child: fork() gives it the accepted state,
+history of materials and all. It solves, answers and waits. Rejected, it ends and its parent, the accepted state, goes
 on; accepted, its parent ends and it is the accepted state. One process at a time reads the socket.
 """
 
@@ -58,8 +58,8 @@ class Model:
                 "constrained": ops.getConstrainedNodes()}
 
     def mass(self) -> dict:
-        """The mass matrix over the unknowns, by rows, and the unknowns of each node (-1: supported). Leaves another
-        analysis behind, and no messages: OpenSees warns of a singular matrix where an unknown has no mass. In a child."""
+        """The mass matrix over the unknowns, by rows, and the unknowns of each node (-1: supported). In a child: leaves
+        another analysis behind, and no messages, as OpenSees warns of a singular matrix where an unknown has no mass."""
         ops = self.ops
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         ops.wipeAnalysis()
@@ -88,6 +88,8 @@ class Model:
             for axis, value in enumerate(values, 1):
                 if value:
                     ops.setNodeAccel(node, axis, ops.nodeAccel(node, axis) + value, "-commit")
+        if jumps:
+            ops.domainChange()  # the integrator reads accelerations of nodes only then
         static = self.settings["procedure"] == "static"
         return (ops.analyze(1) if static else ops.analyze(1, dt)) == 0
 
@@ -173,6 +175,7 @@ class Generations:
             code = os.waitstatus_to_exitcode(status)
             how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
             self.socket.send({"error": f"the process of a trial solution {how}"})
+            os._exit(1)
 
 
 def die_with_parent() -> None:

@@ -54,8 +54,8 @@ class Probes:
             if "element" in probe:
                 found = next(elements)
                 if not found:
-                    raise SettingsError(f'structure.json: at /probes: "{name}": found response {probe["response"]} of element '
-                                        f"{probe['element']}, allowed: one that it has")
+                    raise SettingsError(f'structure.json: at /probes: "{name}": found response {probe["response"]} of '
+                                        f"element {probe['element']}, allowed: one that it has")
                 names += [name] if len(found) == 1 else [f"{name}.{k}" for k in range(1, len(found) + 1)]
                 values += found
                 continue

@@ -2,6 +2,7 @@
 """structure.json: which model, which wet surfaces, how to step."""
 
 import json
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,7 +20,7 @@ class Settings:
     algorithm: list = field(default_factory=lambda: ["Newton"])
     arm_tolerance: float = 1e-5  # [rad] of the rotations that the arms of the forces are taken at
     max_unknowns: int = 3000  # of a dynamic model: its mass matrix is read in full
-    python: str = "/usr/bin/python3"
+    python: str = field(default_factory=lambda: os.environ.get("GABION_OPENSEES_PYTHON", "/usr/bin/python3"))
     probes: tuple[dict, ...] = ()
 
     def analysis(self) -> dict:
@@ -94,7 +95,8 @@ def check_interface(place: str, entry: object) -> None:
         raise SettingsError(f"{place}: found {json.dumps(entry)}, allowed: {KEYS['interfaces'][2]}")
     shape, keys = entry[shapes[0]], SHAPES[shapes[0]]
     if not isinstance(shape, dict):
-        raise SettingsError(f"{place}/{shapes[0]}: found {json.dumps(shape)}, allowed: an object with {', '.join(keys)}")
+        raise SettingsError(f"{place}/{shapes[0]}: found {json.dumps(shape)}, allowed: an object with "
+                            f"{', '.join(keys)}")
     for key, value in shape.items():
         shape[key] = value = as_kind(keys.get(key), value)
         if key not in keys or not is_kind(keys[key], value):

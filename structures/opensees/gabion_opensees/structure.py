@@ -2,9 +2,9 @@
 """The structure behind the functions of the contract.
 
 Loads are constant over a step, as mean forces ask for. Newmark's family has no constant load but between two
-accelerations of its own, so each step begins with the acceleration of its load: where that jumps by dG, the acceleration
-jumps by M^-1 dG. Of forces at the end of the step the constant load is the mean of the old and the new one. Unknowns
-without mass, and all of a static procedure, take the forces at the end as they are.
+accelerations of its own, so each step begins with the acceleration of its load: where that jumps by dG, the
+acceleration jumps by M^-1 dG. Of forces at the end of the step the constant load is the mean of the old and the new
+one. Unknowns without mass, and all of a static procedure, take the forces at the end as they are.
 """
 
 import csv
@@ -175,8 +175,8 @@ class Structure(Solver):
         first, _, rest = state.partition(b"\n")
         saved = json.loads(first)
         if saved["model"] != self.fingerprint():
-            raise ValueError(f"{self.settings.model}: found another model or OpenSees, or other interfaces, procedure or "
-                             "commands in structure.json, allowed: those of the run that is continued")
+            raise ValueError(f"{self.settings.model}: found another model or OpenSees, or other interfaces, procedure "
+                             "or commands in structure.json, allowed: those of the run that is continued")
         self.model.restart()
         self.begin()
         self.history = History.from_bytes(rest)

@@ -26,9 +26,10 @@ class WetSurface:
         self.name, self.tags, self.surface = name, tags, surface
         self.dimension = surface.nodes.shape[1]
         self.has_rotations = unknowns > self.dimension
-        angles = (np.zeros(len(tags)) if self.dimension == 2 else np.zeros((len(tags), 3))) if self.has_rotations else None
-        self.at_rest = Motion(np.zeros(surface.nodes.shape), angles,
-                              None if angles is None else angles if self.dimension == 2 else rotation_matrices(angles, 3))
+        angles = np.zeros(len(tags)) if self.dimension == 2 else np.zeros((len(tags), 3))
+        rotation = angles if self.dimension == 2 else rotation_matrices(angles, 3)
+        own = (angles, rotation) if self.has_rotations else (None, None)
+        self.at_rest = Motion(np.zeros(surface.nodes.shape), *own)
 
     def motion(self, before: Motion, unknowns: np.ndarray) -> Motion:
         """That with these unknowns (num_nodes x all of a node), a step after `before`."""
@@ -80,8 +81,8 @@ class Description:
             if tag not in self.nodes:
                 raise SettingsError(f"{place}: found node {tag}, allowed: a node of the model")
             if tag in self.constrained:
-                raise SettingsError(f"{place}: found node {tag}, which a multi-point constraint ties to another, allowed: "
-                                    "free or supported nodes, such as the retained one")
+                raise SettingsError(f"{place}: found node {tag}, which a multi-point constraint ties to another, "
+                                    "allowed: free or supported nodes, such as the retained one")
 
     def coordinates(self, tags: list[int]) -> np.ndarray:
         return np.array([self.nodes[tag][0] for tag in tags], dtype=float)
@@ -103,8 +104,8 @@ def make_wet_surface(described: Description, entry: dict) -> WetSurface:
     place = f'structure.json: at /interfaces: "{entry["name"]}": /{shape}'
     wanted = dict(entry[shape])
     if (shape == "line") != (described.dimension == 2):
-        raise SettingsError(f"{place}: found in a model with -ndm {described.dimension}, allowed: line with 2, shell and "
-                            "tube with 3")
+        raise SettingsError(f"{place}: found in a model with -ndm {described.dimension}, allowed: line with 2, shell "
+                            "and tube with 3")
     try:
         make = {"line": line, "shell": shell, "tube": tube}[shape]
         tags, surface = make(described, place, wanted)
@@ -146,8 +147,8 @@ def shell(described: Description, place: str, wanted: dict) -> tuple[list[int], 
     else:
         facets = described.numbers(f"{place}/facets", wanted.pop("facets"))
     if len({len(facet) for facet in facets}) != 1 or len(facets[0]) not in (3, 4):
-        raise SettingsError(f"{place}: found facets of {sorted({len(facet) for facet in facets})} nodes, allowed: all of 3 "
-                            "or all of 4")
+        raise SettingsError(f"{place}: found facets of {sorted({len(facet) for facet in facets})} nodes, allowed: all "
+                            "of 3 or all of 4")
     tags = list(dict.fromkeys(tag for facet in facets for tag in facet))
     described.require_nodes(place, tags)
     index = {tag: k for k, tag in enumerate(tags)}
