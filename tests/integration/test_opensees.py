@@ -15,6 +15,7 @@ from pathlib import Path
 
 import launch
 from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+from restart_rows import rows_without_seconds
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "participant"))
@@ -109,6 +110,22 @@ class OpenSees(OpenSeesCase):
         self.assertAlmostEqual(peak / expected, 1, delta=0.02)
         self.assertAlmostEqual(iterations, expected_iterations, delta=1)
         print(f"A: {peak:.6g}, {expected:.6g}; iterations {iterations:.2f}, {expected_iterations:.2f}")
+
+    def test_a_run_goes_on_to_the_byte(self) -> None:
+        def run(name: str, end: float, *options: str) -> Path:
+            self.out = self.folder / name
+            self.files["coupler"]["time"]["end"] = end
+            self.write_scene(self.files)
+            self.finish(self.start(*options, programs=("coupler", "mpm_solver")), self.start_structure())
+            return self.out
+
+        whole, first = run("whole", 0.008), run("first", 0.005)
+        second = run("second", 0.008, "--restart", str(first))
+        rows = rows_without_seconds(whole / "probes.csv")
+        after = rows_without_seconds(second / "probes.csv")
+        self.assertGreater(len(after), 10)
+        self.assertEqual(rows[-len(after) + 1:], after[1:])
+        self.assertNotEqual(rows[-1], rows[-2])
 
     def test_a_killed_model_ends_the_run_with_its_name(self) -> None:
         """In mid-step, and at once; no process is left."""

@@ -18,7 +18,7 @@ class Settings:
     system: list = field(default_factory=lambda: ["BandGeneral"])
     test: list = field(default_factory=lambda: ["NormDispIncr", 1e-10, 30])
     algorithm: list = field(default_factory=lambda: ["Newton"])
-    arm_tolerance: float = 1e-5  # [rad] of the rotations that the arms of the forces are taken at
+    arm_tolerance: float = 1e-4  # [rad] of the rotations that the arms of the forces are taken at
     max_unknowns: int = 3000  # of a dynamic model: its mass matrix is read in full
     python: str = field(default_factory=lambda: os.environ.get("GABION_OPENSEES_PYTHON", "/usr/bin/python3"))
     probes: tuple[dict, ...] = ()
