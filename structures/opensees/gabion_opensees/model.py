@@ -114,6 +114,13 @@ class Model:
             return
 
     def lost(self) -> OpenSeesError:
+        """With its last words, if there are some."""
+        try:
+            while "error" not in (answer := self.socket.recv()):
+                pass
+            return OpenSeesError(f"{self.settings.model.name}: {answer['error']}")
+        except (EOFError, OSError):
+            pass
         return OpenSeesError(f"{self.settings.model.name}: the process of the model {self.how_it_ended()}")
 
     def how_it_ended(self) -> str:
