@@ -31,6 +31,25 @@ class Setup(ScriptCase):
                                             "--no-install-recommends chromium\n")
         self.assertEqual(self.sourced("say_not_run '  Test #1: structure'"), "")  # it was not asked for
 
+    def test_tests_of_a_module_that_were_not_run(self) -> None:
+        listed = "  Test #3: participant.opensees\n  Test #4: structure\n"
+        say = f"say_not_run '{listed}'"
+        self.assertEqual(self.sourced(f"has_module() {{ false; }}; {say}", "chromium"),
+                         "not run: participant.opensees; it needs: /usr/bin/python3 -m pip install openseespy\n")
+        self.assertEqual(self.sourced(f"has_module() {{ true; }}; {say}", "chromium"), "")
+        self.assertEqual(self.sourced("has_module $python json && ! has_module $python no_such_module && echo right"),
+                         "right\n")
+
+    def test_tests_of_modules_exist_and_say_when_they_are_not_run(self) -> None:
+        named = re.search(r"tests_of_wheels=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]
+        tests = [test for group in re.findall(r'\]="([^"]+)"', named) for test in group.split()]
+        self.assertGreater(len(tests), 1)
+        for test in tests:
+            folder, name = test.split(".")
+            lists = (ROOT / "tests" / folder / "CMakeLists.txt").read_text()
+            self.assertIn(f"{test} PROPERTIES SKIP_RETURN_CODE 77", lists)
+            self.assertIn("sys.exit(77)", (ROOT / "tests" / folder / f"test_{name}.py").read_text())
+
     def test_named_tests_exist_and_say_when_they_are_not_run(self) -> None:
         named = re.search(r"tests_of_optional=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]
         tests = re.findall(r"\[\S+\]=scripts\.(\S+)", named)

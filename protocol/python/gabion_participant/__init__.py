@@ -4,6 +4,7 @@
 serve(solver, settings)   for codes that offer a few functions: derive from Solver
 serve_ranks(solver, settings, comm)   the same on the ranks of an MPI communicator
 Participant(settings)     for codes that keep their own time loop
+offset_surface            the wet surface of beams and shells, and its forces as forces and moments of their nodes
 """
 
 from . import interrupt
