@@ -158,3 +158,9 @@ def with_output(job: str, plastic: bool) -> str:
     """The same step, which now writes fields into its .frd."""
     stress = "S, E, PEEQ" if plastic else "S, E"
     return job.replace("*NODE FILE\n*EL FILE\n", f"*NODE FILE\nU\n*EL FILE\n{stress}\n")
+
+
+def with_section_forces(job: str) -> str:
+    """The same step, which now writes the section forces of beams into its .frd."""
+    return job.replace("*NODE FILE\n*EL FILE\n",
+                       "*NODE FILE, OUTPUT=2D\nU\n*EL FILE, OUTPUT=2D, SECTION FORCES\nS\n")

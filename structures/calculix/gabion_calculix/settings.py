@@ -36,6 +36,7 @@ class Settings:
     solver_threads: int = 1  # of the linear solver; with more a repeated step has not the same bits
     deadline: float = 3600.0  # [s] for one run of ccx
     program: str = "ccx"
+    section_forces: bool = False  # of beams, a table beside the frames
     probes: tuple[Probe, ...] = ()
 
 
@@ -52,6 +53,7 @@ KEYS = {
     "solver_threads": (int, lambda value: value >= 1, "an integer >= 1"),
     "deadline": (float, lambda value: value > 0, "[s] > 0"),
     "program": (str, bool, "name or path of ccx"),
+    "section_forces": (bool, lambda value: True, "true, false"),
     "probes": (list, lambda value: True, 'a list of {"name": "A", "node": 7}'),
 }
 REQUIRED = ("deck", "interfaces")

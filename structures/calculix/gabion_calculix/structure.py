@@ -26,8 +26,9 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
 from .job import (Load, check_deck, check_dynamics, check_nlgeom, coupled_step, has_steps, loads_of, model_text,
-                  own_steps, with_output)
+                  own_steps, with_output, with_section_forces)
 from .restart_file import NodalState, limit_reserve, read_nodal_state
+from .section_forces import append_section_forces, beam_nodes, read_section_forces
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
 
@@ -45,6 +46,8 @@ class Structure(Solver):
                          for part in settings.interfaces]
         self.dimension = one_dimension(self.surfaces)
         self.check_probes()
+        if settings.section_forces and not beam_nodes(self.deck):
+            raise DeckError(f"{settings.deck}: found no beams for \"section_forces\": true, allowed: with elements B")
         check_deck(self.deck, self.surfaces)
         check_nlgeom(self.deck, settings.nlgeom)
         if settings.procedure == "dynamic":
@@ -155,6 +158,10 @@ class Structure(Solver):
         shutil.move(self.folder / "output.frd", self.frames / name)
         with table.open("a", newline="", encoding="utf-8") as out:
             csv.writer(out).writerows(([["time", "file"]] if begin else []) + [[time, name]])
+        if self.settings.section_forces:
+            self.ccx.run("output", with_section_forces(self.accepted_job))
+            found = read_section_forces(self.folder / "output.frd", beam_nodes(self.deck))
+            append_section_forces(self.frames / "section_forces.csv", time, found)
 
     def save_state(self) -> bytes:
         state = self.state_file.read_bytes() if self.state_file.exists() else b""
