@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <sstream>
 
 namespace dealii_structure {
 
@@ -89,6 +91,19 @@ double NewmarkStep<dim>::follow(const Balance& balance, Vector& du, Vector& r) c
   throw gabion::ConvergenceError("cells turn inside out", "inverted");
 }
 
+/// What digits allow: |K_ii u_i| times a few of the last bit. No residual is smaller where a body has
+/// come far.
+template <int dim>
+double NewmarkStep<dim>::rounding(const Balance& balance, const Vector& du) const {
+  double sum = 0;
+  for (unsigned i = 0; i < du.size(); ++i) {
+    if (solid_.constraints().is_constrained(i)) continue;
+    const double force = K_.diag_element(i) * (balance.state.u[i] + du[i]);
+    sum += force * force;
+  }
+  return 4 * std::numeric_limits<double>::epsilon() * std::sqrt(sum);
+}
+
 template <int dim>
 int NewmarkStep<dim>::find_balance(const Balance& balance, Vector& du,
                                    std::shared_ptr<const TangentPoint> point) {
@@ -97,8 +112,9 @@ int NewmarkStep<dim>::find_balance(const Balance& balance, Vector& du,
   auto first = residual(balance, du, r, &scale);
   if (!first) throw gabion::ConvergenceError("cells turn inside out in the guess", "inverted");
   double norm = *first;
+  factorise(point);
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
-    if (norm <= newton_.tolerance * scale) return iteration;
+    if (norm <= std::max(newton_.tolerance * scale, rounding(balance, du))) return iteration;
     factorise(point);
     const double next = follow(balance, du, r);
     if (next > slow * norm) {

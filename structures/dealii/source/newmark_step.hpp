@@ -68,6 +68,7 @@ class NewmarkStep {
   void factorise(std::shared_ptr<const TangentPoint> point);
   int find_balance(const Balance& balance, Vector& du, std::shared_ptr<const TangentPoint> point);
   double follow(const Balance& balance, Vector& du, Vector& r) const;
+  double rounding(const Balance& balance, const Vector& du) const;
   Vector inverse_mass_times(const Vector& f);
 
   const ElasticSolid<dim>& solid_;
