@@ -94,6 +94,23 @@ class Driven(IntegrationCase):
                 np.testing.assert_allclose(u[:, 0], stretch - 1, rtol=1e-9)
                 np.testing.assert_allclose(u[:, 1:], 0, atol=1e-10)
 
+    def test_mesh_file(self) -> None:
+        """The same square from a file of Gmsh, whose physical lines 1 to 4 are its sides."""
+        nodes = [f"{1 + i + 3 * j} {i / 2} {j / 2} 0" for j in range(3) for i in range(3)]
+        lines = [(group, a, b) for group, way in ((1, (1, 4, 7)), (2, (3, 6, 9)), (3, (1, 2, 3)), (4, (7, 8, 9)))
+                 for a, b in zip(way, way[1:])]
+        quads = [(5, n, n + 1, n + 4, n + 3) for n in (1, 2, 4, 5)]
+        elements = [f"{k} {1 if len(e) == 3 else 3} 2 {e[0]} {e[0]} {' '.join(map(str, e[1:]))}"
+                    for k, e in enumerate(lines + quads, 1)]
+        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", "9", *nodes, "$EndNodes", "$Elements",
+                str(len(elements)), *elements, "$EndElements", ""]
+        (self.folder / "square.msh").write_text("\n".join(text))
+        groups = {"supports": [{"groups": ["1"]}], "interfaces": [{"name": "wall", "groups": ["2"]}]}
+        self.begin(block(2, mesh={"file": "square.msh"}, refine=[], material={"density": 1, "young_modulus": 1e6})
+                   | groups)
+        u, _ = self.step(1, 1e5, self.uniform(1e6 / 2 * (1.5 - 1 / 1.5), 2))
+        np.testing.assert_allclose(u[:, 0], 0.5, rtol=1e-9)
+
     def test_surface(self) -> None:
         """Facets cover the sides once, their normals point out, and no place has two vertices, although finer faces
         meet coarser ones there."""
