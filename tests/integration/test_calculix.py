@@ -120,7 +120,7 @@ class Calculix(CalculixCase):
 class Barrier(IntegrationCase):
     """configs/plate_barrier, its soil already at the plate: shells and beams of steel that yields, in 3D."""
 
-    STEPS, DT = 6, 1e-3
+    STEPS, DT = 4, 1e-3
 
     def setUp(self) -> None:
         super().setUp()
@@ -128,7 +128,7 @@ class Barrier(IntegrationCase):
         files = {name: json.loads((self.scene / f"{name}.json").read_text())
                  for name in ("coupler", "mpm", "structure")}
         self.endpoint = free_endpoint()
-        files["coupler"] |= {"protocol": {"endpoint": self.endpoint}, "output": {"interval": 3 * self.DT},
+        files["coupler"] |= {"protocol": {"endpoint": self.endpoint}, "output": {"interval": 2 * self.DT},
                              "time": {"end": self.STEPS * self.DT, "dt": self.DT, "dt_min": 1e-6}}
         body = files["mpm"]["bodies"][0]
         body["mesh"]["box"].update(low=[0.4, 0, 0], high=[1.0, 0.8, 0.4])
@@ -154,11 +154,9 @@ class Barrier(IntegrationCase):
         left, right = float(last["structure.left.ux"]), float(last["structure.right.ux"])
         self.assertGreater(left, 1e-5)
         self.assertAlmostEqual(left / right, 1, delta=0.05)  # the scene is symmetric, the soil's yielding nearly so
-        rows = read_table(self.out / "structure" / "section_forces.csv")
-        self.assertEqual(len(rows), 2 * 12)  # nodes of the posts
-        feet = {row["node"]: abs(float(row["moment_2"])) + abs(float(row["moment_1"])) for row in rows[12:]}
-        self.assertGreater(feet["5"], 1)  # [N m]
-        self.assertAlmostEqual(feet["5"] / feet["13"] / (left / right), 1, delta=0.02)
+        rows = read_table(self.out / "structure" / "reactions.csv")
+        self.assertEqual([row["node"] for row in rows], ["5", "13"] * 2)
+        self.assertTrue(all(float(row["fx"]) < -1 for row in rows[-2:]), rows)  # [N], uphill
 
 
 if __name__ == "__main__":

@@ -358,6 +358,29 @@ class Dynamics(CalculixCase):
     def test_section_forces_need_beams(self) -> None:
         with self.assertRaisesRegex(DeckError, 'no beams for "section_forces": true'):
             self.structure(plane(n=2), section_forces=True)
+        shared = beam("B31", 2) + "*NODE\n90, 0, 0, 1\n91, 1, 0, 1\n*ELEMENT, TYPE=S3\n90, 1, 90, 91\n"
+        with self.assertRaisesRegex(DeckError, "node 1 of beams and of others"):
+            self.structure(shared, section_forces=True)
+        with self.assertRaisesRegex(DeckError, "no node set HANDS for reactions, allowed: FOOT"):
+            self.structure(plane(n=2), reactions=["hands"])
+
+    def test_reactions_of_a_cantilever(self) -> None:
+        """The supports take the load, from restarts too; 2D: of the whole thickness. Loads at the supports themselves
+        are not in what ccx gives: the force is at the tip."""
+        for kind in ("B31", "S4", "CPE8R", "C3D20"):
+            with self.subTest(kind):
+                structure = self.structure(KINDS[kind], procedure="static", nlgeom=False, reactions=["Foot"])
+                structure.frames = Path(tempfile.mkdtemp(dir=self.folder))
+                forces, _ = at_tip(structure, 1e-3)
+                for step in (1, 2):
+                    structure.solve_step(StepRequest(step, 0, 0, 1), forces)
+                    structure.accept_step(StepRequest(step, 0, 0, 1), True)
+                    structure.write_output(float(step))
+                with (structure.frames / "reactions.csv").open(newline="") as table:
+                    rows = list(csv.DictReader(table))
+                self.assertEqual({row["time"] for row in rows}, {"1.0", "2.0"})
+                sums = [sum(float(row["fy"]) for row in rows if row["time"] == time) for time in ("1.0", "2.0")]
+                np.testing.assert_allclose(sums, -1e-3, rtol=1e-5)
 
 
 class Problems(CalculixCase):
