@@ -17,7 +17,7 @@ from plotting.results import Frame, Results, Table  # noqa: E402
 from plotting.style import COLOURS, STRUCTURE, plt, save  # noqa: E402
 
 INSTANT = 0.365  # [s] of the largest displacement
-SCALE = 20  # of the plate's displacement, from the side
+SCALE = 5  # of the plate's displacement, from the side
 
 
 def draw_side(axes, results: Results, start: Frame, surface: Frame) -> None:
@@ -25,7 +25,8 @@ def draw_side(axes, results: Results, start: Frame, surface: Frame) -> None:
     soil = results.soil.frame(results.soil.nearest(INSTANT))
     axes.scatter(soil.points[:, 0], soil.points[:, 2], s=30, color=COLOURS[5], edgecolors="none", label="soil")
     plate = start.points + SCALE * (surface.points - start.points)
-    axes.add_collection(PolyCollection(plate[surface.cells][:, :, [0, 2]], facecolors="none", edgecolors=STRUCTURE))
+    axes.add_collection(PolyCollection(plate[surface.cells][:, :, [0, 2]], facecolors="none", edgecolors=STRUCTURE,
+                                       linewidths=0.7))
     axes.set(title=f"t = {INSTANT:g} s, bend of the plate {SCALE} times", xlabel="x [m]", ylabel="z [m]",
              xlim=(-0.1, 1.3), ylim=(-0.02, 0.55), aspect="equal")
 
@@ -50,6 +51,7 @@ def draw_forces(axes, results: Results) -> None:
         axes.plot(feet["time"][of_node], -1e-3 * feet["fx"][of_node], color=COLOURS[1 + k], linestyle=("-", "--")[k % 2],
                   label=f"post {k + 1} on its foot")
     axes.set(title="forces downhill", xlabel="time [s]", ylabel="[kN]", xlim=(0.32, float(steps["time"][-1])))
+    axes.set_ylim(top=1.5e-3 * steps["fx"].max())
     axes.legend(loc="upper right")
 
 

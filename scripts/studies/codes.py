@@ -11,8 +11,10 @@ from plotting.results import ResultsError
 from studies.measures import Measured
 from studies.runner import ROOT, Runner, folder_of
 
-# Some 60 steps in contact, of the beginning of the impact.
-SHORT = ["coupler.json:/time/end=0.1149", "coupler.json:/output/interval=1"]
+# Some 60 steps in contact: a part of the column stands before the wall and moves towards it.
+SHORT = ["mpm.json:/bodies/0/mesh/box/low=[0.1975,0]", "mpm.json:/bodies/0/mesh/box/high=[0.2475,0.06]",
+         "mpm.json:/bodies/0/mesh/box/cells=[10,12]", "mpm.json:/bodies/0/velocity=[0.5,0]",
+         "coupler.json:/time/end=0.0061", "coupler.json:/output/interval=1"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ def row(name: str, run: Measured) -> list:
 
 
 def codes(runner: Runner) -> None:
-    """A step in contact of the obstacle scene with each structural code: its own time, messages, coupler."""
+    """A step in contact of granular_obstacle, shortened, with each structural code: its time, messages, coupler."""
     rows, absent = [], []
     for name, code in CODES.items():
         if code.is_here():
