@@ -110,6 +110,7 @@ class Calculix(CalculixCase):
         structure = self.start_structure(program=str(program))
         self.assertEqual(structure.wait().code, 3, structure.text())
         self.assert_says(structure.text(), "[calculix] error: ccx was ended by SIGKILL")
+        print(f"ccx killed: all programs gone {run.wait_programs_gone():.2f} s after the structure")
         ended = run.wait()
         self.assertEqual(ended.code, 4, ended.text)
         self.assert_says(ended.text, "[cpl] error: ", 'participant "structure"', "ccx was ended by SIGKILL")
