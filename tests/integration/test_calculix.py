@@ -110,11 +110,54 @@ class Calculix(CalculixCase):
         structure = self.start_structure(program=str(program))
         self.assertEqual(structure.wait().code, 3, structure.text())
         self.assert_says(structure.text(), "[calculix] error: ccx was ended by SIGKILL")
+        print(f"ccx killed: all programs gone {run.wait_programs_gone():.2f} s after the structure")
         ended = run.wait()
         self.assertEqual(ended.code, 4, ended.text)
         self.assert_says(ended.text, "[cpl] error: ", 'participant "structure"', "ccx was ended by SIGKILL")
         run.wait_none_left()
         structure.wait_none_left()
+
+
+class Barrier(IntegrationCase):
+    """configs/plate_barrier, its soil already at the plate: shells and beams of steel that yields, in 3D."""
+
+    STEPS, DT = 4, 1e-3
+
+    def setUp(self) -> None:
+        super().setUp()
+        shutil.copytree(ROOT / "configs" / "plate_barrier", self.scene)
+        files = {name: json.loads((self.scene / f"{name}.json").read_text())
+                 for name in ("coupler", "mpm", "structure")}
+        self.endpoint = free_endpoint()
+        files["coupler"] |= {"protocol": {"endpoint": self.endpoint}, "output": {"interval": 2 * self.DT},
+                             "time": {"end": self.STEPS * self.DT, "dt": self.DT, "dt_min": 1e-6}}
+        body = files["mpm"]["bodies"][0]
+        body["mesh"]["box"].update(low=[0.4, 0, 0], high=[1.0, 0.8, 0.4])
+        body["velocity"] = [2.0, 0, 0]
+        files["structure"]["probes"] = [{"name": "left", "node": 90}, {"name": "right", "node": 98}]  # y = 0.2, 0.6
+        self.write_scene(files)
+
+    def test_first_steps_in_contact(self) -> None:
+        run = self.start(programs=("coupler", "mpm_solver"))
+        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
+        structure = Launch([PROGRAM, "--coupler", self.endpoint, "--settings", str(self.scene / "structure.json")],
+                           self.folder)
+        self.addCleanup(structure.end)
+        for each in (run, structure):
+            ended = each.wait()
+            self.assertEqual(ended.code, 0, ended.text)
+        steps = read_table(self.out / "steps.csv")
+        self.assertEqual([row["status"] for row in steps], ["converged"] * self.STEPS)
+        exchanged = sum(abs(float(row["soil_work"])) for row in steps)
+        self.assertGreater(exchanged, 0.1)  # [J]
+        self.assertLess(abs(float(steps[-1]["work_sum"])), 1e-3 * exchanged)
+        last = read_table(self.out / "probes.csv")[-1]
+        left, right = float(last["structure.left.ux"]), float(last["structure.right.ux"])
+        self.assertGreater(left, 1e-5)
+        self.assertAlmostEqual(left / right, 1, delta=0.05)  # the scene is symmetric, the soil's yielding nearly so
+        rows = read_table(self.out / "structure" / "reactions.csv")
+        self.assertEqual([row["node"] for row in rows], ["5", "13"] * 2)
+        self.assertTrue(all(float(row["fx"]) < -1 for row in rows[-2:]), rows)  # [N], uphill
 
 
 if __name__ == "__main__":

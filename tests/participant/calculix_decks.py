@@ -80,6 +80,21 @@ def plane(kind: str = "CPE8R", n: int = 10, section: str = SECTIONS["CPE"]) -> s
     return text.replace(SECTIONS["CPE"], section)
 
 
+def two_bars(gap: float, contact: float) -> str:
+    """Two cubes of 0.1 m in a row, LENGTH of each; the first one's end is wet and may come to the second one, whose far
+    end is held. gap [m]; contact: pressure by overclosure [N/m3]."""
+    side = 0.1
+    rows = [f"{x}, {y}, {z}" for x in (0, side, side + gap, 2 * side + gap) for z in (0, side) for y in (0, side)]
+    # C3D8 along x: faces S1 at its beginning, S2 at its end
+    cells = [", ".join(str(8 * k + node) for node in (1, 2, 4, 3, 5, 6, 8, 7)) for k in range(2)]
+    return ("*NODE\n" + numbered(rows) + "*ELEMENT, TYPE=C3D8, ELSET=ALL\n" + numbered(cells)
+            + "*NSET, NSET=HELD\n1, 2, 3, 4, 13, 14, 15, 16\n*NSET, NSET=EVERY, GENERATE\n1, 16\n"
+            + "*SURFACE, NAME=WET\n1, S2\n*SURFACE, NAME=OTHER\n2, S1\n" + MATERIAL + SECTIONS["C3D"]
+            + "*SURFACE INTERACTION, NAME=TOUCH\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n"
+            + f"{contact:g}\n*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE\nWET, OTHER\n"
+            + "*BOUNDARY\nHELD, 1\nEVERY, 2, 3\n")
+
+
 def deck(kind: str, nodes: str, elements: list[str], foot: str, wet: str, rotations: bool = False) -> str:
     section = next(text for name, text in SECTIONS.items() if kind.startswith(name))
     surface = "*SURFACE, NAME=WET, TYPE=NODE\n" if kind.startswith("B") else "*SURFACE, NAME=WET\n"

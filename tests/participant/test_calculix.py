@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """structures/calculix: the deck and its errors, the surface, steps of ccx against closed forms, what goes wrong."""
 
+import csv
 import math
 import shutil
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from calculix_decks import AREA, DENSITY, HEIGHT, INERTIA, LENGTH, MATERIAL, SECTIONS, WIDTH, YOUNG
-from calculix_decks import beam, plane, shell, solid, write
+from calculix_decks import beam, plane, shell, solid, two_bars, write
 from fake_coupler import ROOT
 
 sys.path[:0] = [str(ROOT / "structures" / "calculix")]
@@ -221,6 +222,19 @@ class Statics(CalculixCase):
             heights.append(values["wall"][:, 2].mean())
         np.testing.assert_allclose(heights, -0.1 * np.array([0.0616, 0.0616, 0.06, 0.06, 0.0616]), rtol=1e-6)
 
+    def test_a_gap_between_two_bodies_closes_and_opens(self) -> None:
+        """Bars of stiffness k, contact of stiffness c: u = P / k while it is open, then (P + s g) / (k + s), s of bar
+        and contact in series; over restarts."""
+        gap, contact, area, side = 1e-4, 1e10, 0.01, 0.1
+        k = YOUNG * area / side
+        s = 1 / (1 / k + 1 / (contact * area))
+        structure = self.structure(two_bars(gap, contact), procedure="static", nlgeom=False)
+        for step, force in enumerate((50.0, 90.0, 150.0, 400.0, 150.0, 40.0, 0.0, 200.0), 1):
+            values, _ = structure.solve_step(StepRequest(step, 0, 0, 1), uniform(structure, (force, 0, 0)))
+            structure.accept_step(StepRequest(step, 0, 0, 1), True)
+            exact = force / k if force < k * gap else (force + s * gap) / (k + s)
+            np.testing.assert_allclose(values["wall"][:, 0], exact, rtol=1e-5, atol=1e-12, err_msg=f"{force} N")
+
     def test_own_weight(self) -> None:
         structure = self.structure(plane("CPE8") + SMALL_WEIGHT, nlgeom=False, probes=[{"name": "A", "node": 63}])
         weight = DENSITY * AREA * 0.1
@@ -322,6 +336,51 @@ class Dynamics(CalculixCase):
         np.testing.assert_array_equal(structure.solve_step(StepRequest(2, 0, 1e-3, 1e-3), {})[0]["wall"], answer)
         self.assertEqual((self.folder / "frames.csv").read_text().split(), ["time,file", "0.001,frame_000001.frd"])
         self.assertIn("DISP", (self.folder / "frame_000001.frd").read_text())
+
+    def test_section_forces_of_a_cantilever(self) -> None:
+        """Shear P, moment P (L - x) at the nodes between the elements; of ten elements to 0.1 %."""
+        force, count = 1e-3, 10
+        structure = self.structure(beam("B31", count), procedure="static", nlgeom=False, section_forces=True)
+        structure.frames = self.folder
+        forces, _ = at_tip(structure, force)
+        structure.solve_step(StepRequest(1, 0, 0, 1), forces)
+        structure.accept_step(StepRequest(1, 0, 0, 1), True)
+        structure.write_output(1.0)
+        with (self.folder / "section_forces.csv").open(newline="") as table:
+            rows = [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(table)]
+        self.assertEqual([row["node"] for row in rows], list(range(1, count + 2)))
+        for row in rows[1:-1]:
+            arm = LENGTH * (1 - (row["node"] - 1) / count)
+            np.testing.assert_allclose([abs(row["shear_2"]), abs(row["moment_1"])], [force, force * arm], rtol=1e-3)
+            np.testing.assert_allclose([row[name] for name in ("shear_1", "normal", "torque", "moment_2")], 0,
+                                       atol=1e-8 * force)
+
+    def test_section_forces_need_beams(self) -> None:
+        with self.assertRaisesRegex(DeckError, 'no beams for "section_forces": true'):
+            self.structure(plane(n=2), section_forces=True)
+        shared = beam("B31", 2) + "*NODE\n90, 0, 0, 1\n91, 1, 0, 1\n*ELEMENT, TYPE=S3\n90, 1, 90, 91\n"
+        with self.assertRaisesRegex(DeckError, "node 1 of beams and of others"):
+            self.structure(shared, section_forces=True)
+        with self.assertRaisesRegex(DeckError, "no node set HANDS for reactions, allowed: FOOT"):
+            self.structure(plane(n=2), reactions=["hands"])
+
+    def test_reactions_of_a_cantilever(self) -> None:
+        """The supports take the load, from restarts too; 2D: of the whole thickness. Loads at the supports themselves
+        are not in what ccx gives: the force is at the tip."""
+        for kind in ("B31", "S4", "CPE8R", "C3D20"):
+            with self.subTest(kind):
+                structure = self.structure(KINDS[kind], procedure="static", nlgeom=False, reactions=["Foot"])
+                structure.frames = Path(tempfile.mkdtemp(dir=self.folder))
+                forces, _ = at_tip(structure, 1e-3)
+                for step in (1, 2):
+                    structure.solve_step(StepRequest(step, 0, 0, 1), forces)
+                    structure.accept_step(StepRequest(step, 0, 0, 1), True)
+                    structure.write_output(float(step))
+                with (structure.frames / "reactions.csv").open(newline="") as table:
+                    rows = list(csv.DictReader(table))
+                self.assertEqual({row["time"] for row in rows}, {"1.0", "2.0"})
+                sums = [sum(float(row["fy"]) for row in rows if row["time"] == time) for time in ("1.0", "2.0")]
+                np.testing.assert_allclose(sums, -1e-3, rtol=1e-5)
 
 
 class Problems(CalculixCase):

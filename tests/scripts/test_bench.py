@@ -18,7 +18,7 @@ from script_case import ROOT, ScriptCase
 import made_up_results as made_up
 import measured
 from plotting.results import Results, ResultsError
-from studies import coupling, instructions
+from studies import codes, coupling, instructions
 from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import LIMITS, STUDIES, acceleration, error_vs_time, speed
 from studies.measures import Curve, Measured, relative_rms
@@ -221,6 +221,24 @@ class Studies(ScriptCase):
         self.assertEqual(free[:2], ["free flow", "200"])
         np.testing.assert_allclose([float(value) for value in free[2:]], [10, 7, 0, 2, 0], atol=1e-12)
         np.testing.assert_allclose([float(value) for value in contact[2:]], [10, 5, 1, 2, 1], atol=1e-12)
+
+    def test_codes(self) -> None:
+        """Parts and rest add up to the step; a code that is not there is named."""
+        with mock.patch.object(codes, "CODES", {"one": codes.Code("granular_obstacle", "sh"),
+                                                "other": codes.Code("granular_obstacle_other", "no/such/program")}):
+            out = io.StringIO()
+            runner = MadeUpRunner(self.folder, reuse=False, settings=[])
+            with contextlib.redirect_stdout(out):
+                codes.codes(runner)
+        rows = list(csv.DictReader((self.folder / "table.csv").open(newline="")))
+        self.assertEqual([row.pop("structure") for row in rows], ["one"])
+        self.assertIn("not here: other (no/such/program)", out.getvalue())
+        self.assertEqual(float(rows[0]["iterations a step"]), 5)
+        np.testing.assert_allclose([float(rows[0][name]) for name in codes.HEAD[3:]], [10, 5, 1, 2, 1, 1, 0.2])
+
+    def test_every_code_has_its_scene(self) -> None:
+        for name, code in codes.CODES.items():
+            self.assertTrue((ROOT / "configs" / code.scene / "coupler.json").is_file(), name)
 
     def test_failed_run_stands_in_the_table(self) -> None:
         class Failing(MadeUpRunner):

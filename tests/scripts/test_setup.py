@@ -9,6 +9,7 @@ import unittest
 from script_case import ROOT, ScriptCase
 
 LISTED = "  Test  #1: structure\n  Test #20: scripts.report_browser\n"
+LISTS = {"scripts": "tests/scripts", "integration": "tests/integration"}  # first word of a test: where it is
 
 
 class Setup(ScriptCase):
@@ -26,7 +27,7 @@ class Setup(ScriptCase):
 
     def test_tests_that_were_not_run(self) -> None:
         say = f"say_not_run '{LISTED}'"
-        self.assertEqual(self.sourced(say, "chromium"), "")
+        self.assertEqual(self.sourced(say, "chromium", "libdeal.ii-dev"), "")
         self.assertEqual(self.sourced(say), "not run: scripts.report_browser; it needs: apt-get install "
                                             "--no-install-recommends chromium\n")
         self.assertEqual(self.sourced("say_not_run '  Test #1: structure'"), "")  # it was not asked for
@@ -52,12 +53,12 @@ class Setup(ScriptCase):
 
     def test_named_tests_exist_and_say_when_they_are_not_run(self) -> None:
         named = re.search(r"tests_of_optional=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]
-        tests = re.findall(r"\[\S+\]=scripts\.(\S+)", named)
+        tests = re.findall(r"\[\S+\]=(\w+)\.(\w+)", named)
         self.assertEqual(len(tests), named.count("["))
-        lists = (ROOT / "tests" / "scripts" / "CMakeLists.txt").read_text()
-        for name in tests:
-            self.assertIn(f"scripts.{name} PROPERTIES SKIP_RETURN_CODE 77", lists)
-            self.assertIn("sys.exit(77)", (ROOT / "tests" / "scripts" / f"test_{name}.py").read_text())
+        for kind, name in tests:
+            folder = ROOT / LISTS[kind]
+            self.assertIn(f"{kind}.{name} PROPERTIES SKIP_RETURN_CODE 77", (folder / "CMakeLists.txt").read_text())
+            self.assertIn("sys.exit(77)", (folder / f"test_{name}.py").read_text())
 
 
 if __name__ == "__main__":

@@ -154,7 +154,14 @@ def coupled_step(settings: Settings, begin: str, duration: tuple[float, int], lo
         "*NODE FILE", "*EL FILE", "*RESTART, WRITE, FREQUENCY=1", "*END STEP", ""])
 
 
-def with_output(job: str, plastic: bool) -> str:
-    """The same step, which now writes fields into its .frd."""
+def with_output(job: str, plastic: bool, reactions: tuple[str, ...] = ()) -> str:
+    """The same step, which now writes fields into its .frd, and forces of these node sets into its .dat."""
     stress = "S, E, PEEQ" if plastic else "S, E"
-    return job.replace("*NODE FILE\n*EL FILE\n", f"*NODE FILE\nU\n*EL FILE\n{stress}\n")
+    forces = "".join(f"*NODE PRINT, NSET={name}\nRF\n" for name in reactions)
+    return job.replace("*NODE FILE\n*EL FILE\n", f"{forces}*NODE FILE\nU\n*EL FILE\n{stress}\n")
+
+
+def with_section_forces(job: str) -> str:
+    """The same step, which now writes the section forces of beams into its .frd."""
+    return job.replace("*NODE FILE\n*EL FILE\n",
+                       "*NODE FILE, OUTPUT=2D\nU\n*EL FILE, OUTPUT=2D, SECTION FORCES\nS\n")

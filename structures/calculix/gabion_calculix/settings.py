@@ -36,6 +36,8 @@ class Settings:
     solver_threads: int = 1  # of the linear solver; with more a repeated step has not the same bits
     deadline: float = 3600.0  # [s] for one run of ccx
     program: str = "ccx"
+    reactions: tuple[str, ...] = ()  # node sets whose forces of supports are a table beside the frames
+    section_forces: bool = False  # of beams, a table beside the frames
     probes: tuple[Probe, ...] = ()
 
 
@@ -52,6 +54,8 @@ KEYS = {
     "solver_threads": (int, lambda value: value >= 1, "an integer >= 1"),
     "deadline": (float, lambda value: value > 0, "[s] > 0"),
     "program": (str, bool, "name or path of ccx"),
+    "reactions": (list, lambda value: all(isinstance(name, str) for name in value), 'a list of node sets, ["FEET"]'),
+    "section_forces": (bool, lambda value: True, "true, false"),
     "probes": (list, lambda value: True, 'a list of {"name": "A", "node": 7}'),
 }
 REQUIRED = ("deck", "interfaces")
@@ -78,7 +82,8 @@ def read_settings(path: Path) -> Settings:
     interfaces = tuple(read_interface(path, k, entry) for k, entry in enumerate(values["interfaces"]))
     probes = tuple(read_probe(path, k, entry) for k, entry in enumerate(values.get("probes", [])))
     deck = path.parent / values["deck"]
-    return Settings(**values | {"deck": deck, "interfaces": interfaces, "probes": probes})
+    reactions = tuple(name.upper() for name in values.get("reactions", []))
+    return Settings(**values | {"deck": deck, "interfaces": interfaces, "probes": probes, "reactions": reactions})
 
 
 def read_interface(path: Path, index: int, entry: object) -> Coupled:

@@ -26,8 +26,10 @@ from gabion_participant import (STEP_MEAN, AcceptReport, ConvergenceError, Inter
 from .ccx import Ccx, NoSolution
 from .deck import DeckError, read_deck
 from .job import (Load, check_deck, check_dynamics, check_nlgeom, coupled_step, has_steps, loads_of, model_text,
-                  own_steps, with_output)
+                  own_steps, with_output, with_section_forces)
+from .reactions import append_reactions, read_reactions
 from .restart_file import NodalState, limit_reserve, read_nodal_state
+from .section_forces import append_section_forces, beam_nodes, read_section_forces
 from .settings import Settings
 from .wet_surface import WetSurface, make_wet_surface
 
@@ -45,6 +47,7 @@ class Structure(Solver):
                          for part in settings.interfaces]
         self.dimension = one_dimension(self.surfaces)
         self.check_probes()
+        self.check_tables()
         check_deck(self.deck, self.surfaces)
         check_nlgeom(self.deck, settings.nlgeom)
         if settings.procedure == "dynamic":
@@ -80,6 +83,22 @@ class Structure(Solver):
             if probe.node not in wet | solid:
                 raise DeckError(f'{self.settings.deck}: found probe "{probe.name}" at node {probe.node}, allowed: '
                                 "nodes of the wet surface or of solids")
+
+    def check_tables(self) -> None:
+        """ccx writes stresses in place of section forces at nodes that beams share with other elements."""
+        for name in self.settings.reactions:
+            if name not in self.deck.node_sets:
+                raise DeckError(f"{self.settings.deck}: found no node set {name} for reactions, allowed: "
+                                f"{', '.join(self.deck.node_sets) or 'none'}")
+        if not self.settings.section_forces:
+            return
+        beams = set(beam_nodes(self.deck))
+        others = {node for element in self.deck.elements.values() if not element.type.startswith("B")
+                  for node in element.nodes}
+        if not beams or beams & others:
+            found = f"node {min(beams & others)} of beams and of others" if beams else "no beams"
+            raise DeckError(f'{self.settings.deck}: found {found} for "section_forces": true, allowed: beams with nodes '
+                            "of their own")
 
     def zero_forces(self) -> InterfaceValues:
         return {surface.name: np.zeros_like(surface.coordinates) for surface in self.surfaces}
@@ -151,10 +170,17 @@ class Structure(Solver):
         table = self.frames / "frames.csv"
         begin = not table.exists()
         name = f"frame_{self.steps:06d}.frd"
-        self.ccx.run("output", with_output(self.accepted_job, bool(self.deck.cards_of("*PLASTIC"))))
+        self.ccx.run("output", with_output(self.accepted_job, bool(self.deck.cards_of("*PLASTIC")),
+                                           self.settings.reactions))
+        if self.settings.reactions:
+            append_reactions(self.frames / "reactions.csv", time, read_reactions(self.folder / "output.dat"))
         shutil.move(self.folder / "output.frd", self.frames / name)
         with table.open("a", newline="", encoding="utf-8") as out:
             csv.writer(out).writerows(([["time", "file"]] if begin else []) + [[time, name]])
+        if self.settings.section_forces:
+            self.ccx.run("output", with_section_forces(self.accepted_job))
+            found = read_section_forces(self.folder / "output.frd", beam_nodes(self.deck))
+            append_section_forces(self.frames / "section_forces.csv", time, found)
 
     def save_state(self) -> bytes:
         state = self.state_file.read_bytes() if self.state_file.exists() else b""
