@@ -22,6 +22,7 @@ class SpringChain : public NewtonProblem<2> {
   double stiffness = 100, quadratic = 0.8, cubic = 2, length = 1;
   double load_x = 30, load_y = 4;
   double tangent_factor = 1;  ///< 1: exact tangent
+  bool likely_last = false;   ///< what each evaluation says
   int evaluations = 0;
   int tangents = 0;
 
@@ -43,6 +44,7 @@ class SpringChain : public NewtonProblem<2> {
     if (K) K->set_zero();
     std::vector<double> internal(du.size(), 0.0);
     Evaluation evaluation;
+    evaluation.likely_last = likely_last;
     for (int i = 0; i < num_springs; ++i) add_spring(i, du, internal, K, evaluation);
     std::fill(r.begin(), r.end(), 0.0);
     r[du.size() - 2] = load_x;

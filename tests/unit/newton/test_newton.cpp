@@ -130,6 +130,28 @@ TEST(Newton, prediction_saves_the_last_matrix) {
   EXPECT_EQ(bench.chain.evaluations, report.iterations + 1);
 }
 
+TEST(Newton, a_step_that_is_likely_the_last_gets_no_matrix_in_advance) {
+  SpringChain linear;
+  linear.quadratic = linear.cubic = 0;
+  linear.likely_last = true;
+  linear.load_x = 3;
+  Bench bench(linear, "lu");
+  bench.settings.increment_tolerance = 1;  // one step is enough
+  EXPECT_EQ(bench.solve().matrices, 1);
+  EXPECT_EQ(bench.chain.evaluations, 2);
+}
+
+TEST(Newton, a_wrong_guess_of_the_last_step_costs_evaluations_and_no_accuracy) {
+  SpringChain optimist;
+  optimist.likely_last = true;
+  Bench bench(optimist, "lu"), other({}, "lu");
+  const auto report = bench.solve(), expected = other.solve();
+  EXPECT_EQ(report.residuals, expected.residuals);
+  EXPECT_EQ(bench.du, other.du);
+  EXPECT_EQ(report.matrices, report.iterations);
+  EXPECT_GT(bench.chain.evaluations, other.chain.evaluations);
+}
+
 TEST(Newton, increment_criterion_is_enforced) {
   Bench loose, tight;
   loose.settings.residual_tolerance = tight.settings.residual_tolerance = 1e-2;
