@@ -6,12 +6,11 @@ import json
 import os
 import shutil
 import signal
-from pathlib import Path
 
 import launch
-from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+from foreign_wall import ROOT, ForeignWall
+from launch import IntegrationCase, Launch, free_endpoint, read_table
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = str(ROOT / "structures" / "calculix" / "calculix_structure")
 ACROSS, UP = 4, 20  # halves of elements of the wall
 
@@ -34,16 +33,9 @@ def wall() -> str:
         "*STEP, NLGEOM", "*STATIC", "*DLOAD", "WALL, GRAV, 9.81, 0, -1, 0", "*END STEP", ""])
 
 
-class CalculixCase(IntegrationCase):
+class Calculix(ForeignWall):
     def setUp(self) -> None:
         super().setUp()
-        self.files = meeting()
-        self.fem = self.files.pop("fem")
-        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
-        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
-        self.endpoint = free_endpoint()
-        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
-        self.write_scene(self.files)
         (self.scene / "wall.inp").write_text(wall(), encoding="utf-8")
 
     def start_structure(self, **settings) -> Launch:
@@ -51,52 +43,17 @@ class CalculixCase(IntegrationCase):
         path.write_text(json.dumps({
             "deck": "wall.inp", "interfaces": [{"name": "wall", "element_set": "WALL"}],
             "probes": [{"name": "A", "node": 1 + (ACROSS + 1) * UP}]} | settings), encoding="utf-8")
-        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
-        started = Launch([PROGRAM, "--coupler", self.endpoint, "--settings", str(path)], self.folder)
-        self.addCleanup(started.end)
-        return started
+        return self.launch_structure(PROGRAM, "--settings", str(path))
 
-    def result(self) -> tuple[float, float]:
-        """The largest displacement of A [m], and the mean iterations of steps in contact."""
-        summary = json.loads((self.out / "summary.json").read_text())
-        self.assertEqual(summary["accepted_unconverged"], 0)
-        self.assertGreater(summary["steps_in_contact"], 5)
-        counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
-        way = [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
-        return max(way), sum(counts) / len(counts)
-
-
-class Calculix(CalculixCase):
     def test_check_participant(self) -> None:
-        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
-                          "--check-participant", "structure"], self.folder)
-        self.addCleanup(coupler.end)
-        structure = self.start_structure()
-        text = coupler.wait().text
-        self.assertEqual(structure.wait().code, 0, structure.text())
-        self.assertNotIn("FAILED", text)
-        self.assertNotIn("inexact", text)
-        for check in ("the same bits after reject_step ", "half of dt, rejected: the same bits again",
-                      "the same steps after save, other steps and load", "the end"):
-            self.assert_says(text, check, "passed")
+        self.pass_the_check(self.start_structure)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        run = self.start(programs=("coupler", "mpm_solver"))
-        structure = self.start_structure()
-        for each in (run, structure):
-            ended = each.wait()
-            self.assertEqual(ended.code, 0, ended.text)
-        structure.wait_none_left()
+        self.couple(self.start_structure)
         frames = read_table(self.out / "structure" / "frames.csv")
         self.assertGreater((self.out / "structure" / frames[-1]["file"]).stat().st_size, 10000)
         peak, iterations = self.result()
-        del self.files["coupler"]["protocol"]
-        self.fem["mesh"]["box"]["cells"] = [4, 40]
-        self.write_scene(self.files | {"fem": self.fem})
-        shutil.rmtree(self.out)
-        self.run_launch(code=0)
-        expected, expected_iterations = self.result()
-        self.assertGreater(expected, 1e-5)
+        expected, expected_iterations = self.result_of_finite_elements([4, 40])
         self.assertAlmostEqual(peak / expected, 1, delta=0.02)
         self.assertAlmostEqual(iterations, expected_iterations, delta=1)
         print(f"A: {peak:.6g}, {expected:.6g}; iterations {iterations:.2f}, {expected_iterations:.2f}")

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import launch
 import numpy as np
-from launch import IntegrationCase, Launch, endless, free_endpoint, meeting, read_table
+from foreign_wall import ROOT, ForeignWall
+from launch import IntegrationCase, Launch, endless, meeting
 from test_restart_script import ScriptCase
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "tests" / "participant")]
 from fake_coupler import FakeCoupler, Message  # noqa: E402
 
@@ -179,51 +179,19 @@ class Driven(IntegrationCase):
                 self.assert_says(done.stderr, "[dealii] error: ", *words)
 
 
-class Coupled(IntegrationCase):
-    def setUp(self) -> None:
-        super().setUp()
-        self.files = meeting()
-        self.fem = self.files.pop("fem")
-        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
-        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
-        self.endpoint = free_endpoint()
-        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
-
+class Coupled(ForeignWall):
     def start_structure(self, **changes) -> Launch:
         (self.scene / "structure.json").write_text(json.dumps(WALL | changes))
-        settings = str(self.scene / "structure.json")
-        started = Launch([PROGRAM, "--coupler", self.endpoint, "--settings", settings], self.folder)
-        self.addCleanup(started.end)
-        return started
+        return self.launch_structure(PROGRAM, "--settings", str(self.scene / "structure.json"))
 
     def test_check_participant(self) -> None:
-        self.write_scene(self.files)
-        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
-                          "--check-participant", "structure", "--amplitude", "0.5"], self.folder)
-        self.addCleanup(coupler.end)
-        structure = self.start_structure()
-        text = coupler.wait().text
-        self.assertEqual(structure.wait().code, 0, structure.text())
-        for verdict in ("FAILED", "inexact", "NOTICE"):
-            self.assertNotIn(verdict, text)
-        self.assert_says(text, "the same steps after save, other steps and load", "passed")
-
-    def result(self) -> tuple[float, float]:
-        """The largest displacement of A [m], and the mean iterations of steps in contact."""
-        summary = json.loads((self.out / "summary.json").read_text())
-        self.assertGreater(summary["steps_in_contact"], 5)
-        counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
-        return (max(float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")),
-                sum(counts) / len(counts))
+        text = self.pass_the_check(self.start_structure, "--amplitude", "0.5")
+        self.assertNotIn("NOTICE", text)
 
     def run_coupled(self, **changes) -> tuple[float, float]:
         """With these settings in place of those of WALL: `result`."""
         self.write_scene(self.files)
-        run = self.start(programs=("coupler", "mpm_solver"))
-        structure = self.start_structure(**changes)
-        for each in (run, structure):
-            ended = each.wait()
-            self.assertEqual(ended.code, 0, ended.text)
+        self.couple(lambda: self.start_structure(**changes))
         frames = list((self.out / "structure").glob("frame_*.vtu"))
         self.assertEqual(len(frames), (self.out / "structure" / "frames.pvd").read_text().count(".vtu"))
         self.assertGreater(len(frames), 2)
@@ -237,11 +205,7 @@ class Coupled(IntegrationCase):
         same = WALL["mesh"]["box"] | {"cells": cells}
         linear = self.run_coupled(mesh={"box": same}, degree=1, refine=[])
         quadratic = self.run_coupled()
-        del self.files["coupler"]["protocol"]
-        self.fem["mesh"]["box"]["cells"] = cells
-        self.write_scene(self.files | {"fem": self.fem})
-        self.run_launch(code=0)
-        expected = self.result()
+        expected = self.result_of_finite_elements(cells)
         print(f"A [m], iterations: {linear}, {quadratic}, fem_solver {expected}")
         self.assertAlmostEqual(linear[0] / expected[0], 1, delta=1e-4)
         self.assertAlmostEqual(linear[1], expected[1], delta=0.2)

@@ -3,7 +3,6 @@
 """A form of dolfinx as the structure of a coupled run: checked alone on two ranks, against fem_solver, restarted on two
 ranks, and when one of them is killed."""
 
-import json
 import os
 import shutil
 import signal
@@ -11,49 +10,11 @@ import time
 from pathlib import Path
 
 import launch
-from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+from foreign_wall import ROOT, ForeignWall
+from launch import Launch, read_table
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = str(ROOT / "structures" / "dolfinx" / "dolfinx_structure")
 MODEL = ROOT / "configs" / "granular_obstacle_dolfinx" / "structure.py"
-
-
-class DolfinxCase(IntegrationCase):
-    def setUp(self) -> None:
-        super().setUp()
-        self.files = meeting()
-        self.fem = self.files.pop("fem") | {"time_integration": {"scheme": "bossak", "alpha": -0.3}}
-        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
-        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
-        self.endpoint = free_endpoint()
-        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
-        self.write_scene(self.files)
-        model = MODEL.read_text(encoding="utf-8").replace("[4, 40]", "[2, 10]")  # as the fem_solver of meeting()
-        (self.scene / "structure.py").write_text(model, encoding="utf-8")
-
-    def start_structure(self, ranks: int = 1) -> Launch:
-        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
-        started = Launch([PROGRAM, "--coupler", self.endpoint, "--model", str(self.scene / "structure.py"),
-                          "--ranks", str(ranks)], self.folder)
-        self.addCleanup(started.end)
-        return started
-
-    def couple(self, *options: str, ranks: int = 1) -> None:
-        run = self.start(*options, programs=("coupler", "mpm_solver"))
-        structure = self.start_structure(ranks)
-        for each in (run, structure):
-            ended = each.wait()
-            self.assertEqual(ended.code, 0, ended.text)
-        structure.wait_none_left()
-
-    def result(self) -> tuple[float, float]:
-        """The largest displacement of A [m], and the mean iterations of steps in contact."""
-        summary = json.loads((self.out / "summary.json").read_text())
-        self.assertEqual(summary["accepted_unconverged"], 0)
-        self.assertGreater(summary["steps_in_contact"], 5)
-        counts = [int(row["iterations"]) for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
-        way = [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
-        return max(way), sum(counts) / len(counts)
 
 
 def rank_of(structure: Launch, rank: int) -> int:
@@ -64,34 +25,32 @@ def rank_of(structure: Launch, rank: int) -> int:
     return found[0]
 
 
-class Dolfinx(DolfinxCase):
+class Dolfinx(ForeignWall):
+    def setUp(self) -> None:
+        super().setUp()
+        self.fem["time_integration"] = {"scheme": "bossak", "alpha": -0.3}
+        model = MODEL.read_text(encoding="utf-8").replace("[4, 40]", "[2, 10]")  # as the fem_solver of meeting()
+        (self.scene / "structure.py").write_text(model, encoding="utf-8")
+
+    def start_structure(self, ranks: int = 1) -> Launch:
+        return self.launch_structure(PROGRAM, "--model", str(self.scene / "structure.py"), "--ranks", str(ranks))
+
+    def start_two(self) -> Launch:
+        return self.start_structure(ranks=2)
+
     def test_check_participant_on_two_ranks(self) -> None:
-        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
-                          "--check-participant", "structure"], self.folder)
-        self.addCleanup(coupler.end)
-        structure = self.start_structure(ranks=2)
-        text = coupler.wait().text
-        self.assertEqual(structure.wait().code, 0, structure.text())
-        self.assertNotIn("FAILED", text)
-        self.assertNotIn("inexact", text)
-        for check in ("the same bits after reject_step ", "half of dt, rejected: the same bits again",
-                      "the same steps after save, other steps and load", "the end"):
-            self.assert_says(text, check, "passed")
+        self.pass_the_check(self.start_two)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
         """On one rank and on two; both solvers have the same mesh, law and scheme."""
         found = []
         for ranks in (1, 2):
-            self.couple(ranks=ranks)
+            self.couple(self.start_two if ranks == 2 else self.start_structure)
             index = (self.out / "structure" / "structure.pvd").read_text()
             self.assertGreater(index.count("DataSet"), 1)
             found.append(self.result())
             shutil.rmtree(self.out)
-        del self.files["coupler"]["protocol"]
-        self.write_scene(self.files | {"fem": self.fem})
-        self.run_launch(code=0)
-        expected, iterations = self.result()
-        self.assertGreater(expected, 1e-5)
+        expected, iterations = self.result_of_finite_elements([2, 10])
         for peak, mean_iterations in found:
             self.assertAlmostEqual(peak / expected, 1, delta=1e-3)
             self.assertAlmostEqual(mean_iterations, iterations, delta=0.2)
@@ -122,14 +81,14 @@ class Dolfinx(DolfinxCase):
 
     def test_restart_on_two_ranks(self) -> None:
         """The later half, from a checkpoint, has the bits of the straight run."""
-        self.couple(ranks=2)
+        self.couple(self.start_two)
         straight = read_table(self.out / "probes.csv")
         shutil.rmtree(self.out)
         half = "coupler.json:/time/end=0.002"
-        self.couple("--set", half, ranks=2)
+        self.couple(self.start_two, "--set", half)
         first = self.folder / "first"
         self.out.rename(first)
-        self.couple("--restart", str(first), ranks=2)
+        self.couple(self.start_two, "--restart", str(first))
         again = read_table(self.out / "probes.csv")
         self.assertGreater(len(again), 5)
         self.assertEqual(again[1:], straight[-(len(again) - 1):])

@@ -14,26 +14,19 @@ import time
 from pathlib import Path
 
 import launch
-from launch import IntegrationCase, Launch, free_endpoint, meeting, read_table
+from foreign_wall import ROOT, ForeignWall
+from launch import Launch
 from restart_rows import rows_without_seconds
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "participant"))
 from opensees_models import installed, line  # noqa: E402
 
 PROGRAM = str(ROOT / "structures" / "opensees" / "opensees_structure")
 
 
-class OpenSeesCase(IntegrationCase):
+class OpenSees(ForeignWall):
     def setUp(self) -> None:
         super().setUp()
-        self.files = meeting()
-        self.fem = self.files.pop("fem")
-        self.files["coupler"]["time"] |= {"end": 0.004, "dt": 2e-4}
-        self.files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.163, 0], high=[0.243, 0.06])  # sooner there
-        self.endpoint = free_endpoint()
-        self.files["coupler"]["protocol"] = {"endpoint": self.endpoint}
-        self.write_scene(self.files)
         shutil.copy(ROOT / "configs" / "granular_obstacle_opensees" / "wall.py", self.scene / "model.py")
 
     def start_structure(self) -> Launch:
@@ -41,63 +34,23 @@ class OpenSeesCase(IntegrationCase):
         path.write_text(json.dumps({
             "model": "model.py", "interfaces": [line(nodes="AXIS", ends=[0, 4])],
             "probes": [{"name": "A", "interface": "wall", "point": [0.25, 0.05]}]}), encoding="utf-8")
-        os.environ["PYTHONPATH"] = str(ROOT / "protocol" / "python")
-        started = Launch([PROGRAM, "--coupler", self.endpoint, "--settings", str(path)], self.folder)
-        self.addCleanup(started.end)
-        return started
+        return self.launch_structure(PROGRAM, "--settings", str(path))
 
     def wait_for_steps(self, run: Launch, count: int) -> None:
         rows = self.out / "steps.csv"
         run.wait_until(lambda: rows.exists() and rows.read_text().count("\n") > count, f"{count} steps")
 
-    def finish(self, *runs: Launch) -> None:
-        for each in runs:
-            ended = each.wait()
-            self.assertEqual(ended.code, 0, ended.text)
-
-    def way(self) -> list[float]:
-        """Of A [m]; with contact."""
-        summary = json.loads((self.out / "summary.json").read_text())
-        self.assertEqual(summary["accepted_unconverged"], 0)
-        self.assertGreater(summary["steps_in_contact"], 5)
-        return [float(row["structure.A.ux"]) for row in read_table(self.out / "probes.csv")]
-
-    def iterations(self) -> float:
-        rows = [row for row in read_table(self.out / "steps.csv") if row["status"] == "converged"]
-        return sum(int(row["iterations"]) for row in rows) / len(rows)
-
-
-class OpenSees(OpenSeesCase):
     def test_check_participant(self) -> None:
-        coupler = Launch([str(launch.binaries / "coupler"), str(self.scene), "--output", str(self.out),
-                          "--check-participant", "structure"], self.folder)
-        self.addCleanup(coupler.end)
-        structure = self.start_structure()
-        text = coupler.wait().text
-        self.assertEqual(structure.wait().code, 0, structure.text())
-        self.assertNotIn("FAILED", text)
-        self.assertNotIn("inexact", text)
-        for check in ("the same bits after reject_step ", "half of dt, rejected: the same bits again",
-                      "the same steps after save, other steps and load", "the end"):
-            self.assert_says(text, check, "passed")
+        self.pass_the_check(self.start_structure)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
         """To the first peak: in the blow itself a section gives way, which a beam's does not."""
         self.files["coupler"]["time"]["end"] = 0.03
         self.write_scene(self.files)
-        run = self.start(programs=("coupler", "mpm_solver"))
-        structure = self.start_structure()
-        self.finish(run, structure)
-        structure.wait_none_left()
+        self.couple(self.start_structure)
         self.assertIn("time,node,x,y,ux,uy", (self.out / "structure" / "nodes.csv").read_text())
-        peak, iterations = max(self.way()), self.iterations()
-        del self.files["coupler"]["protocol"]
-        self.fem["mesh"]["box"]["cells"] = [8, 80]
-        self.write_scene(self.files | {"fem": self.fem})
-        shutil.rmtree(self.out)
-        self.run_launch(code=0)
-        expected, expected_iterations = max(self.way()), self.iterations()
-        self.assertGreater(expected, 1e-5)
+        peak, iterations = self.result()
+        expected, expected_iterations = self.result_of_finite_elements([8, 80])
         self.assertAlmostEqual(peak / expected, 1, delta=0.02)
         self.assertAlmostEqual(iterations, expected_iterations, delta=1)
         print(f"A: {peak:.6g}, {expected:.6g}; iterations {iterations:.2f}, {expected_iterations:.2f}")
@@ -107,7 +60,7 @@ class OpenSees(OpenSeesCase):
             self.out = self.folder / name
             self.files["coupler"]["time"]["end"] = end
             self.write_scene(self.files)
-            self.finish(self.start(*options, programs=("coupler", "mpm_solver")), self.start_structure())
+            self.couple(self.start_structure, *options)
             return self.out
 
         whole, first = run("whole", 0.008), run("first", 0.005)
