@@ -144,7 +144,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   if (K && !wall_step_.empty()) subtract_wall_step(*K, r);
   parts_.walls.project(r);
   if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
-  result.likely_last = first_evaluation_ && (parts_.short_step || internal_.neighbours_matrix());
+  result.likely_last = first_evaluation_ && (parts_.nearly_linear || internal_.neighbours_matrix());
   first_evaluation_ = false;
   result.force_scale = std::max(norm_of(f_sum_), external);
   result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));

@@ -46,7 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double same_strain;  ///< see InternalForces
     double dt;
     bool with_inertia = true;             ///< false: quasi-static
-    bool short_step = false;              ///< waves cross at most a cell: nearly linear
+    bool nearly_linear = false;           ///< one Newton iteration likely suffices
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     std::span<const double> f_body_start = {};   ///< the same at the start of the step
     bool average_volumes = false;                ///< F-bar, see AveragedForces

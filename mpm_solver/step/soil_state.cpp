@@ -200,6 +200,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.reals("rigid_wall_forces", rigid_wall_forces);
   visitor.integers("probe_points", std::span<std::int32_t>(probe_points));
   visitor.integer("removed_points", removed_points);
+  visitor.flag("nearly_linear", nearly_linear);
   control.visit_state(visitor);
 }
 

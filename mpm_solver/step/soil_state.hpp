@@ -37,6 +37,7 @@ struct SoilState {
   std::vector<double> rigid_wall_forces;   ///< Surfaces::forces_on_walls
   std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it
   std::int64_t removed_points = 0;         ///< of all ranks
+  bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
 
  private:
   void visit(StateVisitor& visitor);

@@ -125,16 +125,11 @@ void SoilStep<dim>::begin(const StepRequest& request) {
   make_equilibrium(ramp.at(request.time) * gravity, ramp.at(end) * gravity, request.dt);
 }
 
-// Cells that an elastic wave crosses in the step.
-template <int dim>
-double SoilStep<dim>::courant() const {
-  return model_.wave_speed * dt_ / model_.cell_size;
-}
-
 template <int dim>
 LinearRegime SoilStep<dim>::regime() const {
   const bool symmetric = model_.symmetric_laws && state_.surfaces.symmetric();
-  return {symmetric, with_inertia_ ? courant() : std::numeric_limits<double>::infinity()};
+  const double courant = model_.wave_speed * dt_ / model_.cell_size;
+  return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
 }
 
 /// @param gravity_n, gravity  at the start and at the end of the step
@@ -175,7 +170,7 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
       .same_strain = same_strain_share * model_.settings.newton.residual_tolerance,
       .dt = dt,
       .with_inertia = with_inertia_,
-      .short_step = with_inertia_ && courant() <= 1,
+      .nearly_linear = state_.nearly_linear,
       .f_body = f_body_,
       .f_body_start = f_body_start_,
       .average_volumes = model_.settings.locking.average_volumes,
@@ -185,7 +180,8 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
 
 template <int dim>
 NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begins) {
-  if (begins || request.iteration == 0) {
+  const bool first = begins || request.iteration == 0;
+  if (first) {
     equilibrium_->internal_forces().forget();
     FirstGuess guess = first_guess(*equilibrium_, system_, model_.wave_speed, times_);
     du_ = std::move(guess.du);
@@ -199,6 +195,7 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
   }
   const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, times_);
   linear_iterations_ += newton.linear_iterations;
+  if (first) first_iterations_ = newton.iterations;
   sizes_.add_solution(newton.iterations);
   log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
              request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
@@ -261,6 +258,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
+  state_.nearly_linear = first_iterations_ <= 1;
   dt_ = 0;
   AcceptReport report;
   report.details = details(cell_n);

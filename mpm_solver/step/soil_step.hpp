@@ -57,7 +57,6 @@ class SoilStep {
   void begin(const StepRequest& request);
   void enter_phase(double time);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
-  double courant() const;
   LinearRegime regime() const;
   NewtonReport solve_balance(const StepRequest& request, bool begins);
   StepMeasures measure(const NodalMotion<dim>& motion) const;
@@ -76,7 +75,8 @@ class SoilStep {
   double initial_displacement_ = 0;
 
   // the step under way
-  double dt_ = 0;  // 0: none begun
+  double dt_ = 0;             // 0: none begun
+  int first_iterations_ = 0;  // of Newton's method, of the first solution
   std::size_t phase_ = 0;
   bool with_inertia_ = true;
   bool forces_jump_ = false;  // at the start of the step: no acceleration is known
