@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a step costs with each code that can be the structure of the obstacle scene."""
 
+import importlib.util
+import os
 import shutil
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -20,10 +21,12 @@ SHORT = ["mpm.json:/bodies/0/mesh/box/low=[0.1975,0]", "mpm.json:/bodies/0/mesh/
 @dataclass(frozen=True)
 class Code:
     scene: str  # a folder of configs/
-    needs: str = ""  # a program in PATH, or a file of this tree
+    needs: str = ""  # a program in PATH, a file of this tree, or a module of Python
+    python: str = ""  # environment variable that may name the python of that module
 
     def is_here(self) -> bool:
-        return not self.needs or shutil.which(self.needs) is not None or (ROOT / Path(self.needs)).is_file()
+        return not self.needs or shutil.which(self.needs) is not None or (ROOT / self.needs).is_file() or \
+            self.python in os.environ or "/" not in self.needs and importlib.util.find_spec(self.needs) is not None
 
 
 # Another code is a line here.
@@ -32,6 +35,8 @@ CODES = {
     "matrices of the same": Code("granular_obstacle_matrices"),
     "CalculiX, 2 x 20 CPE8": Code("granular_obstacle_calculix", "ccx"),
     "deal.II, 2 x 20 of degree 2 and refined": Code("granular_obstacle_dealii", "build/dealii/program/dealii_structure"),
+    "dolfinx, 4 x 40 of degree 1": Code("granular_obstacle_dolfinx", "dolfinx"),
+    "OpenSees, 40 beams": Code("granular_obstacle_opensees", "openseespy", "GABION_OPENSEES_PYTHON"),
     "beam in Python": Code("granular_obstacle_external"),
 }
 HEAD = ["structure", "steps in contact", "iterations a step", "a step [ms]", "soil [ms]", "structure [ms]",
