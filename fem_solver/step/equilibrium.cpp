@@ -122,7 +122,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
 template <int dim>
 void Equilibrium<dim>::finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K) {
   if (with_inertia) cells_.add_mass(scheme_.inertia_slope(dt), K);
-  K.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
+  K.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
+              [this](std::int32_t) { return rank_ == 0; });
 }
 
 template <int dim>
@@ -200,7 +201,8 @@ std::unique_ptr<LinearSolver<dim>> Equilibrium<dim>::factor_mass() const {
   cells_.set_pattern(M);
   M.set_zero();
   cells_.add_mass(1, M);
-  M.constrain(conditions_.constrained_nodes(), conditions_.projectors(), rank_ == 0);
+  M.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
+              [this](std::int32_t) { return rank_ == 0; });
   LinearSolverSettings settings;
   settings.method = "lu";
   auto solver = std::make_unique<LinearSolver<dim>>(comm_, dim, settings);

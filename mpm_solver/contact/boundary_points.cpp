@@ -53,18 +53,38 @@ std::int32_t BoundaryPoints<dim>::find_cell(const SoilSurface<dim>& soil, const 
 }
 
 template <int dim>
+void BoundaryPoints<dim>::find_cells(const SoilSurface<dim>& soil) {
+  for (Point& b : points_) b.cell = find_cell(soil, b);
+  cells_found_ = true;
+}
+
+template <int dim>
+std::vector<std::int32_t> BoundaryPoints<dim>::find_nodes(const SoilSurface<dim>& soil) {
+  std::vector<std::int32_t> nodes;
+  if (!soil.first_rank) return nodes;
+  find_cells(soil);
+  for (const Point& b : points_) {
+    if (b.cell < 0 || soil.occupied[b.cell] == 0) continue;
+    const auto of_cell = soil.grid.mesh.cell(b.cell);
+    nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
+  }
+  return nodes;
+}
+
+template <int dim>
 void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
   const Mesh<dim>& mesh = soil.grid.mesh;
   touching_.clear();
   dt_ = soil.dt;
   if (!soil.first_rank) return;
+  if (!cells_found_) find_cells(soil);
+  cells_found_ = false;
   nodes_per_cell_ = mesh.nodes_per_cell();
   ShapeValues<dim> shape;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& b = points_[k];
     b.trial = {};
     b.gap_trial.setZero();
-    b.cell = find_cell(soil, b);
     if (b.cell < 0 || soil.occupied[b.cell] == 0) {
       b.gap.setZero();
       continue;

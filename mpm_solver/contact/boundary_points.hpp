@@ -25,6 +25,7 @@ class BoundaryPoints final : public Contact<dim> {
   /// soil in the step before. The basis functions of such a cell are continued to the point. So a
   /// wall that recedes over a line of the grid does not lose its soil.
   void begin_step(const SoilSurface<dim>& soil) override;
+  std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return !touching_.empty(); }
   bool symmetric() const override { return !law_.has_friction(); }
   void append_cells(std::vector<std::int32_t>& offsets,
@@ -66,6 +67,7 @@ class BoundaryPoints final : public Contact<dim> {
 
   void mark_closed_points();
   void evaluate_point(std::span<const double> du, Point& b, Matrix<dim>* slope) const;
+  void find_cells(const SoilSurface<dim>& soil);
   std::int32_t find_cell(const SoilSurface<dim>& soil, const Point& b) const;
 
   MovingSurface<dim> surface_;
@@ -75,6 +77,7 @@ class BoundaryPoints final : public Contact<dim> {
   std::vector<Point> points_;
   std::vector<ContactMark<dim>> marks_;  // of the accepted step
   std::vector<Vector<dim>> vertices_;    // accepted
+  bool cells_found_ = false;             // for the coming step
   std::vector<std::int32_t> touching_;   // points with soil; none but on the first rank
   int nodes_per_cell_ = 0;
 };

@@ -66,6 +66,12 @@ class Contact {
   Contact& operator=(Contact&&) = delete;
   virtual ~Contact() = default;
 
+  /// Grid nodes that the coming step needs here besides those of this rank's material points.
+  /// @param soil  without weights and nodes as yet
+  virtual std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) {
+    static_cast<void>(soil);
+    return {};
+  }
   /// Start a step from the accepted state: find the soil that the surface can touch in it.
   virtual void begin_step(const SoilSurface<dim>& soil) = 0;
   /// Whether a force can arise in this step.

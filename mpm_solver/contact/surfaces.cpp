@@ -35,6 +35,16 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t contact) const {
 }
 
 template <int dim>
+std::vector<std::int32_t> Surfaces<dim>::find_nodes(const SoilSurface<dim>& soil) {
+  std::vector<std::int32_t> nodes;
+  for (const auto& contact : contacts_) {
+    const std::vector<std::int32_t> own = contact->find_nodes(soil);
+    nodes.insert(nodes.end(), own.begin(), own.end());
+  }
+  return nodes;
+}
+
+template <int dim>
 void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> touching;
   for (const auto& contact : contacts_) {

@@ -19,6 +19,8 @@ class Surfaces {
   std::vector<InterfaceMesh> interface_meshes() const;
   const ContactSettings<dim>& settings(std::size_t contact) const;
 
+  /// Grid nodes of all Contact::find_nodes, some of them several times.
+  std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
   /// @note Collective.
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.

@@ -7,20 +7,24 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/petsc/shared_nodes.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
 
-/// The nodes that carry the step: those that act on a material point of any rank, numbered in the
-/// order of the grid. Nodal fields are replicated on all ranks.
+/// The nodes of the step on this rank: those that act on one of its material points, and those that
+/// its contacts and cures of small cuts need besides, numbered in the order of the grid. Each acts
+/// on a material point of some rank.
 template <int dim>
 struct GridNodes {
   std::vector<std::int32_t> grid_node;  ///< of each active node
-  std::vector<std::int32_t> active;     ///< of each grid node; -1 = not active
+  std::vector<std::int32_t> active;     ///< of each grid node; -1 = not active on this rank
+  std::vector<std::int32_t> listed;     ///< grid nodes that are active here
   std::vector<Vector<dim>> x;           ///< position [m]
   std::vector<double> m;                ///< mass [kg]
   std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s], before the walls act
   std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]
+  SharedNodes shared;          ///< with other ranks
 
   /// Active numbers of the given grid nodes. @pre all are active
   void list_active(std::span<const std::int32_t> grid_nodes, std::int32_t* numbers) const {
@@ -36,12 +40,30 @@ struct GridNodes {
     }
   }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
+  /// On all ranks, each once.
+  std::int64_t num_of_all() const { return shared.alone() ? size() : shared.num_of_all(); }
 };
 
-/// Number the active nodes.
-/// @returns whether they differ from those of the last call
+/// Of all ranks [kg].
 template <int dim>
-bool activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                    const PointWeights<dim>& weights, GridNodes<dim>& nodes);
+double total_mass(const GridNodes<dim>& nodes) {
+  double total = 0;
+  for (std::int32_t i = 0; i < nodes.size(); ++i) total += nodes.shared.owns(i) ? nodes.m[i] : 0;
+  return nodes.shared.total(total);
+}
+
+/// Number the active nodes: those of the points of this rank and the others that it needs.
+/// @param others  grid nodes that are active on some rank, in any order
+/// @note Collective.
+template <int dim>
+void activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                    const PointWeights<dim>& weights, std::span<const std::int32_t> others,
+                    GridNodes<dim>& nodes);
+
+/// Number these grid nodes as the active ones. @param grid_nodes  ascending, each once
+/// @note Collective.
+template <int dim>
+void number_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                  std::vector<std::int32_t> grid_nodes, GridNodes<dim>& nodes);
 
 }  // namespace gabion::mpm

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
 
@@ -26,8 +26,8 @@ Vector<dim> acceleration_at(const MaterialPoints<dim>& points, std::int32_t p,
 
 // Mean velocity and acceleration of the points of the adjacent cells, for nodes without weight.
 template <int dim>
-void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
-                           const PointWeights<dim>& weights, double limit, GridNodes<dim>& nodes) {
+void fill_weightless_nodes(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                           double limit, GridNodes<dim>& nodes) {
   std::vector<double> count(nodes.m.size(), 0);
   std::vector<Vector<dim>> v(nodes.m.size(), Vector<dim>::Zero());
   std::vector<Vector<dim>> a(nodes.m.size(), Vector<dim>::Zero());
@@ -48,9 +48,9 @@ void fill_weightless_nodes(MPI_Comm comm, const MaterialPoints<dim>& points,
       }
     }
   }
-  sum_over_ranks(comm, std::span<double>(count));
-  sum_over_ranks<dim>(comm, v);
-  sum_over_ranks<dim>(comm, a);
+  nodes.shared.sum(count, 1);
+  nodes.shared.sum(flat(v), dim);
+  nodes.shared.sum(flat(a), dim);
   for (std::size_t i = 0; i < count.size(); ++i) {
     if (nodes.m[i] > limit) continue;
     nodes.v[i] = v[i] / count[i];
@@ -104,8 +104,8 @@ void update_gradients(const NodalMotion<dim>& motion, const PointWeights<dim>& w
 }  // namespace
 
 template <int dim>
-void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
-                    const PointWeights<dim>& weights, GridNodes<dim>& nodes) {
+void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                    GridNodes<dim>& nodes) {
   std::int32_t active[max_group_nodes<dim>];
   nodes.m.assign(nodes.grid_node.size(), 0);
   nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
@@ -126,13 +126,11 @@ void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
       if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
     }
   }
-  sum_over_ranks(comm, std::span<double>(nodes.m));
-  sum_over_ranks<dim>(comm, nodes.v);
-  sum_over_ranks<dim>(comm, nodes.a);
+  nodes.shared.sum(nodes.m, 1);
+  nodes.shared.sum(flat(nodes.v), dim);
+  nodes.shared.sum(flat(nodes.a), dim);
 
-  double total = 0;
-  for (const double mass : nodes.m) total += mass;
-  const double limit = weightless * total / static_cast<double>(nodes.m.size());
+  const double limit = weightless * total_mass(nodes) / static_cast<double>(nodes.num_of_all());
   bool any_weightless = false;
   for (std::size_t i = 0; i < nodes.m.size(); ++i) {
     if (nodes.m[i] > limit) {
@@ -142,11 +140,12 @@ void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
       any_weightless = true;
     }
   }
-  if (any_weightless) fill_weightless_nodes(comm, points, weights, limit, nodes);
+  if (nodes.shared.all(!any_weightless)) return;
+  fill_weightless_nodes(points, weights, limit, nodes);
 }
 
 template <int dim>
-std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
+std::vector<double> point_forces(const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                                  std::span<const Vector<dim>> b) {
   std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
@@ -163,7 +162,7 @@ std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& point
       }
     }
   }
-  sum_over_ranks(comm, std::span<double>(f));
+  nodes.shared.sum(f, dim);
   return f;
 }
 
@@ -202,16 +201,12 @@ void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
   }
 }
 
-template void points_to_grid<2>(MPI_Comm, const MaterialPoints<2>&, const PointWeights<2>&,
-                                GridNodes<2>&);
-template void points_to_grid<3>(MPI_Comm, const MaterialPoints<3>&, const PointWeights<3>&,
-                                GridNodes<3>&);
-template std::vector<double> point_forces<2>(MPI_Comm, const MaterialPoints<2>&,
-                                             const PointWeights<2>&, const GridNodes<2>&,
-                                             std::span<const Vector<2>>);
-template std::vector<double> point_forces<3>(MPI_Comm, const MaterialPoints<3>&,
-                                             const PointWeights<3>&, const GridNodes<3>&,
-                                             std::span<const Vector<3>>);
+template void points_to_grid<2>(const MaterialPoints<2>&, const PointWeights<2>&, GridNodes<2>&);
+template void points_to_grid<3>(const MaterialPoints<3>&, const PointWeights<3>&, GridNodes<3>&);
+template std::vector<double> point_forces<2>(const MaterialPoints<2>&, const PointWeights<2>&,
+                                             const GridNodes<2>&, std::span<const Vector<2>>);
+template std::vector<double> point_forces<3>(const MaterialPoints<3>&, const PointWeights<3>&,
+                                             const GridNodes<3>&, std::span<const Vector<3>>);
 template void grid_to_points<2>(const GridNodes<2>&, const NodalMotion<2>&, const PointWeights<2>&,
                                 double, MaterialPoints<2>&);
 template void grid_to_points<3>(const GridNodes<3>&, const NodalMotion<3>&, const PointWeights<3>&,

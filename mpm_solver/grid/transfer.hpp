@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <span>
 #include <vector>
 
@@ -22,17 +20,17 @@ namespace gabion::mpm {
 ///
 /// A node that no point weighs on (m_i = 0 to rounding: a point on the opposite face of its cell)
 /// takes the mean velocity and acceleration of the points of its cells.
-/// @note Collective on comm.
+/// @note Collective.
 template <int dim>
-void points_to_grid(MPI_Comm comm, const MaterialPoints<dim>& points,
-                    const PointWeights<dim>& weights, GridNodes<dim>& nodes);
+void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                    GridNodes<dim>& nodes);
 
 /// Nodal forces of an acceleration of each material point, f_i = sum_p N_ip m_p b_p.
 /// @param b  [m/s^2], num_points
 /// @returns  num_nodes x dim [N]
-/// @note Collective on comm.
+/// @note Collective.
 template <int dim>
-std::vector<double> point_forces(MPI_Comm comm, const MaterialPoints<dim>& points,
+std::vector<double> point_forces(const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                                  std::span<const Vector<dim>> b);
 

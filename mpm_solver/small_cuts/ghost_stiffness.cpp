@@ -85,16 +85,27 @@ void GhostStiffness<dim>::measure_cells(MPI_Comm comm, const MaterialPoints<dim>
   sum_over_ranks(comm, std::span<double>(stiffness_));
 }
 
+// The lowest rank with points in each cell.
 template <int dim>
-void GhostStiffness<dim>::begin_step(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                                     const MaterialPoints<dim>& points,
-                                     const PointWeights<dim>& weights,
-                                     const GridNodes<dim>& nodes) {
+std::vector<std::int32_t> GhostStiffness<dim>::lowest_holders(
+    MPI_Comm comm, const PointWeights<dim>& weights) const {
+  std::vector<std::int32_t> holders(cell_volumes_.size(), -num_ranks(comm));
+  for (const CellGroup& group : weights.groups) holders[group.cell] = -rank_of(comm);
+  max_over_ranks(comm, std::span<std::int32_t>(holders));
+  for (std::int32_t& holder : holders) holder = -holder;
+  return holders;
+}
+
+template <int dim>
+std::vector<std::int32_t> GhostStiffness<dim>::find_facets(MPI_Comm comm,
+                                                           const BackgroundGrid<dim>& grid,
+                                                           const MaterialPoints<dim>& points,
+                                                           const PointWeights<dim>& weights) {
   measure_cells(comm, points, weights);
+  const std::vector<std::int32_t> holders = lowest_holders(comm, weights);
   num_facets_ = 0;
-  starts_.assign(1, 0);
-  nodes_.clear();
-  k_.clear();
+  facets_.clear();
+  std::vector<std::int32_t> nodes;
   for (std::int32_t c = 0; c < grid.mesh.num_cells(); ++c) {
     if (!is_small(c)) continue;
     const auto neighbours = grid.locator.neighbours(c);
@@ -102,19 +113,34 @@ void GhostStiffness<dim>::begin_step(MPI_Comm comm, const BackgroundGrid<dim>& g
       const std::int32_t other = neighbours[f];
       if (other < 0 || volume_[other] == 0) continue;
       if (other < c && is_small(other)) continue;  // came from the other side
-      if (num_facets_++ % num_ranks(comm) != rank_of(comm)) continue;
-      add_facet(grid, nodes, c, static_cast<int>(f), other);
+      ++num_facets_;
+      if (holders[c] != rank_of(comm)) continue;
+      facets_.push_back({c, static_cast<int>(f), other});
+      for (const std::int32_t cell : {c, other}) {
+        const auto of_cell = grid.mesh.cell(cell);
+        nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
+      }
     }
   }
+  return nodes;
+}
+
+template <int dim>
+void GhostStiffness<dim>::begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes) {
+  starts_.assign(1, 0);
+  nodes_.clear();
+  k_.clear();
+  for (const Facet& facet : facets_) add_facet(grid, nodes, facet);
 }
 
 template <int dim>
 void GhostStiffness<dim>::add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                                    std::int32_t cell, int facet, std::int32_t neighbour) {
+                                    const Facet& facet) {
+  const auto [cell, number, neighbour] = facet;
   const Mesh<dim>& mesh = grid.mesh;
   const CellType type = facet_type(mesh.cell_type);
   const bool simplex = mesh.nodes_per_cell() == dim + 1;
-  const auto corners = cell_facet(mesh, cell, facet);
+  const auto corners = cell_facet(mesh, cell, number);
   const std::span<const std::int32_t> corner_list(corners.data(),
                                                   static_cast<std::size_t>(num_nodes(type)));
   const auto geometry = facet_geometry<dim>(mesh.nodes, type, corner_list).front();

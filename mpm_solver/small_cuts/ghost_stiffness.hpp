@@ -38,9 +38,14 @@ class GhostStiffness {
   /// @param factor  of Young's modulus, > 0
   GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies, double factor);
 
-  /// Find the facets of this step. @note Collective.
-  void begin_step(MPI_Comm comm, const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
-                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes);
+  /// Find the facets of this step; a rank has those of the small cuts that hold its points.
+  /// @returns grid nodes of the facets of this rank, some of them several times
+  /// @note Collective.
+  std::vector<std::int32_t> find_facets(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                                        const MaterialPoints<dim>& points,
+                                        const PointWeights<dim>& weights);
+  /// Evaluate their stiffness. @param nodes  with those of find_facets()
+  void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes);
   /// Of all ranks; 0: no cell needs it in this step.
   std::int64_t num_facets() const { return num_facets_; }
 
@@ -55,17 +60,23 @@ class GhostStiffness {
   }
   void measure_cells(MPI_Comm comm, const MaterialPoints<dim>& points,
                      const PointWeights<dim>& weights);
-  void add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes, std::int32_t cell,
-                 int facet, std::int32_t neighbour);
+  struct Facet {
+    std::int32_t cell;
+    int number;  // of the cell's facets
+    std::int32_t neighbour;
+  };
+  std::vector<std::int32_t> lowest_holders(MPI_Comm comm, const PointWeights<dim>& weights) const;
+  void add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes, const Facet& facet);
 
   double factor_;
   std::vector<double> cell_volumes_;
   std::vector<double> young_modulus_;  // of each body
 
   // of the step under way
-  std::vector<double> volume_;     // of the soil in each cell
-  std::vector<double> stiffness_;  // its volume times Young's modulus
-  std::int64_t num_facets_ = 0;
+  std::vector<double> volume_;        // of the soil in each cell
+  std::vector<double> stiffness_;     // its volume times Young's modulus
+  std::vector<Facet> facets_;         // of this rank
+  std::int64_t num_facets_ = 0;       // of all ranks
   std::vector<std::int32_t> starts_;  // of each facet in nodes_, and their number
   std::vector<std::int32_t> nodes_;   // active numbers
   std::vector<double> k_;             // n x n of each facet, one after the other

@@ -43,13 +43,17 @@ template <int dim>
 StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion) {
   const auto& m = equilibrium.inertia_mass();
   const auto& a = equilibrium.start_acceleration();
-  double mass = 0, squared_jump = 0, squared_speed = 0;
+  const SharedNodes& shared = equilibrium.shared();
+  double sums[3] = {};
+  auto& [mass, squared_jump, squared_speed] = sums;
   for (std::size_t i = 0; i < m.size(); ++i) {
+    if (!shared.owns(static_cast<std::int32_t>(i))) continue;
     mass += m[i];
     squared_speed += m[i] * motion.v_new[i].squaredNorm();
     const Eigen::Map<const Vector<dim>> a_i(&a[i * dim]);
     squared_jump += m[i] * (motion.a_new[i] - a_i).squaredNorm();
   }
+  shared.total(sums);
   const auto& parts = equilibrium.parts();
   const double factor = std::abs(1.0 / 6 - parts.scheme.beta) * parts.dt * parts.dt;
   return {factor * std::sqrt(squared_jump / mass), std::sqrt(squared_speed / mass)};

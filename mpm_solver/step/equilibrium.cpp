@@ -5,12 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/points/flat.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 
 namespace gabion::mpm {
@@ -44,9 +45,8 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
   if (parts_.with_inertia) {
-    double total = 0;
-    for (const double mass : nodes.m) total += mass;
-    const double floor = mass_floor * total / std::max(1, nodes.size());
+    const auto count = static_cast<double>(std::max<std::int64_t>(1, nodes.num_of_all()));
+    const double floor = mass_floor * total_mass(nodes) / count;
     for (double& mass : m_) mass = std::max(mass, floor);
   }
   v_.assign(nodes.v.empty() ? nullptr : nodes.v.front().data(),
@@ -62,7 +62,7 @@ template <int dim>
 void Equilibrium<dim>::remember_start_forces() {
   require(parts_.contacts.empty(), "mpm_solver: averaged forces at an interface");
   f_start_ = internal_.start_forces();
-  sum_over_ranks(parts_.comm, std::span<double>(f_start_));
+  shared().sum(f_start_, dim);
   const double memory = parts_.scheme.force_memory();
   for (std::size_t k = 0; k < f_start_.size(); ++k) {
     double f_ext = m_[k / dim] * parts_.gravity_start[k % dim];
@@ -80,18 +80,19 @@ std::vector<double> Equilibrium<dim>::step_force_change() const {
   }
   std::vector<double> change(r_before_walls_.size(), 0.0);
   for (const auto& contact : contacts) contact->add_step_force_change(change);
-  sum_over_ranks(parts_.comm, std::span<double>(change));
+  shared().sum(change, dim);
   return change;
 }
 
 template <int dim>
 std::vector<Vector<dim>> Equilibrium<dim>::wall_forces() const {
   const std::vector<double> change = step_force_change();
-  if (change.empty()) return parts_.walls.forces(r_before_walls_);
   std::vector<double> r = r_before_walls_;
   const double extra = parts_.with_inertia ? parts_.scheme.step_force_weight() - 1 : 0;
-  for (std::size_t k = 0; k < r.size(); ++k) r[k] -= extra * change[k];
-  return parts_.walls.forces(r);
+  for (std::size_t k = 0; k < change.size(); ++k) r[k] -= extra * change[k];
+  std::vector<Vector<dim>> forces = parts_.walls.forces(r, shared());
+  shared().total(flat(forces));
+  return forces;
 }
 
 template <int dim>
@@ -112,44 +113,74 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
 template <int dim>
 Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<double> r,
                                       BlockMatrix<dim>* K) {
-  Evaluation result;
   std::int32_t worst = -1;
-  const bool admissible = internal_.evaluate(du, K, worst);
-  if (max_over_ranks(parts_.comm, admissible ? 0 : 1) > 0) {
-    result.admissible = false;
-    const std::string own = worst < 0 ? ""
-                                      : fmt::format("{} would be squeezed below {} of its volume",
-                                                    describe_point(worst), min_J_ratio);
-    result.reason = first_text(parts_.comm, own);
-    return result;
-  }
+  Sums sums;
+  sums.inadmissible = internal_.evaluate(du, K, worst) ? 0 : 1;
   if (K && brace_ > 0) internal_.add_brace(brace_, *K);
-  const bool root = rank_of(parts_.comm) == 0;
-  f_sum_ = internal_.forces();
-  sum_over_ranks(parts_.comm, std::span<double>(f_sum_));
-  std::fill(r.begin(), r.end(), 0.0);
-  for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
-  if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
-  if (K && supported_) {
-    const double support = support_share * K->mean_diagonal();
-    for (std::int32_t i = 0; i < K->num_nodes(); ++i) K->add_diagonal(i, support);
-  }
-  if (!parts_.contacts.empty() || parts_.ghost != nullptr) sum_over_ranks(parts_.comm, r);
-
-  double external = add_weight(r);
-  if (parts_.with_inertia) external = std::max(external, add_inertia(du, r, root ? K : nullptr));
+  sum_forces(du, r, K);
+  add_weight(r, sums);
+  if (parts_.with_inertia) add_inertia(du, r, K, sums);
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f_sum_[k];
   for (std::size_t k = 0; k < f_start_.size(); ++k) r[k] += f_start_[k];
   r_before_walls_.assign(r.begin(), r.end());
   if (K && !wall_step_.empty()) subtract_wall_step(*K, r);
   parts_.walls.project(r);
-  if (K) K->constrain(parts_.walls.constrained(), parts_.walls.projectors(), root);
+  if (K) {
+    K->constrain(parts_.walls.constrained(), parts_.walls.projectors(),
+                 [this](std::int32_t i) { return shared().owns(i); });
+  }
+  sums.internal = shared().own_dot(f_sum_, f_sum_);
+  sums.residual = shared().own_dot(r, r);
+  return assess(sums, worst);
+}
+
+// @param worst  point of this rank that is inadmissible, -1: none
+template <int dim>
+Evaluation Equilibrium<dim>::assess(Sums sums, std::int32_t worst) {
+  double* const all[] = {&sums.internal, &sums.external, &sums.inertial,
+                         &sums.stopping, &sums.residual, &sums.inadmissible};
+  std::array<double, std::size(all)> values;
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = *all[k];
+  shared().total(values);
+  for (std::size_t k = 0; k < values.size(); ++k) *all[k] = values[k];
+  Evaluation result;
   result.likely_last = first_evaluation_ && (parts_.nearly_linear || internal_.neighbours_matrix());
+  if (sums.inadmissible > 0) {
+    result.admissible = false;
+    result.reason =
+        shared().first_text(worst < 0 ? ""
+                                      : fmt::format("{} would be squeezed below {} of its volume",
+                                                    describe_point(worst), min_J_ratio));
+    return result;
+  }
   first_evaluation_ = false;
-  result.force_scale = std::max(norm_of(f_sum_), external);
-  result.admissible = std::isfinite(result.force_scale) && std::isfinite(norm_of(r));
+  result.residual_norm = std::sqrt(sums.residual);
+  result.force_scale =
+      std::sqrt(std::max({sums.internal, sums.external, sums.inertial, sums.stopping}));
+  result.admissible = std::isfinite(result.force_scale) && std::isfinite(*result.residual_norm);
   if (!result.admissible) result.reason = "forces are not finite";
   return result;
+}
+
+// Internal forces, and in r those of contacts and small cuts.
+template <int dim>
+void Equilibrium<dim>::sum_forces(std::span<const double> du, std::span<double> r,
+                                  BlockMatrix<dim>* K) {
+  f_sum_ = internal_.forces();
+  std::fill(r.begin(), r.end(), 0.0);
+  for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
+  if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
+  if (K && supported_) {
+    const double support = support_share * K->mean_diagonal();
+    for (std::int32_t i = 0; i < K->num_nodes(); ++i) {
+      if (shared().owns(i)) K->add_diagonal(i, support);
+    }
+  }
+  if (parts_.contacts.empty() && parts_.ghost == nullptr) {
+    shared().sum(f_sum_, dim);
+  } else {
+    shared().sum(f_sum_, r, dim);
+  }
 }
 
 template <int dim>
@@ -179,49 +210,47 @@ template <int dim>
 void Equilibrium<dim>::subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const {
   std::vector<double> f(r.size(), 0.0);
   K.multiply(wall_step_, f);
-  sum_over_ranks(parts_.comm, std::span<double>(f));
+  shared().sum(f, dim);
   for (std::size_t k = 0; k < r.size(); ++k) r[k] -= f[k];
 }
 
-// Add f_ext to r. @returns |f_ext|
+// Add f_ext to r.
 template <int dim>
-double Equilibrium<dim>::add_weight(std::span<double> r) const {
-  double external = 0;
+void Equilibrium<dim>::add_weight(std::span<double> r, Sums& sums) const {
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
+    const bool counts = shared().owns(i);
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
       const double f_ext =
           m_[i] * parts_.gravity[d] + (parts_.f_body.empty() ? 0 : parts_.f_body[k]);
       r[k] += f_ext;
-      external += f_ext * f_ext;
+      if (counts) sums.external += f_ext * f_ext;
     }
   }
-  return std::sqrt(external);
 }
 
 // Add -f_inertia to r and its slope to K.
-// @returns the larger one of |f_inertia| and what counts of the stopping force
 template <int dim>
-double Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double> r,
-                                     BlockMatrix<dim>* K) const {
+void Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double> r,
+                                   BlockMatrix<dim>* K, Sums& sums) const {
   const double dt = parts_.dt;
   const NewmarkBossak& scheme = parts_.scheme;
   const double slope = scheme.inertia_slope(dt);
-  double inertial = 0, stopping = 0;
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
     const double mass = m_[i];
+    const bool counts = shared().owns(i);
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
       const double a_new = scheme.acceleration(du[k], v_[k], a_[k], dt);
       const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
       r[k] -= f_inertia;
-      inertial += f_inertia * f_inertia;
+      if (!counts) continue;
+      sums.inertial += f_inertia * f_inertia;
       const double f_stop = share_of_stopping * mass * v_[k] / dt;
-      stopping += f_stop * f_stop;
+      sums.stopping += f_stop * f_stop;
     }
-    if (K) K->add_diagonal(i, mass * slope);
+    if (K && counts) K->add_diagonal(i, mass * slope);
   }
-  return std::sqrt(std::max(inertial, stopping));
 }
 
 template <int dim>

@@ -54,6 +54,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   };
   explicit Equilibrium(const Parts& parts);
 
+  const SharedNodes& shared() const override { return parts_.nodes.shared; }
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
   /// The balance linearised at du = 0, for a guess that spreads the motion of walls over the soil
@@ -99,8 +100,15 @@ class Equilibrium final : public NewtonProblem<dim> {
   void remember_start_forces();
   std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
-  double add_weight(std::span<double> r) const;
-  double add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) const;
+  /// Squares over the nodes that this rank owns, then over all nodes; inadmissible ranks.
+  struct Sums {
+    double internal = 0, external = 0, inertial = 0, stopping = 0, residual = 0, inadmissible = 0;
+  };
+  void sum_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K);
+  void add_weight(std::span<double> r, Sums& sums) const;
+  void add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K,
+                   Sums& sums) const;
+  Evaluation assess(Sums sums, std::int32_t worst);
 
   Parts parts_;
   InternalForces<dim> internal_;
@@ -111,7 +119,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> m_;              // nodal mass; with inertia not below the floor
   std::span<const double> wall_step_;  // see linearise(); empty otherwise
   std::vector<double> r_before_walls_;
-  std::vector<double> f_sum_;    // internal forces of all ranks
+  std::vector<double> f_sum_;    // internal forces, of all ranks
   std::vector<double> f_start_;  // force_memory f, empty where it is 0
 };
 

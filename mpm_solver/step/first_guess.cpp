@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/first_guess.hpp"
 
-#include "common/mechanics/norm.hpp"
-
 namespace gabion::mpm {
 
 namespace {
@@ -45,9 +43,9 @@ FirstGuess first_guess(Equilibrium<dim>& equilibrium, LinearSystem<dim>& system,
   const ScopedTimer timer(times, "guess");
   std::vector<double> r(du.size());
   const Evaluation flight = equilibrium.evaluate(du, r, nullptr);
-  const double r_flight = norm_of(r);
+  const double r_flight = equilibrium.shared().norm(r);
   equilibrium.evaluate(still, r, nullptr);
-  if (!flight.admissible || norm_of(r) < r_flight) du = std::move(still);
+  if (!flight.admissible || equilibrium.shared().norm(r) < r_flight) du = std::move(still);
   return guess;
 }
 

@@ -71,15 +71,16 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
   }
 }
 
-// What is the same on all ranks. `forces` gets inertia - body force: what contacts, walls and
-// internal forces have to carry.
+// What the nodes do that this rank owns. `forces` gets inertia - body force: what contacts, walls
+// and internal forces have to carry.
 template <int dim>
-void add_shared_terms(const Equilibrium<dim>& equilibrium, Nodal du, const NodalMotion<dim>& motion,
-                      StepBalance<dim>& step, std::vector<double>& forces) {
+void add_nodal_terms(const Equilibrium<dim>& equilibrium, Nodal du, const NodalMotion<dim>& motion,
+                     StepBalance<dim>& step, std::vector<double>& forces) {
   const auto& parts = equilibrium.parts();
   const auto& nodes = parts.nodes;
   const std::vector<double> f_body = body_forces(equilibrium);
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes.shared.owns(i)) continue;
     const auto v = at<dim>(equilibrium.start_velocity(), i);
     const auto a = at<dim>(equilibrium.start_acceleration(), i);
     const auto body = at<dim>(f_body, i), move = at<dim>(du, i);
@@ -133,7 +134,7 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
   StepBalance<dim> step;
   std::vector<double> forces(du.size(), 0.0);
   StepForces constant{.now = forces, .before = forces};
-  if (rank_of(parts.comm) == 0) add_shared_terms(equilibrium, du, motion, step, forces);
+  add_nodal_terms(equilibrium, du, motion, step, forces);
   add_contact_terms(equilibrium, du, step, forces, constant);
 
   const std::vector<double>& f_int = equilibrium.internal_forces().forces();

@@ -19,14 +19,15 @@ class LinearSystem {
   void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime) {
     std::vector<std::int32_t> offsets, cell_nodes;
     equilibrium.pattern(offsets, cell_nodes);
-    const std::int32_t num_nodes = equilibrium.parts().nodes.size();
-    K_.set_pattern(num_nodes, offsets, cell_nodes);
-    solver_.set_regime(regime, num_nodes);
+    const GridNodes<dim>& nodes = equilibrium.parts().nodes;
+    K_.set_pattern(nodes.size(), offsets, cell_nodes);
+    solver_.set_regime(regime, nodes.num_of_all());
+    shared_ = nodes.shared;
   }
   BlockMatrix<dim>& K() { return K_; }
   /// K x = r. @returns number of linear iterations
   std::int64_t solve(std::span<const double> r, std::span<double> x) {
-    solver_.set_matrix(K_);
+    solver_.set_matrix(K_, shared_);
     return solver_.solve(r, x);
   }
   /// @param du  the guess, then the solution
@@ -39,6 +40,7 @@ class LinearSystem {
 
  private:
   BlockMatrix<dim> K_;
+  SharedNodes shared_;
   LinearSolver<dim> solver_;
 };
 

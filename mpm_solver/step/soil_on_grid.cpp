@@ -34,42 +34,52 @@ void SoilOnGrid<dim>::weigh() {
 }
 
 template <int dim>
-void SoilOnGrid<dim>::map(std::size_t phase, bool with_inertia) {
+bool SoilOnGrid<dim>::wants_ghost(std::size_t phase) const {
+  return method_in(model_.settings.small_cuts, model_.grid.basis,
+                   model_.settings.phases[phase].dynamic) == SmallCutMethod::ghost;
+}
+
+template <int dim>
+void SoilOnGrid<dim>::map(Mapping mapping) {
   {
     const ScopedTimer timer(times_, "search");
     weigh();
     if (model_.settings.locking.average_volumes) {
       share_groups(model_.comm, model_.grid.mesh.num_cells(), weights_);
     }
-    activate_nodes(model_.comm, model_.grid, weights_, nodes_);
+    ghost_acts_ = wants_ghost(mapping.phase);
+    if (ghost_acts_) {
+      const auto nodes = ghost_->find_facets(model_.comm, model_.grid, points_, weights_);
+      mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
+    }
+    activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);
   }
   {
     const ScopedTimer timer(times_, "points to grid");
-    points_to_grid(model_.comm, points_, weights_, nodes_);
-    cure_small_cuts(phase, with_inertia);
-    walls(phase).select(nodes_);
+    points_to_grid(points_, weights_, nodes_);
+    cure_small_cuts(mapping);
+    walls(mapping.phase).select(nodes_);
   }
 }
 
 template <int dim>
-void SoilOnGrid<dim>::cure_small_cuts(std::size_t phase, bool with_inertia) {
+void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
   const SmallCutSettings& cuts = model_.settings.small_cuts;
   const SmallCutMethod method =
-      method_in(cuts, model_.grid.basis, model_.settings.phases[phase].dynamic);
-  if (!with_inertia || method == SmallCutMethod::mass_cutoff) {
+      method_in(cuts, model_.grid.basis, model_.settings.phases[mapping.phase].dynamic);
+  if (!mapping.with_inertia || method == SmallCutMethod::mass_cutoff) {
     const auto joined = join_light_nodes<dim>(model_.comm,
                                               {.grid = model_.grid,
                                                .points = points_,
                                                .weights = weights_,
-                                               .walls = walls(phase),
+                                               .walls = walls(mapping.phase),
                                                .share = cuts.mass_share},
                                               nodes_);
-    if (joined > 0) points_to_grid(model_.comm, points_, weights_, nodes_);
+    if (joined > 0) points_to_grid(points_, weights_, nodes_);
     small_cuts_.joined_nodes += joined;
   }
-  ghost_acts_ = method == SmallCutMethod::ghost;
   if (!ghost_acts_) return;
-  ghost_->begin_step(model_.comm, model_.grid, points_, weights_, nodes_);
+  ghost_->begin_step(model_.grid, nodes_);
   ghost_acts_ = ghost_->num_facets() > 0;
   small_cuts_.ghost_steps += ghost_acts_;
   small_cuts_.ghost_facets += ghost_->num_facets();
@@ -82,7 +92,7 @@ std::vector<double> SoilOnGrid<dim>::body_forces(double time) const {
   for (std::int32_t p = 0; p < points_.size(); ++p) {
     b.push_back(model_.settings.body_acceleration(points_.x[p] - points_.u[p], time));
   }
-  return point_forces<dim>(model_.comm, points_, weights_, nodes_, b);
+  return point_forces<dim>(points_, weights_, nodes_, b);
 }
 
 template <int dim>

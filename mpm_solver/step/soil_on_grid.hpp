@@ -30,9 +30,13 @@ class SoilOnGrid {
   /// Evaluate the basis at the points.
   void weigh();
   /// Weigh the points and map their mass and motion to the nodes.
-  /// @param phase         number of the phase, whose walls act
-  /// @param with_inertia  of the step
-  void map(std::size_t phase, bool with_inertia);
+  struct Mapping {
+    std::size_t phase;  ///< number, whose walls act
+    bool with_inertia;  ///< of the step
+    /// Grid nodes that this rank needs besides those of its points.
+    std::vector<std::int32_t> other_nodes = {};
+  };
+  void map(Mapping mapping);
 
   const PointWeights<dim>& weights() const { return weights_; }
   const GridNodes<dim>& nodes() const { return nodes_; }
@@ -52,7 +56,8 @@ class SoilOnGrid {
   void refuse_exits(const Phase& phase, std::span<const double> du) const;
 
  private:
-  void cure_small_cuts(std::size_t phase, bool with_inertia);
+  bool wants_ghost(std::size_t phase) const;
+  void cure_small_cuts(const Mapping& mapping);
 
   const SoilModel<dim>& model_;
   const MaterialPoints<dim>& points_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -69,7 +70,7 @@ void SoilStep<dim>::check_initial_stress() {
   }
   if (!strictest) return;
   with_inertia_ = false;
-  soil_.map(phase_, with_inertia_);
+  map_soil(1);
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
   make_equilibrium(gravity, gravity, 1);
   state_.surfaces.receive({});
@@ -83,6 +84,7 @@ void SoilStep<dim>::check_initial_stress() {
   for (std::size_t i = 0; i < n; i += dim) {
     largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
   }
+  largest = max_over_ranks(model_.comm, largest);
   initial_displacement_ = largest;
   log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
             largest / model_.cell_size);
@@ -116,7 +118,7 @@ void SoilStep<dim>::begin(const StepRequest& request) {
   require_within(phase(), request.time, request.dt);
   soil_.walls(phase_).begin_step(request.time, request.dt);
   dt_ = request.dt;
-  soil_.map(phase_, with_inertia_);
+  map_soil(request.dt);
   f_body_ = soil_.body_forces(end);
   f_body_start_.clear();
   if (scheme_.force_memory() != 0) f_body_start_ = soil_.body_forces(request.time);
@@ -132,27 +134,39 @@ LinearRegime SoilStep<dim>::regime() const {
   return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
 }
 
+template <int dim>
+SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
+  return {.grid = model_.grid,
+          .nodes = soil_.nodes(),
+          .points = state_.points,
+          .weights = soil_.weights(),
+          .occupied = occupied_,
+          .reach = reach_,
+          .cell_size = model_.cell_size,
+          .dt = dt,
+          .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
+          .elastic = model_.elastic,
+          .moduli = model_.moduli,
+          .first_rank = rank_of(model_.comm) == 0};
+}
+
+template <int dim>
+void SoilStep<dim>::map_soil(double dt) {
+  std::vector<std::int32_t> other_nodes;
+  if (!state_.surfaces.contacts().empty()) {
+    occupied_ = soil_.occupied_cells();
+    if (num_ranks(model_.comm) > 1) other_nodes = state_.surfaces.find_nodes(surface_of_soil(dt));
+  }
+  soil_.map(
+      {.phase = phase_, .with_inertia = with_inertia_, .other_nodes = std::move(other_nodes)});
+}
+
 /// @param gravity_n, gravity  at the start and at the end of the step
 template <int dim>
 void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity,
                                      double dt) {
   const ScopedTimer timer(times_, "pattern");
-  if (!state_.surfaces.contacts().empty()) {
-    const auto occupied = soil_.occupied_cells();
-    state_.surfaces.begin_step(
-        {.grid = model_.grid,
-         .nodes = soil_.nodes(),
-         .points = state_.points,
-         .weights = soil_.weights(),
-         .occupied = occupied,
-         .reach = reach_,
-         .cell_size = model_.cell_size,
-         .dt = dt,
-         .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
-         .elastic = model_.elastic,
-         .moduli = model_.moduli,
-         .first_rank = rank_of(model_.comm) == 0});
-  }
+  if (!state_.surfaces.contacts().empty()) state_.surfaces.begin_step(surface_of_soil(dt));
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       .comm = model_.comm,
       .grid = model_.grid,
@@ -321,7 +335,7 @@ Json SoilStep<dim>::details(std::span<const std::int32_t> cell_n) const {
   for (std::size_t p = 0; p < cell_n.size(); ++p) moved += state_.points.cell[p] != cell_n[p];
   sum_over_ranks(model_.comm, std::span<std::int32_t>(&moved, 1));
   return {{"min_J_ratio", -max_over_ranks(model_.comm, -smallest)},
-          {"active_nodes", soil_.nodes().size()},
+          {"active_nodes", soil_.nodes().num_of_all()},
           {"points_changed_cell", moved},
           {"dt_limit", static_cast<int>(sizes_.proposal().limit)}};
 }

@@ -56,6 +56,8 @@ class SoilStep {
  private:
   void begin(const StepRequest& request);
   void enter_phase(double time);
+  SoilSurface<dim> surface_of_soil(double dt) const;
+  void map_soil(double dt);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
   LinearRegime regime() const;
   NewtonReport solve_balance(const StepRequest& request, bool begins);
@@ -82,6 +84,7 @@ class SoilStep {
   bool forces_jump_ = false;  // at the start of the step: no acceleration is known
   NewmarkBossak scheme_;
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
+  std::vector<std::int32_t> occupied_;         // 1 for cells of the grid with soil on any rank
   TrialPoints<dim> trial_;
   std::optional<Equilibrium<dim>> equilibrium_;
   std::vector<double> du_;

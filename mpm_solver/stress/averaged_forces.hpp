@@ -21,10 +21,11 @@ class AveragedForces {
   AveragedForces(MPI_Comm comm, const StressParts<dim>& parts);
 
   /// Add the internal forces of this rank's points and, when K is given, their derivative.
-  /// @param du     of the active nodes, num_nodes x dim [m]; equal on all ranks
+  /// @param du     of the active nodes, num_nodes x dim [m]
   /// @param f      num_nodes x dim [N]
   /// @param worst  set to the point that made the state inadmissible, on the rank that has it
-  /// @returns false on all ranks when a point would be squeezed below min_J_ratio of its volume
+  /// @returns false when a point of this rank would be squeezed below min_J_ratio of its volume; of
+  ///          a group that ranks share, on all ranks
   /// @note Collective.
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::span<double> f,
                 std::int32_t& worst);

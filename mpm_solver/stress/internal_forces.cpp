@@ -191,11 +191,11 @@ bool InternalForces<dim>::all_forces(std::span<const double> du, BlockMatrix<dim
 template <int dim>
 bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
                                    std::int32_t& worst) {
-  const bool stress_known = std::equal(du.begin(), du.end(), du_known_.begin(), du_known_.end());
   const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
   first_evaluation_ = false;
-  if (stress_known && (!K || is_near(du, du_K_, near))) {
-    neighbours_matrix_ = K && !std::equal(du.begin(), du.end(), du_K_.begin(), du_K_.end());
+  const SharedNodes& shared = parts_.nodes.shared;
+  if (shared.all(std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near)))) {
+    neighbours_matrix_ = K && !shared.all(std::ranges::equal(du, du_K_));
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
     yielding_.add(parts_.trial.region);
     return true;

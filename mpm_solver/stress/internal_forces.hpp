@@ -34,7 +34,7 @@ class InternalForces {
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible
-  /// @returns false when a point would be squeezed below min_J_ratio of its volume
+  /// @returns false when a point of this rank would be squeezed below min_J_ratio of its volume
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
   /// Whether K of the last evaluation was that of a neighbouring state.
   bool neighbours_matrix() const { return neighbours_matrix_; }

@@ -158,9 +158,11 @@ void WallConditions<dim>::impose(std::span<double> x, double scale) const {
 }
 
 template <int dim>
-std::vector<Vector<dim>> WallConditions<dim>::forces(std::span<const double> r) const {
+std::vector<Vector<dim>> WallConditions<dim>::forces(std::span<const double> r,
+                                                     const SharedNodes& shared) const {
   std::vector<Vector<dim>> sums(walls_.size(), Vector<dim>::Zero());
   for (std::size_t k = 0; k < constrained_.size(); ++k) {
+    if (!shared.owns(constrained_[k])) continue;
     const Node& node = nodes_[selected_[k]];
     const Eigen::Map<const Vector<dim>> r_i(r.data() +
                                             static_cast<std::size_t>(constrained_[k]) * dim);

@@ -48,10 +48,11 @@ class WallConditions {
   /// @param scale  1 for displacements, 1 / dt for velocities
   void impose(std::span<double> x, double scale) const;
 
-  /// Force of the soil on each wall [N], in the order of the settings. What a node cannot do is
-  /// shared by the walls that hold it, along the direction that each of them holds.
+  /// Force of the soil on each wall [N], in the order of the settings, on the nodes that this rank
+  /// owns. What a node cannot do is shared by the walls that hold it, along the direction that each
+  /// of them holds.
   /// @param r  residual before it was projected, num_nodes x dim
-  std::vector<Vector<dim>> forces(std::span<const double> r) const;
+  std::vector<Vector<dim>> forces(std::span<const double> r, const SharedNodes& shared) const;
 
  private:
   struct Hold {

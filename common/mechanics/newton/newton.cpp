@@ -22,12 +22,6 @@ constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old 
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 struct WorstNode {
   std::size_t node = 0;
   double size = 0;  // norm of its values
@@ -87,11 +81,15 @@ class Newton {
   double predicted_relative() const;
   bool cycles() const;
   bool line_search();
-  bool sufficient(const Iterate& next, double energy) const;
+  bool sufficient(const Iterate& next) const;
   bool raise_brace();
   void follow_brace(double norm_before);
   bool goes_in_circles() const;
   bool is_converged() const;
+  double dot(std::span<const double> a, std::span<const double> b) const {
+    return problem_.shared().dot(a, b);
+  }
+  std::string describe_worst(std::span<const double> values) const;
   [[noreturn]] void fail(const std::string& reason, const std::string& cause) const;
 
   NewtonProblem<block_size>& problem_;
@@ -123,12 +121,11 @@ typename Newton<block_size>::Iterate Newton<block_size>::evaluate(std::span<cons
   Iterate next;
   next.has_matrix = with_matrix;
   next.likely_last = evaluation.likely_last;
-  next.norm = norm_of(r);
+  next.norm = evaluation.residual_norm ? *evaluation.residual_norm : problem_.shared().norm(r);
   if (!evaluation.admissible) {
     rejection_ = evaluation.reason.empty() ? "inadmissible state" : evaluation.reason;
   } else if (!std::isfinite(next.norm) || !std::isfinite(evaluation.force_scale)) {
-    rejection_ = fmt::format("residual not finite, worst {}",
-                             problem_.describe_node(worst_node<block_size>(r).node));
+    rejection_ = "residual not finite, worst " + describe_worst(r);
   }
   const double scale = evaluation.force_scale;
   next.small_residual = next.norm <= settings_.residual_tolerance * scale;
@@ -165,7 +162,7 @@ void Newton<block_size>::provide_matrix() {
     if (!rejection_.empty()) fail(rejection_, "line_search");
     current_ = again;
   }
-  matrix_.linear.set_matrix(matrix_.K);
+  matrix_.linear.set_matrix(matrix_.K, problem_.shared());
   matrix_is_old_ = false;
 }
 
@@ -186,7 +183,7 @@ void Newton<block_size>::solve_linear() {
   }
   ++report_.iterations;
   report_.braced += brace_.active();
-  step_size_ = worst_node<block_size>(step_).size;
+  step_size_ = problem_.shared().largest(worst_node<block_size>(step_).size);
 }
 
 // K alone has no solution, for this reason. @returns linear iterations
@@ -199,7 +196,7 @@ int Newton<block_size>::solve_supported(double tolerance, const std::string& rea
   supported_ = true;
   ++report_.supported;
   try {
-    matrix_.linear.set_matrix(matrix_.K);
+    matrix_.linear.set_matrix(matrix_.K, problem_.shared());
     return matrix_.linear.solve(r_, step_, tolerance);
   } catch (const ConvergenceError& error) {
     fail(error.what(), "linear_solver");
@@ -207,11 +204,11 @@ int Newton<block_size>::solve_supported(double tolerance, const std::string& rea
 }
 
 template <int block_size>
-bool Newton<block_size>::sufficient(const Iterate& next, double energy) const {
+bool Newton<block_size>::sufficient(const Iterate& next) const {
   if (next.small_residual) return true;
   if (brace_.active()) return Brace::allows(current_.norm, next.norm);
   return next.norm < current_.norm ||
-         std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(energy);
+         std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(dot(step_, r_));
 }
 
 // Across a kink (contact that opens, a point that leaves the yield surface) full steps may jump to
@@ -226,13 +223,12 @@ bool Newton<block_size>::cycles() const {
 
 template <int block_size>
 bool Newton<block_size>::line_search() {
-  const double energy = dot(step_, r_);
   const bool speculate = !settings_.reuse_matrix && !current_.likely_last && !next_is_last();
   cut_ = !brace_.active() && cycles() ? 0.5 : 1;
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
-    if (rejection_.empty() && sufficient(next, energy)) {
+    if (rejection_.empty() && sufficient(next)) {
       std::copy(trial_.begin(), trial_.end(), du_.begin());
       std::swap(r_, trial_r_);
       report_.line_search_cuts += cuts;
@@ -315,15 +311,20 @@ NewtonReport Newton<block_size>::run() {
   return report_;
 }
 
+/// The node with the largest values of all ranks, and their norm.
+template <int block_size>
+std::string Newton<block_size>::describe_worst(std::span<const double> values) const {
+  const WorstNode own = worst_node<block_size>(values);
+  const double size = std::isfinite(own.size) ? own.size : HUGE_VAL;
+  const bool is_worst = !values.empty() && size == problem_.shared().largest(size);
+  return problem_.shared().first_text(
+      is_worst ? fmt::format("{} with |r| = {:.3e}", problem_.describe_node(own.node), own.size)
+               : "");
+}
+
 template <int block_size>
 void Newton<block_size>::fail(const std::string& reason, const std::string& cause) const {
-  std::string worst;
-  const WorstNode node = worst_node<block_size>(r_);
-  if (report_.residuals.empty()) {
-    worst = "no residual yet";
-  } else {
-    worst = fmt::format("worst {} with |r| = {:.3e}", problem_.describe_node(node.node), node.size);
-  }
+  std::string worst = report_.residuals.empty() ? "no residual yet" : "worst " + describe_worst(r_);
   const std::string point = problem_.describe_worst_point(du_);
   if (!point.empty()) worst += "; most strained " + point;
   throw ConvergenceError(

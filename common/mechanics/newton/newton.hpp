@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "common/base/timer.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
+#include "common/mechanics/petsc/shared_nodes.hpp"
 #include "common/settings/config_reader.hpp"
 
 namespace gabion {
@@ -34,19 +36,26 @@ struct Evaluation {
   bool admissible = true;
   /// What |r| is compared with: the largest norm of the forces that balance each other in r.
   double force_scale = 0;
+  /// |r|, where the problem knows it.
+  std::optional<double> residual_norm{};
   /// One step with this K likely suffices: no K is wanted with the residual after it.
   bool likely_last = false;
   std::string reason;  ///< worst place when not admissible
 };
 
 /// Equations r(du) = 0 for the increments of the unknowns, such as f_ext - f_int - f_inertia for
-/// displacements; constrained directions zero. Vectors are num_nodes x block_size and replicated on
-/// all ranks.
+/// displacements; constrained directions zero. Vectors are num_nodes x block_size, of the nodes of
+/// this rank.
 /// @tparam block_size  number of unknowns of a node, as of BlockMatrix
 template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
+  /// Whose the nodes of the vectors are; the default: each rank has all nodes.
+  virtual const SharedNodes& shared() const {
+    static const SharedNodes every_rank_has_all;
+    return every_rank_has_all;
+  }
   /// @param K  null, or filled with -dr/du (set_zero, add, constrain)
   virtual Evaluation evaluate(std::span<const double> du, std::span<double> r,
                               BlockMatrix<block_size>* K) = 0;

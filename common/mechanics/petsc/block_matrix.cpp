@@ -194,7 +194,7 @@ double BlockMatrix<block_size>::mean_diagonal() const {
 template <int block_size>
 void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constrained,
                                         std::span<const NodeBlock<block_size>> projectors,
-                                        bool owned) {
+                                        const std::function<bool(std::int32_t)>& owned) {
   require(constrained.size() == projectors.size(),
           "BlockMatrix::constrain: " + std::to_string(constrained.size()) + " nodes, but " +
               std::to_string(projectors.size()) + " projectors");
@@ -204,7 +204,7 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
   };
   const bool any_empty =
       std::ranges::any_of(constrained, [&](auto i) { return !(own_scale_of(i) > 0); });
-  const double fallback_scale = owned && any_empty ? mean_diagonal() : 0;
+  const double fallback_scale = any_empty ? mean_diagonal() : 0;
   for (std::size_t k = 0; k < constrained.size(); ++k) {
     const std::int32_t i = constrained[k];
     const NodeBlock<block_size>& Q = projectors[k];
@@ -216,7 +216,7 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
       Eigen::Map<NodeBlock<block_size>> column_block(block(slot(columns_[s], i)));
       column_block = (column_block * Q).eval();
     }
-    if (owned)
+    if (owned(i))
       diagonal +=
           (own_scale > 0 ? own_scale : fallback_scale) * (NodeBlock<block_size>::Identity() - Q);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -40,15 +41,16 @@ class BlockMatrix {
   double mean_diagonal() const;                     ///< of all unknowns
 
   /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
-  /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where `owned` is true, add scale_i (1 - Q_i) to the
+  /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where the node is owned, add scale_i (1 - Q_i) to the
   /// diagonal block. scale_i is the mean diagonal entry of the block before, or of the whole matrix
   /// where the block holds none. Nodes that are not listed have the unit projector.
   /// @param constrained  node numbers, each once
   /// @param projectors   projectors[k] belongs to node constrained[k]
-  /// @param owned        on several ranks: true on exactly one of them
+  /// @param owned        of a node: on several ranks true on exactly one of them
   /// @throws Error when the two lists differ in length
   void constrain(std::span<const std::int32_t> constrained,
-                 std::span<const NodeBlock<block_size>> projectors, bool owned);
+                 std::span<const NodeBlock<block_size>> projectors,
+                 const std::function<bool(std::int32_t)>& owned);
 
   std::span<const std::int32_t> row_starts() const { return row_starts_; }
   std::span<const std::int32_t> columns() const { return columns_; }

@@ -8,7 +8,6 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/petsc/petsc_matrix.hpp"
 #include "common/mechanics/petsc/petsc_solver.hpp"
 
@@ -89,7 +88,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::use_rescue(Solutio
 template <int block_size>
 int LinearSolver<block_size>::Implementation::solve(std::span<const double> b, std::span<double> x,
                                                     double tolerance) {
-  const double b_norm = norm_of(b);
+  const double b_norm = matrix.shared().norm(b);
   require<ConvergenceError>(std::isfinite(b_norm), "linear solver: right-hand side is not finite");
   if (b_norm == 0) {
     std::fill(x.begin(), x.end(), 0.0);
@@ -122,7 +121,7 @@ int LinearSolver<block_size>::Implementation::solve(std::span<const double> b, s
       "linear solver: {} failed with {} unknowns: {}; the matrix is singular, nearly so, "
       "or not finite",
       (use_rescue_first ? rescue : main).method().name(), matrix.num_dofs(), result.reason);
-  matrix.replicate_solution(x);
+  matrix.take_solution(x);
   return iterations;
 }
 
@@ -138,8 +137,8 @@ template <int block_size>
 LinearSolver<block_size>& LinearSolver<block_size>::operator=(LinearSolver&&) noexcept = default;
 
 template <int block_size>
-void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int32_t num_nodes) {
-  const std::int64_t num_dofs = static_cast<std::int64_t>(num_nodes) * block_size;
+void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64_t num_nodes) {
+  const std::int64_t num_dofs = num_nodes * block_size;
   const LinearMethod method =
       choose_linear_method(impl_->settings, regime, impl_->dim, num_dofs, impl_->num_ranks);
   if (!impl_->is_chosen || method != impl_->chosen)
@@ -150,10 +149,12 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int32
 }
 
 template <int block_size>
-void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K) {
+void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K,
+                                          const SharedNodes& shared) {
   if (!impl_->is_chosen)
-    set_regime({false, std::numeric_limits<double>::infinity()}, K.num_nodes());
-  const bool renewed = impl_->matrix.set(K);
+    set_regime({false, std::numeric_limits<double>::infinity()},
+               shared.alone() ? K.num_nodes() : shared.num_of_all());
+  const bool renewed = impl_->matrix.set(K, shared);
   impl_->main.invalidate(renewed);
   impl_->rescue.invalidate(renewed);
   impl_->use_rescue_first = false;

@@ -11,13 +11,16 @@
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
+#include "common/mechanics/petsc/shared_nodes.hpp"
 
 namespace gabion {
 
-/// Solves K x = b with PETSc. b and x are replicated: every rank holds the whole vector.
+/// Solves K x = b with PETSc. b and x hold the nodes of K: all of them on every rank, or those that
+/// SharedNodes names.
 ///
-/// PETSc gets a copy of K; on several ranks each rank adds its blocks to a matrix whose rows are
-/// shared out in equal contiguous parts.
+/// PETSc gets a copy of K; on several ranks each rank adds its blocks to a matrix whose rows belong
+/// to the owners of the nodes, or are shared out in equal contiguous parts where every rank has
+/// all.
 /// @tparam block_size  number of unknowns of a node, as of BlockMatrix
 /// @pre  destroyed before the PetscSession ends
 template <int block_size>
@@ -33,12 +36,14 @@ class LinearSolver {
 
   /// Choose the method for this regime and size (logged when it changes). Before the first
   /// call the regime is static and unsymmetric.
-  void set_regime(const LinearRegime& regime, std::int32_t num_nodes);
+  /// @param num_nodes  of all ranks
+  void set_regime(const LinearRegime& regime, std::int64_t num_nodes);
 
   /// Take over new values of K, and its pattern where its pattern_id is another than in the last
   /// call. A direct method factorises at the next solve.
+  /// @param shared  whose the nodes of K are; the default: every rank has all
   /// @note Collective.
-  void set_matrix(const BlockMatrix<block_size>& K);
+  void set_matrix(const BlockMatrix<block_size>& K, const SharedNodes& shared = {});
 
   /// Solve with the matrix of the last set_matrix. A Krylov method that fails is replaced by the
   /// direct one for this matrix (logged, counted). The residual |b - K x| of what is returned is at

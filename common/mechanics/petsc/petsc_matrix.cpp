@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 
 static_assert(sizeof(PetscInt) == sizeof(std::int32_t));
 
@@ -16,10 +17,12 @@ PetscMatrix<block_size>::PetscMatrix(MPI_Comm comm) : comm_(comm) {
 }
 
 template <int block_size>
-bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K) {
-  int renew = !matrix_ || K.pattern_id() != pattern_id_;
+bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K, const SharedNodes& shared) {
+  int renew = !matrix_ || K.pattern_id() != pattern_id_ || shared.id() != shared_id_;
   if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &renew, 1, MPI_INT, MPI_MAX, comm_);
   pattern_id_ = K.pattern_id();
+  shared_id_ = shared.id();
+  shared_ = shared;
   if (renew) create(K);
   if (size_ == 1) {
     copy_values(K);
@@ -31,23 +34,46 @@ bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K) {
   return renew;
 }
 
+// Every rank has all nodes: equal parts.
 template <int block_size>
 void PetscMatrix<block_size>::share_out_rows() {
   counts_.resize(size_);
   starts_.resize(size_);
-  const auto first_node = [this](int r) {
-    return static_cast<int>(static_cast<std::int64_t>(num_nodes_) * r / size_);
-  };
+  const auto num_nodes = static_cast<std::int64_t>(numbers_.size());
+  const auto first_node = [&](int r) { return static_cast<int>(num_nodes * r / size_); };
   for (int r = 0; r < size_; ++r) {
     starts_[r] = first_node(r) * block_size;
     counts_[r] = (first_node(r + 1) - first_node(r)) * block_size;
+    for (int i = first_node(r); i < first_node(r + 1); ++i) {
+      numbers_[i] = i;
+      owners_.push_back(r);
+    }
   }
+  num_nodes_of_all_ = num_nodes;
+}
+
+template <int block_size>
+void PetscMatrix<block_size>::take_rows(const SharedNodes& shared) {
+  numbers_.assign(shared.numbers().begin(), shared.numbers().end());
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    owners_.push_back(shared.owner(static_cast<std::int32_t>(i)));
+  }
+  num_nodes_of_all_ = shared.num_of_all();
 }
 
 template <int block_size>
 void PetscMatrix<block_size>::create(const BlockMatrix<block_size>& K) {
-  num_nodes_ = K.num_nodes();
-  share_out_rows();
+  numbers_.assign(K.num_nodes(), 0);
+  owners_.clear();
+  owned_.clear();
+  if (shared_.alone()) {
+    share_out_rows();
+  } else {
+    take_rows(shared_);
+  }
+  for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
+    if (owners_[i] == rank_) owned_.push_back(i);
+  }
   size_ == 1 ? create_alone(K) : create_shared(K);
   check_petsc(MatCreateVecs(matrix_.get(), x_.receive(), b_.receive()), "MatCreateVecs");
   check_petsc(VecDuplicate(b_.get(), r_.receive()), "VecDuplicate");
@@ -56,11 +82,11 @@ void PetscMatrix<block_size>::create(const BlockMatrix<block_size>& K) {
 // The blocks of PETSc's sequential matrix are in the same order as those of K: nothing is inserted.
 template <int block_size>
 void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
-  std::vector<PetscInt> counts(num_nodes_);
-  for (std::int32_t i = 0; i < num_nodes_; ++i) {
+  std::vector<PetscInt> counts(K.num_nodes());
+  for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
     counts[i] = K.row_starts()[i + 1] - K.row_starts()[i];
   }
-  const PetscInt size = num_nodes_ * block_size;
+  const PetscInt size = K.num_nodes() * block_size;
   check_petsc(MatCreateSeqBAIJ(comm_, block_size, size, size, 0, counts.data(), matrix_.receive()),
               "MatCreateSeqBAIJ");
   std::vector<PetscInt> columns(K.columns().begin(), K.columns().end());  // PETSc copies them
@@ -68,59 +94,70 @@ void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
               "MatSeqBAIJSetColumnIndices");
 }
 
+// Blocks in each row whose column belongs to the rank of the row, and in other columns. An upper
+// bound: blocks that several ranks hold are counted several times.
+template <int block_size>
+std::vector<PetscInt> PetscMatrix<block_size>::count_blocks(
+    const BlockMatrix<block_size>& K) const {
+  std::vector<double> counts(2 * numbers_.size(), 0.0);
+  for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
+    for (std::int32_t s = K.row_starts()[i]; s < K.row_starts()[i + 1]; ++s) {
+      const bool inside = owners_[K.columns()[s]] == owners_[i];
+      ++counts[2 * static_cast<std::size_t>(i) + (inside ? 0 : 1)];
+    }
+  }
+  if (shared_.alone()) {
+    sum_over_ranks(comm_, std::span<double>(counts));
+  } else {
+    shared_.sum(counts, 2);
+  }
+  return {counts.begin(), counts.end()};
+}
+
 template <int block_size>
 void PetscMatrix<block_size>::create_shared(const BlockMatrix<block_size>& K) {
-  std::vector<PetscInt> inside(num_nodes_, 0), outside(num_nodes_, 0);  // blocks in each row
-  for (int r = 0; r < size_; ++r) {
-    const std::int32_t first = starts_[r] / block_size, last = first + counts_[r] / block_size;
-    for (std::int32_t i = first; i < last; ++i)
-      for (std::int32_t s = K.row_starts()[i]; s < K.row_starts()[i + 1]; ++s) {
-        const std::int32_t j = K.columns()[s];
-        ++(j >= first && j < last ? inside[i] : outside[i]);
-      }
+  const std::vector<PetscInt> counts = count_blocks(K);
+  const auto num_owned = static_cast<PetscInt>(owned_.size());
+  const auto num_others = static_cast<PetscInt>(num_nodes_of_all_) - num_owned;
+  std::vector<PetscInt> inside, outside;
+  for (const std::int32_t i : owned_) {
+    inside.push_back(std::min(counts[2 * static_cast<std::size_t>(i)], num_owned));
+    outside.push_back(std::min(counts[2 * static_cast<std::size_t>(i) + 1], num_others));
   }
-  const std::int32_t own = starts_[rank_] / block_size, own_count = counts_[rank_] / block_size;
-  // An upper bound: blocks that several ranks hold are counted several times.
-  MPI_Allreduce(MPI_IN_PLACE, inside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
-  MPI_Allreduce(MPI_IN_PLACE, outside.data(), num_nodes_, MPI_INT32_T, MPI_SUM, comm_);
-  for (std::int32_t i = own; i < own + own_count; ++i) {
-    inside[i] = std::min<PetscInt>(inside[i], own_count);
-    outside[i] = std::min<PetscInt>(outside[i], num_nodes_ - own_count);
-  }
-  const PetscInt local = counts_[rank_], global = num_nodes_ * block_size;
-  check_petsc(MatCreateBAIJ(comm_, block_size, local, local, global, global, 0, inside.data() + own,
-                            0, outside.data() + own, matrix_.receive()),
+  const PetscInt local = num_owned * block_size;
+  const PetscInt global = static_cast<PetscInt>(num_nodes_of_all_) * block_size;
+  check_petsc(MatCreateBAIJ(comm_, block_size, local, local, global, global, 0, inside.data(), 0,
+                            outside.data(), matrix_.receive()),
               "MatCreateBAIJ");
   check_petsc(MatSetOption(matrix_.get(), MAT_ROW_ORIENTED, PETSC_FALSE), "MatSetOption");
 }
 
 template <int block_size>
 void PetscMatrix<block_size>::insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks) {
-  const std::int32_t own = starts_[rank_] / block_size, own_end = own + counts_[rank_] / block_size;
-  for (std::int32_t i = 0; i < num_nodes_; ++i) {
-    const bool is_own = i >= own && i < own_end;
+  constexpr std::size_t width = block_size * block_size;
+  for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
     // Rows of other ranks travel only when they hold something, except to make a new pattern.
-    const auto row =
-        K.values().subspan(static_cast<std::size_t>(K.row_starts()[i]) * block_size * block_size,
-                           static_cast<std::size_t>(K.row_starts()[i + 1] - K.row_starts()[i]) *
-                               block_size * block_size);
-    if (!is_own && !all_blocks &&
+    const auto begin = static_cast<std::size_t>(K.row_starts()[i]) * width;
+    const auto end = static_cast<std::size_t>(K.row_starts()[i + 1]) * width;
+    const auto row = K.values().subspan(begin, end - begin);
+    if (owners_[i] != rank_ && !all_blocks &&
         std::all_of(row.begin(), row.end(), [](double v) { return v == 0; }))
       continue;
-    insert_row(K, i, is_own);
+    insert_row(K, i);
   }
 }
 
 template <int block_size>
-void PetscMatrix<block_size>::insert_row(const BlockMatrix<block_size>& K, std::int32_t i,
-                                         bool is_own) {
+void PetscMatrix<block_size>::insert_row(const BlockMatrix<block_size>& K, std::int32_t i) {
   const std::int32_t begin = K.row_starts()[i], end = K.row_starts()[i + 1];
+  std::vector<PetscInt> columns;
+  for (std::int32_t s = begin; s < end; ++s) columns.push_back(numbers_[K.columns()[s]]);
   // PETSc 3.18 mixes up the columns of several column-major blocks that go to another rank.
-  const std::int32_t at_once = is_own ? end - begin : 1;
+  const std::int32_t at_once = owners_[i] == rank_ ? end - begin : 1;
   for (std::int32_t s = begin; s < end; s += at_once)
     check_petsc(
         MatSetValuesBlocked(
-            matrix_.get(), 1, &i, at_once, K.columns().data() + s,
+            matrix_.get(), 1, &numbers_[i], at_once, columns.data() + (s - begin),
             K.values().data() + static_cast<std::size_t>(s) * block_size * block_size, ADD_VALUES),
         "MatSetValuesBlocked");
 }
@@ -143,7 +180,10 @@ template <int block_size>
 void PetscMatrix<block_size>::set_right_hand_side(std::span<const double> b) {
   double* values = nullptr;
   check_petsc(VecGetArrayWrite(b_.get(), &values), "VecGetArrayWrite");
-  std::copy_n(b.data() + starts_[rank_], counts_[rank_], values);
+  double* next = values;
+  for (const std::int32_t i : owned_) {
+    next = std::copy_n(b.data() + static_cast<std::size_t>(i) * block_size, block_size, next);
+  }
   check_petsc(VecRestoreArrayWrite(b_.get(), &values), "VecRestoreArrayWrite");
 }
 
@@ -157,14 +197,19 @@ double PetscMatrix<block_size>::residual_norm() {
 }
 
 template <int block_size>
-void PetscMatrix<block_size>::replicate_solution(std::span<double> x) const {
+void PetscMatrix<block_size>::take_solution(std::span<double> x) const {
   const double* values = nullptr;
   check_petsc(VecGetArrayRead(x_.get(), &values), "VecGetArrayRead");
-  if (size_ == 1) {
-    std::copy_n(values, counts_[0], x.data());
-  } else {
+  if (size_ > 1 && shared_.alone()) {
     MPI_Allgatherv(values, counts_[rank_], MPI_DOUBLE, x.data(), counts_.data(), starts_.data(),
                    MPI_DOUBLE, comm_);
+  } else {
+    const double* next = values;
+    for (const std::int32_t i : owned_) {
+      std::copy_n(next, block_size, x.data() + static_cast<std::size_t>(i) * block_size);
+      next += block_size;
+    }
+    shared_.take_from_owners(x, block_size);
   }
   check_petsc(VecRestoreArrayRead(x_.get(), &values), "VecRestoreArrayRead");
 }

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
+#include "common/mechanics/petsc/shared_nodes.hpp"
 
 namespace gabion {
 
@@ -16,38 +18,47 @@ class PetscMatrix {
   explicit PetscMatrix(MPI_Comm comm);
 
   /// Take a copy of K; on several ranks the sum over the ranks.
+  /// @param shared  whose the nodes of K are; alone() on several ranks: every rank has all
   /// @returns true when the pattern is new and PETSc's matrix is another object than before
   /// @note Collective.
-  bool set(const BlockMatrix<block_size>& K);
+  bool set(const BlockMatrix<block_size>& K, const SharedNodes& shared);
 
+  const SharedNodes& shared() const { return shared_; }
   Mat get() const { return matrix_.get(); }
-  std::int64_t num_dofs() const { return static_cast<std::int64_t>(num_nodes_) * block_size; }
+  std::int64_t num_dofs() const { return num_nodes_of_all_ * block_size; }
 
-  /// Vectors: right-hand side (filled from the replicated b), solution, residual.
+  /// Vectors: right-hand side, solution, residual. @param b  of the nodes of K
   void set_right_hand_side(std::span<const double> b);
   Vec right_hand_side() const { return b_.get(); }
   Vec solution() const { return x_.get(); }
   /// |b - K x| of the vectors above.
   double residual_norm();
-  /// Copy the solution to every rank's x.
-  void replicate_solution(std::span<double> x) const;
+  /// Copy the solution. @param[out] x  of the nodes of K
+  /// @note Collective.
+  void take_solution(std::span<double> x) const;
 
  private:
   void create(const BlockMatrix<block_size>& K);
   void create_alone(const BlockMatrix<block_size>& K);
   void create_shared(const BlockMatrix<block_size>& K);
   void share_out_rows();
+  void take_rows(const SharedNodes& shared);
+  std::vector<PetscInt> count_blocks(const BlockMatrix<block_size>& K) const;
   void insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks);
-  void insert_row(const BlockMatrix<block_size>& K, std::int32_t i, bool is_own);
+  void insert_row(const BlockMatrix<block_size>& K, std::int32_t i);
   void copy_values(const BlockMatrix<block_size>& K);
   void assemble();
 
   MPI_Comm comm_;
   int rank_ = 0;
   int size_ = 1;
-  std::int32_t num_nodes_ = 0;
-  std::int64_t pattern_id_ = 0;
-  std::vector<int> counts_, starts_;  // dofs of each rank
+  SharedNodes shared_;
+  std::int64_t pattern_id_ = 0, shared_id_ = 0;
+  std::int64_t num_nodes_of_all_ = 0;
+  std::vector<PetscInt> numbers_;     // of the nodes of K among those of all ranks
+  std::vector<int> owners_;           // of them; one rank: empty
+  std::vector<std::int32_t> owned_;   // ascending, with consecutive numbers
+  std::vector<int> counts_, starts_;  // dofs of each rank, where every rank has all nodes
   MatHandle matrix_;
   VecHandle b_, x_, r_;
 };

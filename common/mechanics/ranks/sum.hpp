@@ -48,6 +48,12 @@ inline void max_over_ranks(MPI_Comm comm, std::span<double> values) {
                 comm);
 }
 
+inline void max_over_ranks(MPI_Comm comm, std::span<std::int32_t> values) {
+  if (num_ranks(comm) == 1) return;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT32_T, MPI_MAX,
+                comm);
+}
+
 /// Largest value over the ranks. Collective.
 inline double max_over_ranks(MPI_Comm comm, double value) {
   if (num_ranks(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);

@@ -81,8 +81,8 @@ struct SoilPatch {
   void to_grid() {
     if (!find_cells(grid, points).empty()) throw Error("a material point lies outside the grid");
     evaluate_basis(grid, points, weights);
-    activate_nodes(comm(), grid, weights, nodes);
-    points_to_grid(comm(), points, weights, nodes);
+    activate_nodes<dim>(comm(), grid, weights, {}, nodes);
+    points_to_grid(points, weights, nodes);
   }
   const Vector<dim>& node(std::int32_t active) const {
     return grid.mesh.nodes[nodes.grid_node[active]];

@@ -51,7 +51,10 @@ struct Balance {
                            .weights = soil.weights,
                            .occupied = occupied});
     }
-    if (ghost) ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
+    if (ghost) {
+      ghost->find_facets(comm(), soil.grid, soil.points, soil.weights);
+      ghost->begin_step(soil.grid, soil.nodes);
+    }
     const Vector<dim> gravity = Vector<dim>::Constant(-3.0);
     const typename mpm::Equilibrium<dim>::Parts parts{.comm = comm(),
                                                       .grid = soil.grid,

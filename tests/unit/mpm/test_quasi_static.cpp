@@ -127,7 +127,7 @@ TEST(LightNodes, join_the_nearest_heavy_node_and_keep_the_mass) {
   EXPECT_EQ(join(soil, free, 1e-8), 0);
   EXPECT_EQ(join(soil, free, 1e-4), 2);
   EXPECT_EQ(soil.nodes.size(), 6);
-  points_to_grid(comm(), soil.points, soil.weights, soil.nodes);
+  points_to_grid(soil.points, soil.weights, soil.nodes);
   EXPECT_NEAR(total(), mass, 1e-14 * mass);
   for (const int column : {1, 2}) {  // nodes of the 4 x 4 grid: row 2 joined row 1 of its column
     EXPECT_EQ(soil.nodes.active[8 + column], soil.nodes.active[4 + column]);

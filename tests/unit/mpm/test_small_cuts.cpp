@@ -25,7 +25,8 @@ struct CutSoil {
   void begin() {
     soil.to_grid();
     ghost.emplace(soil.grid.mesh, soil.bodies, factor);
-    ghost->begin_step(comm(), soil.grid, soil.points, soil.weights, soil.nodes);
+    ghost->find_facets(comm(), soil.grid, soil.points, soil.weights);
+    ghost->begin_step(soil.grid, soil.nodes);
     std::vector<std::int32_t> offsets{0}, nodes;
     ghost->append_cells(offsets, nodes);
     K.set_pattern(soil.nodes.size(), offsets, nodes);

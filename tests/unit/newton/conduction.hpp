@@ -75,7 +75,7 @@ class Conduction : public NewtonProblem<fields> {
     for (const int i : held) std::fill_n(r.begin() + i * fields, fields, 0.0);
     if (K) {
       const std::vector<NodeBlock<fields>> none(held.size(), NodeBlock<fields>::Zero());
-      K->constrain(held, none, rank() == 0);
+      K->constrain(held, none, [](std::int32_t) { return rank() == 0; });
     }
     Evaluation result;
     result.force_scale = norm_of(flux);

@@ -58,7 +58,7 @@ class SpringChain : public NewtonProblem<2> {
     if (K) {
       const std::vector<std::int32_t> held{0};
       const std::vector<NodeBlock<2>> none{NodeBlock<2>::Zero()};
-      K->constrain(held, none, rank() == 0);
+      K->constrain(held, none, [](std::int32_t) { return rank() == 0; });
     }
     evaluation.force_scale = std::max(std::hypot(load_x, load_y), std::sqrt(internal_squares));
     return evaluation;

@@ -110,7 +110,7 @@ void expect_projected(bool owned) {
   }
   Eigen::MatrixXd expected = Q * system.dense * Q;
   if (owned) expected += scale * (Eigen::MatrixXd::Identity(Q.rows(), Q.cols()) - Q);
-  K.constrain(constrained, projectors, owned);
+  K.constrain(constrained, projectors, [&](std::int32_t) { return owned; });
   EXPECT_LT((to_dense(K) - expected).norm(), round_off * system.dense.norm());
 }
 
@@ -130,7 +130,7 @@ TEST(BlockMatrix, constrained_empty_node_gets_scale_of_the_others) {
   K.add_diagonal(0, 8);
   const std::vector<std::int32_t> constrained{1};
   const std::vector<NodeBlock<2>> projectors{NodeBlock<2>::Zero()};
-  K.constrain(constrained, projectors, true);
+  K.constrain(constrained, projectors, [](std::int32_t) { return true; });
   EXPECT_DOUBLE_EQ(to_dense(K)(2, 2), 4);
   EXPECT_DOUBLE_EQ(to_dense(K)(3, 3), 4);
 }
@@ -140,8 +140,9 @@ TEST(BlockMatrix, constrain_refuses_lists_of_different_length) {
   BlockMatrix<2> K;
   K.set_pattern(2, offsets, nodes);
   const std::vector<std::int32_t> constrained{1};
-  test::expect_error<Error>([&] { K.constrain(constrained, {}, true); },
-                            {"BlockMatrix::constrain: 1 nodes, but 0 projectors"});
+  test::expect_error<Error>(
+      [&] { K.constrain(constrained, {}, [](std::int32_t) { return true; }); },
+      {"BlockMatrix::constrain: 1 nodes, but 0 projectors"});
 }
 
 }  // namespace

@@ -101,6 +101,56 @@ TEST(LinearSolver, number_of_ranks_does_not_matter) {
   }
 }
 
+/// Each rank holds the nodes of its cells and no others.
+TEST(LinearSolver, ranks_may_hold_the_nodes_of_their_cells_only) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 5);
+  const auto is_own = [](int c) { return c % test::size() == test::rank(); };
+  std::vector<std::int32_t> ids;
+  for (int c = 0; c < system.num_cells(); ++c) {
+    if (!is_own(c)) continue;
+    ids.insert(ids.end(), system.cell_nodes.begin() + system.offsets[c],
+               system.cell_nodes.begin() + system.offsets[c + 1]);
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  const SharedNodes shared(test::comm(), ids, system.num_nodes);
+  std::vector<std::int32_t> offsets{0}, nodes;
+  for (int c = 0; c < system.num_cells(); ++c) {
+    if (!is_own(c)) continue;
+    for (std::int32_t k = system.offsets[c]; k < system.offsets[c + 1]; ++k) {
+      const auto found = std::lower_bound(ids.begin(), ids.end(), system.cell_nodes[k]);
+      nodes.push_back(static_cast<std::int32_t>(found - ids.begin()));
+    }
+    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+  BlockMatrix<2> K;
+  K.set_pattern(static_cast<std::int32_t>(ids.size()), offsets, nodes);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  const Eigen::VectorXd expected = system.dense.partialPivLu().solve(b);
+  std::vector<double> own_b, x(2 * ids.size());
+  for (const std::int32_t id : ids) own_b.insert(own_b.end(), {b[2 * id], b[2 * id + 1]});
+  for (const char* method : {"bicgstab", "mumps"}) {
+    LinearSolver<2> solver(test::comm(), 2, settings_of(method, "auto", 1e-12));
+    for (const double factor : {1.0, 2.0}) {  // the second time in the pattern of the first
+      K.set_zero();
+      std::int32_t own = 0;
+      for (int c = 0; c < system.num_cells(); ++c) {
+        if (!is_own(c)) continue;
+        auto cell = system.cells[c];
+        for (double& value : cell) value *= factor;
+        K.add_cell(own++, cell.data());
+      }
+      solver.set_matrix(K, shared);
+      solver.solve(own_b, x);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        for (int d = 0; d < 2; ++d) {
+          EXPECT_NEAR(factor * x[2 * i + d], expected[2 * ids[i] + d], 1e-9 * expected.norm());
+        }
+      }
+    }
+  }
+}
+
 TEST(LinearSolver, ranks_may_hold_different_patterns) {
   const auto system = random_system<2>(31, 40, 3, 0.2, 6);
   std::vector<std::int32_t> offsets{0}, nodes;
