@@ -137,14 +137,15 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
 // @param worst  point of this rank that is inadmissible, -1: none
 template <int dim>
 Evaluation Equilibrium<dim>::assess(Sums sums, std::int32_t worst) {
-  double* const all[] = {&sums.internal, &sums.external, &sums.inertial,
-                         &sums.stopping, &sums.residual, &sums.inadmissible};
+  sums.neighbours = internal_.neighbours_matrix() ? 1 : 0;
+  double* const all[] = {&sums.internal, &sums.external,     &sums.inertial,  &sums.stopping,
+                         &sums.residual, &sums.inadmissible, &sums.neighbours};
   std::array<double, std::size(all)> values;
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = *all[k];
   shared().total(values);
   for (std::size_t k = 0; k < values.size(); ++k) *all[k] = values[k];
   Evaluation result;
-  result.likely_last = first_evaluation_ && (parts_.nearly_linear || internal_.neighbours_matrix());
+  result.likely_last = first_evaluation_ && (parts_.nearly_linear || sums.neighbours > 0);
   if (sums.inadmissible > 0) {
     result.admissible = false;
     result.reason =

@@ -100,9 +100,10 @@ class Equilibrium final : public NewtonProblem<dim> {
   void remember_start_forces();
   std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
-  /// Squares over the nodes that this rank owns, then over all nodes; inadmissible ranks.
+  /// Squares over the nodes that this rank owns, then over all nodes.
   struct Sums {
-    double internal = 0, external = 0, inertial = 0, stopping = 0, residual = 0, inadmissible = 0;
+    double internal = 0, external = 0, inertial = 0, stopping = 0, residual = 0;
+    double inadmissible = 0, neighbours = 0;  // ranks with such a state, such a matrix
   };
   void sum_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K);
   void add_weight(std::span<double> r, Sums& sums) const;

@@ -193,9 +193,10 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
                                    std::int32_t& worst) {
   const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
   first_evaluation_ = false;
-  const SharedNodes& shared = parts_.nodes.shared;
-  if (shared.all(std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near)))) {
-    neighbours_matrix_ = K && !shared.all(std::ranges::equal(du, du_K_));
+  bool known = std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near));
+  if (averaged_ && parts_.weights.num_shared > 0) known = parts_.nodes.shared.all(known);
+  if (known) {
+    neighbours_matrix_ = K && !std::ranges::equal(du, du_K_);
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
     yielding_.add(parts_.trial.region);
     return true;

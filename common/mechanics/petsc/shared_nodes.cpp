@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <utility>
 
 #include "common/mechanics/norm.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
@@ -20,108 +20,143 @@ namespace {
 using SfHandle = PetscHandle<PetscSF, PetscSFDestroy>;
 using LayoutHandle = PetscHandle<PetscLayout, PetscLayoutDestroy>;
 
-// The root of each leaf stands in a layout under the leaf's number.
-void make_forest(MPI_Comm comm, PetscLayout layout, std::span<const std::int32_t> numbers,
-                 SfHandle& forest) {
-  check_petsc(PetscSFCreate(comm, forest.receive()), "PetscSFCreate");
-  check_petsc(PetscSFSetGraphLayout(forest.get(), layout, static_cast<PetscInt>(numbers.size()),
-                                    nullptr, PETSC_OWN_POINTER, numbers.data()),
-              "PetscSFSetGraphLayout");
-  check_petsc(PetscSFSetUp(forest.get()), "PetscSFSetUp");
-}
-
-void reduce(PetscSF forest, MPI_Datatype type, const void* leaves, void* roots, MPI_Op op) {
-  check_petsc(PetscSFReduceBegin(forest, type, leaves, roots, op), "PetscSFReduceBegin");
-  check_petsc(PetscSFReduceEnd(forest, type, leaves, roots, op), "PetscSFReduceEnd");
-}
-
-void broadcast(PetscSF forest, MPI_Datatype type, const void* roots, void* leaves) {
-  check_petsc(PetscSFBcastBegin(forest, type, roots, leaves, MPI_REPLACE), "PetscSFBcastBegin");
-  check_petsc(PetscSFBcastEnd(forest, type, roots, leaves, MPI_REPLACE), "PetscSFBcastEnd");
-}
+constexpr int message_tag = 7301;
 
 // Where nodes meet that several ranks hold: the ids are shared out among the ranks, whoever holds
-// them.
+// them, `width` places for each.
 class Directory {
  public:
-  Directory(MPI_Comm comm, std::span<const std::int32_t> ids, std::int32_t num_ids) {
-    check_petsc(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, num_ids, 1, layout_.receive()),
-                "PetscLayoutCreateFromSizes");
+  Directory(MPI_Comm comm, std::span<const std::int32_t> ids, std::int32_t num_ids, int width = 1) {
+    LayoutHandle layout;
+    check_petsc(
+        PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, num_ids * width, 1, layout.receive()),
+        "PetscLayoutCreateFromSizes");
     PetscInt num_roots = 0;
-    check_petsc(PetscLayoutGetLocalSize(layout_.get(), &num_roots), "PetscLayoutGetLocalSize");
+    check_petsc(PetscLayoutGetLocalSize(layout.get(), &num_roots), "PetscLayoutGetLocalSize");
     roots_.resize(num_roots);
-    make_forest(comm, layout_.get(), ids, forest_);
+    std::vector<PetscInt> places;
+    for (const std::int32_t id : ids) {
+      for (int k = 0; k < width; ++k) places.push_back(id * width + k);
+    }
+    check_petsc(PetscSFCreate(comm, forest_.receive()), "PetscSFCreate");
+    check_petsc(
+        PetscSFSetGraphLayout(forest_.get(), layout.get(), static_cast<PetscInt>(places.size()),
+                              nullptr, PETSC_OWN_POINTER, places.data()),
+        "PetscSFSetGraphLayout");
   }
-  // The best value that a holder of each node has.
+  /// The best value that a holder of each place has.
   std::vector<PetscInt> best(std::vector<PetscInt> own, PetscInt worst, MPI_Op op) {
     std::fill(roots_.begin(), roots_.end(), worst);
-    reduce(forest_.get(), MPIU_INT, own.data(), roots_.data(), op);
-    broadcast(forest_.get(), MPIU_INT, roots_.data(), own.data());
+    PetscSF forest = forest_.get();
+    check_petsc(PetscSFReduceBegin(forest, MPIU_INT, own.data(), roots_.data(), op),
+                "PetscSFReduceBegin");
+    check_petsc(PetscSFReduceEnd(forest, MPIU_INT, own.data(), roots_.data(), op),
+                "PetscSFReduceEnd");
+    check_petsc(PetscSFBcastBegin(forest, MPIU_INT, roots_.data(), own.data(), MPI_REPLACE),
+                "PetscSFBcastBegin");
+    check_petsc(PetscSFBcastEnd(forest, MPIU_INT, roots_.data(), own.data(), MPI_REPLACE),
+                "PetscSFBcastEnd");
     return own;
   }
 
  private:
-  LayoutHandle layout_;
   SfHandle forest_;
   std::vector<PetscInt> roots_;
 };
 
+// Another rank and the nodes that this rank exchanges with it, in the order of their ids.
+struct Neighbour {
+  int rank = 0;
+  std::vector<std::int32_t> shared{};
+  std::vector<std::int32_t> owned;     // of `shared`, by this rank
+  std::vector<std::int32_t> theirs{};  // of `shared`, by the other one
+};
+
+using NodeList = std::vector<std::int32_t> Neighbour::*;
+
 }  // namespace
 
 struct SharedNodes::Graph {
-  Graph(MPI_Comm comm_, std::span<const std::int32_t> ids, std::int32_t num_ids) : comm(comm_) {
+  Graph(MPI_Comm comm_, std::span<const std::int32_t> ids, std::int32_t num_ids)
+      : comm(comm_), rank(rank_of(comm_)) {
     static std::int64_t last_id = 0;  // all ranks count alike
     id = ++last_id;
+    find_owners(ids, num_ids);
+    find_neighbours(ids, num_ids);
+  }
+
+  void find_owners(std::span<const std::int32_t> ids, std::int32_t num_ids) {
     Directory directory(comm, ids, num_ids);
-    const std::size_t n = ids.size();
-    rank = rank_of(comm);
-    owners = directory.best(std::vector<PetscInt>(n, rank), num_ranks(comm), MPI_MIN);
-    for (std::size_t i = 0; i < n; ++i) {
+    owners = directory.best(std::vector<PetscInt>(ids.size(), rank), num_ranks(comm), MPI_MIN);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
       if (owners[i] == rank) owned.push_back(static_cast<std::int32_t>(i));
     }
-    const std::int64_t own = static_cast<std::int64_t>(owned.size());
+    const auto own = static_cast<std::int64_t>(owned.size());
     std::int64_t end = 0;
     MPI_Scan(&own, &end, 1, MPI_INT64_T, MPI_SUM, comm);
     MPI_Allreduce(&own, &num_of_all, 1, MPI_INT64_T, MPI_SUM, comm);
-    numbers.assign(n, -1);
+    numbers.assign(ids.size(), -1);
     auto next = static_cast<PetscInt>(end - own);
     for (const std::int32_t i : owned) numbers[i] = next++;
     numbers = directory.best(std::move(numbers), -1, MPI_MAX);
   }
-  Graph(const Graph&) = delete;
-  Graph& operator=(const Graph&) = delete;
-  Graph(Graph&&) = delete;
-  Graph& operator=(Graph&&) = delete;
 
-  PetscSF forest(int components) const;
+  // Each rank has a bit at each of its nodes.
+  void find_neighbours(std::span<const std::int32_t> ids, std::int32_t num_ids) {
+    constexpr int bits = 30;
+    const int width = (num_ranks(comm) + bits - 1) / bits;
+    std::vector<PetscInt> holders(ids.size() * width, 0);
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      holders[i * width + rank / bits] = 1 << rank % bits;
+    holders = Directory(comm, ids, num_ids, width).best(std::move(holders), 0, MPI_BOR);
+    for (int r = 0; r < num_ranks(comm); ++r) {
+      Neighbour neighbour{.rank = r};
+      for (std::size_t i = 0; i < ids.size() && r != rank; ++i) {
+        if ((holders[i * width + r / bits] & 1 << r % bits) == 0) continue;
+        const auto node = static_cast<std::int32_t>(i);
+        neighbour.shared.push_back(node);
+        if (owners[i] == rank) neighbour.owned.push_back(node);
+        if (owners[i] == r) neighbour.theirs.push_back(node);
+      }
+      if (!neighbour.shared.empty()) neighbours.push_back(std::move(neighbour));
+    }
+  }
+
+  /// Values of the listed nodes of each neighbour, one after the other.
+  std::vector<std::vector<double>> exchange(std::span<const double> values, int components,
+                                            NodeList given, NodeList taken) const {
+    const auto width = static_cast<std::size_t>(components);
+    std::vector<std::vector<double>> in(neighbours.size()), out(neighbours.size());
+    std::vector<MPI_Request> requests;
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      const Neighbour& neighbour = neighbours[k];
+      in[k].resize((neighbour.*taken).size() * width);
+      for (const std::int32_t i : neighbour.*given) {
+        const double* of_node = values.data() + static_cast<std::size_t>(i) * width;
+        out[k].insert(out[k].end(), of_node, of_node + width);
+      }
+      if (!in[k].empty()) {
+        MPI_Irecv(in[k].data(), static_cast<int>(in[k].size()), MPI_DOUBLE, neighbour.rank,
+                  message_tag, comm, &requests.emplace_back());
+      }
+      if (!out[k].empty()) {
+        MPI_Isend(out[k].data(), static_cast<int>(out[k].size()), MPI_DOUBLE, neighbour.rank,
+                  message_tag, comm, &requests.emplace_back());
+      }
+    }
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    return in;
+  }
 
   MPI_Comm comm;
-  std::int64_t id = 0;
   int rank = 0;
+  std::int64_t id = 0;
   std::vector<PetscInt> owners;     // ranks
   std::vector<std::int32_t> owned;  // ascending
   std::vector<PetscInt> numbers;
   std::int64_t num_of_all = 0;
-  // Roots are the values of the owned nodes, leaves those of the held ones; of each number of
-  // components, made when it is asked for. PETSc sums numbers only, no vectors of them.
-  mutable std::map<int, SfHandle> forests;
+  std::vector<Neighbour> neighbours;  // ascending ranks
 };
-
-PetscSF SharedNodes::Graph::forest(int components) const {
-  SfHandle& forest = forests[components];
-  if (forest) return forest.get();
-  LayoutHandle layout;
-  const auto num_roots = static_cast<PetscInt>(owned.size()) * components;
-  check_petsc(PetscLayoutCreateFromSizes(comm, num_roots, PETSC_DECIDE, 1, layout.receive()),
-              "PetscLayoutCreateFromSizes");
-  std::vector<PetscInt> leaves;
-  leaves.reserve(numbers.size() * components);
-  for (const PetscInt number : numbers) {
-    for (int c = 0; c < components; ++c) leaves.push_back(number * components + c);
-  }
-  make_forest(comm, layout.get(), leaves, forest);
-  return forest.get();
-}
 
 SharedNodes::SharedNodes(MPI_Comm comm, std::span<const std::int32_t> ids, std::int32_t num_ids) {
   if (num_ranks(comm) > 1) graph_ = std::make_shared<const Graph>(comm, ids, num_ids);
@@ -151,12 +186,37 @@ std::int64_t SharedNodes::num_of_all() const {
   return graph_->num_of_all;
 }
 
+// Parts are added in the order of the ranks: each holder gets the same bits.
 void SharedNodes::sum(std::span<double> values, int components) const {
   if (alone()) return;
-  std::vector<double> roots(graph_->owned.size() * components, 0.0);
-  PetscSF forest = graph_->forest(components);
-  reduce(forest, MPIU_REAL, values.data(), roots.data(), MPI_SUM);
-  broadcast(forest, MPIU_REAL, roots.data(), values.data());
+  const auto width = static_cast<std::size_t>(components);
+  const auto parts = graph_->exchange(values, components, &Neighbour::shared, &Neighbour::shared);
+  const std::vector<double> own(values.begin(), values.end());
+  for (const Neighbour& neighbour : graph_->neighbours) {
+    for (const std::int32_t i : neighbour.shared) {
+      std::fill_n(&values[static_cast<std::size_t>(i) * width], width, 0.0);
+    }
+  }
+  std::vector<char> has_own(graph_->owners.size(), 0);
+  const auto add_own = [&](std::int32_t i) {
+    if (has_own[i] != 0) return;
+    has_own[i] = 1;
+    const std::size_t first = static_cast<std::size_t>(i) * width;
+    for (std::size_t k = first; k < first + width; ++k) values[k] += own[k];
+  };
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const Neighbour& neighbour = graph_->neighbours[n];
+    const double* part = parts[n].data();
+    for (const std::int32_t i : neighbour.shared) {
+      if (neighbour.rank > graph_->rank) add_own(i);
+      for (std::size_t k = 0; k < width; ++k) {
+        values[static_cast<std::size_t>(i) * width + k] += *part++;
+      }
+    }
+  }
+  for (const Neighbour& neighbour : graph_->neighbours) {
+    for (const std::int32_t i : neighbour.shared) add_own(i);
+  }
 }
 
 void SharedNodes::sum(std::span<double> a, std::span<double> b, int components) const {
@@ -179,14 +239,15 @@ void SharedNodes::sum(std::span<double> a, std::span<double> b, int components) 
 
 void SharedNodes::take_from_owners(std::span<double> values, int components) const {
   if (alone()) return;
-  std::vector<double> roots;
-  roots.reserve(graph_->owned.size() * components);
-  for (const std::int32_t i : graph_->owned) {
-    const auto of_node = values.subspan(static_cast<std::size_t>(i) * components,
-                                        static_cast<std::size_t>(components));
-    roots.insert(roots.end(), of_node.begin(), of_node.end());
+  const auto width = static_cast<std::size_t>(components);
+  const auto parts = graph_->exchange(values, components, &Neighbour::owned, &Neighbour::theirs);
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const double* part = parts[n].data();
+    for (const std::int32_t i : graph_->neighbours[n].theirs) {
+      std::copy_n(part, width, &values[static_cast<std::size_t>(i) * width]);
+      part += width;
+    }
   }
-  broadcast(graph_->forest(components), MPIU_REAL, roots.data(), values.data());
 }
 
 double SharedNodes::total(double own) const {
