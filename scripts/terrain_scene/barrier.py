@@ -19,7 +19,7 @@ class Wall:
     crest: np.ndarray  # place in the middle of the top [m]
 
 
-THROUGH = 2  # cells through the thickness
+LEAST_THROUGH = 2  # cells through the thickness
 
 
 def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
@@ -47,23 +47,32 @@ def stations(line: np.ndarray, ways: np.ndarray, spacing: float) -> tuple[np.nda
 
 
 def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) -> Wall:
-    """Upright on the slope, its crest parallel to it, a cell deep in the ground; facets of half a cell at most."""
+    """Upright on the slope, `height` above its line, a cell deep in the ground; facets of half a cell at most."""
     h = slope.spacing
     for k in range(len(line) - 1):
         if not np.linalg.norm(line[k + 1] - line[k]) > 0:
             raise TerrainError(f"barrier/line/{k + 1}: found the corner before it again, allowed: corners that differ")
-    places, asides = stations(line, mitred(line, thickness), h / 2)
-    layers = int(np.ceil(height / min(h / 2, thickness / 2) - 1e-9))
-    levels = np.array([-h, *np.linspace(0, height, layers + 1)])
-    across = np.linspace(-1, 1, THROUGH + 1)
-    x = places[:, None, :] + across[None, :, None] * asides[:, None, :]  # station, across, axis
-    size = slope.size()
-    if (x < 0).any() or (x > size).any():
+    ways = mitred(line, thickness)
+    fine = stations(line, ways, h / 8)[0]
+    steep = np.abs(np.diff(slope.at(*fine.T)) / np.linalg.norm(np.diff(fine, axis=0), axis=1)).max()
+    # Round a corner the outer face is longer than the line.
+    lengths = [np.linalg.norm(np.diff(line + side * ways, axis=0), axis=1) for side in (0, -1, 1)]
+    widened = max((length / lengths[0]).max() for length in lengths)
+    places, asides = stations(line, ways, h / 2 / np.hypot(1, steep) / widened)
+    rim = places[:, None, :] + np.array([-1, 1])[None, :, None] * asides[:, None, :]  # station, side, axis
+    if (rim < 0).any() or (rim > slope.size()).any():
         raise TerrainError("barrier/line: found a part outside the area, allowed: the area of the grid")
+    fall = np.abs(np.diff(slope.at(rim[..., 0], rim[..., 1]))).max()
+    through = max(LEAST_THROUGH, int(np.ceil(np.hypot(thickness, fall) / (h / 2) - 1e-9)))
+    x = places[:, None, :] + np.linspace(-1, 1, through + 1)[None, :, None] * asides[:, None, :]
     ground = slope.at(x[..., 0], x[..., 1])
+    # The wall meets the ground on both sides; its crest is level across.
+    higher = 1 + (slope.at(*places.T)[:, None] - ground) / height
+    layers = int(np.ceil(height * higher.max() / min(h / 2, thickness / 2) - 1e-9))
+    levels = np.array([-h, *np.linspace(0, height, layers + 1)])
     nodes = np.empty((*ground.shape, len(levels), 3))
     nodes[..., :2] = x[:, :, None, :]
-    nodes[..., 2] = ground[:, :, None] + levels
+    nodes[..., 2] = ground[:, :, None] + np.where(levels > 0, levels * higher[:, :, None], levels)
     number = np.arange(ground.size * len(levels)).reshape(*ground.shape, len(levels))
     a = number[:-1, :-1, :-1], number[1:, :-1, :-1], number[1:, 1:, :-1], number[:-1, 1:, :-1]
     b = number[:-1, :-1, 1:], number[1:, :-1, 1:], number[1:, 1:, 1:], number[:-1, 1:, 1:]
@@ -75,5 +84,5 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     sides = [number[0], number[-1], number[:, 0], number[:, -1]]
     groups = {"foot": np.vstack([quads(number[:, :, 0]), *(quads(side[:, :2]) for side in sides)]),
               "faces": np.vstack([quads(number[:, :, -1]), *(quads(side[:, 1:]) for side in sides)])}
-    crest = nodes[len(places) // 2, THROUGH // 2, -1]
+    crest = nodes[len(places) // 2, through // 2, -1]
     return Wall(nodes.reshape(-1, 3), cells, groups, crest)

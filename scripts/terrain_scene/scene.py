@@ -144,15 +144,19 @@ def write_json(path: Path, values: dict) -> None:
 def write_scene(made: Made, folder: Path) -> list[str]:
     """Write the files; returns what to say of them."""
     folder.mkdir(parents=True, exist_ok=True)
-    facets = write_ply(made.slope.fine(), folder / "terrain.ply")
+    facets = made.slope.facets()
+    num_facets = write_ply(facets, folder / "terrain.ply")
     write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))
     columns, cells = made.columns, int(np.prod(made.cells))
     lines = [f"origin of the local coordinates: ({', '.join(f'{v:.10g}' for v in made.origin)}) m",
-             f"terrain: {facets} facets of {made.plan.cell_size / 2:g} m",
+             f"terrain: {num_facets} facets of {facets.spacing:.3g} m",
              f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 ({100 * (columns.filled / columns.asked - 1):+.2f} %)"
              f" in {8 * len(columns.cells)} points; left out: columns thinner than a quarter of a cell",
              f"grid: {' x '.join(map(str, made.cells))} = {cells} cells of {made.plan.cell_size:g} m"]
+    advised = np.sqrt(0.5) * made.plan.cell_size
+    if facets.longest_edge() > advised:
+        lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope is very steep")
     if cells > MANY_CELLS:
         lines.append(f"warning: more than {MANY_CELLS} cells; a smaller area or larger cells take less memory")
     if made.wall is not None:

@@ -9,6 +9,7 @@ import numpy as np
 
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
+MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
 SAMPLES = 8  # of a column along each side, for its mean depth
 
 
@@ -31,16 +32,34 @@ class Slope:
         return ((1 - a) * (1 - b) * z[j, i] + a * (1 - b) * z[j, i + 1] + (1 - a) * b * z[j + 1, i]
                 + a * b * z[j + 1, i + 1])
 
-    def fine(self) -> "Slope":
-        """The same surface on a lattice of half the spacing: its facets follow warped cells more closely."""
+    def cut(self, pieces: int) -> "Slope":
+        """The same surface on a finer lattice: its facets follow warped cells more closely."""
         rows, columns = self.z.shape
-        x = np.arange(2 * columns - 1) * self.spacing / 2
-        y = np.arange(2 * rows - 1) * self.spacing / 2
-        return Slope(self.spacing / 2, self.at(x[None, :], y[:, None]))
+        x = np.arange(pieces * (columns - 1) + 1) * (self.spacing / pieces)
+        y = np.arange(pieces * (rows - 1) + 1) * (self.spacing / pieces)
+        return Slope(self.spacing / pieces, self.at(x[None, :], y[:, None]))
+
+    def longest_edge(self) -> float:
+        """Of its facets [m]."""
+        z, h = self.z, self.spacing
+        along = max(np.abs(np.diff(z, axis=0)).max(), np.abs(np.diff(z, axis=1)).max())
+        across = np.minimum(np.abs(z[:-1, :-1] - z[1:, 1:]), np.abs(z[:-1, 1:] - z[1:, :-1])).max()
+        return float(max(np.hypot(h, along), np.hypot(np.sqrt(2) * h, across)))
+
+    def facets(self) -> "Slope":
+        """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces, up to
+        four times, which a slope of 70 degrees takes.
+
+        At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep.
+        """
+        pieces = 2
+        while pieces < MOST_PIECES and self.cut(pieces).longest_edge() > np.sqrt(0.5) * self.spacing:
+            pieces += 1
+        return self.cut(pieces)
 
 
 def write_ply(slope: Slope, path: Path) -> int:
-    """Two triangles a cell, which look up, as bytes in double precision; returns their number."""
+    """Two triangles a cell, which look up, as bytes in single precision, enough for local coordinates; returns their number."""
     rows, columns = slope.z.shape
     x, y = np.meshgrid(np.arange(columns) * slope.spacing, np.arange(rows) * slope.spacing)
     number = np.arange(rows * columns).reshape(rows, columns)
@@ -52,9 +71,9 @@ def write_ply(slope: Slope, path: Path) -> int:
     faces = np.empty(len(corners), dtype=[("size", "u1"), ("corners", "<i4", 3)])
     faces["size"], faces["corners"] = 3, corners
     head = ("ply\nformat binary_little_endian 1.0\ncomment terrain in local coordinates\n"
-            f"element vertex {number.size}\nproperty double x\nproperty double y\nproperty double z\n"
+            f"element vertex {number.size}\nproperty float x\nproperty float y\nproperty float z\n"
             f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-    nodes = np.empty(number.size, dtype=[("x", "<f8"), ("y", "<f8"), ("z", "<f8")])
+    nodes = np.empty(number.size, dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4")])
     nodes["x"], nodes["y"], nodes["z"] = x.ravel(), y.ravel(), slope.z.ravel()
     path.write_bytes(head.encode("ascii") + nodes.tobytes() + faces.tobytes())
     return len(corners)

@@ -153,22 +153,27 @@ class Shapes(TerrainCase):
 
     def test_facets_look_up_and_lie_on_the_slope(self) -> None:
         random = np.random.default_rng(1)
-        slope = Slope(0.5, random.uniform(0, 1, (4, 6)))
+        slope = Slope(0.5, random.uniform(0, 0.6, (4, 6)))
         self.assertEqual(write_ply(slope, self.folder / "a.ply"), 2 * 3 * 5)
         head, body = (self.folder / "a.ply").read_bytes().split(b"end_header\n")
-        nodes = np.frombuffer(body[:24 * 24], "<f8").reshape(24, 3)
-        faces = np.frombuffer(body[24 * 24:], [("size", "u1"), ("corners", "<i4", 3)])["corners"]
+        nodes = np.frombuffer(body[:24 * 12], "<f4").reshape(24, 3)
+        faces = np.frombuffer(body[24 * 12:], [("size", "u1"), ("corners", "<i4", 3)])["corners"]
         normals = np.cross(nodes[faces[:, 1]] - nodes[faces[:, 0]], nodes[faces[:, 2]] - nodes[faces[:, 0]])
-        np.testing.assert_allclose(normals[:, 2], 0.25, rtol=1e-12)
-        np.testing.assert_allclose(slope.fine().z[::2, ::2], slope.z, rtol=1e-12)
+        np.testing.assert_allclose(normals[:, 2], 0.25, rtol=1e-6)
+        fine = slope.facets()
+        pieces = round(slope.spacing / fine.spacing)
+        np.testing.assert_allclose(fine.z[::pieces, ::pieces], slope.z, rtol=1e-12)
+        self.assertLessEqual(fine.longest_edge(), np.sqrt(0.5) * slope.spacing)
+        self.assertGreater(slope.cut(pieces - 1).longest_edge(), np.sqrt(0.5) * slope.spacing)
 
     def test_wall_on_a_slope(self) -> None:
-        slope = Slope(1.0, np.arange(11)[None, :] * 0.3 + np.zeros((11, 1)))
+        slope = Slope(1.0, np.arange(11)[:, None] * 0.3 + np.zeros((1, 11)))
         line = np.array([[2.0, 2.0], [5.0, 2.5], [8.0, 2.0]])
         wall = build_wall(slope, line, 3.0, 0.4)
         below = slope.at(wall.nodes[:, 0], wall.nodes[:, 1]) - wall.nodes[:, 2]
         self.assertAlmostEqual(below.max(), 1.0)
-        self.assertAlmostEqual(below.min(), -3.0)
+        self.assertAlmostEqual(below.min(), -3.0, delta=0.3 * 0.25)  # on the lower side, which the crest does not follow
+        self.assertAlmostEqual(wall.crest[2], 0.3 * 2.5 + 3)
         foot, faces = (set(wall.groups[name].ravel()) for name in ("foot", "faces"))
         self.assertLess(np.abs(below[sorted(foot & faces)]).max(), 1e-12)  # they meet at the ground
         # Faces and foot are closed: the volume by the divergence theorem is thickness x length x height.
