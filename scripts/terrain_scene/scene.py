@@ -164,4 +164,7 @@ def write_scene(made: Made, folder: Path) -> list[str]:
         write_json(folder / "fem.json", structure_settings(made))
         write_json(folder / "coupler.json", coupling_settings(made))
         lines.append(f"barrier: {len(made.wall.cells)} cells, {len(made.wall.nodes)} nodes")
+    else:
+        for name in ("barrier.msh", "fem.json", "coupler.json"):  # of a scene that is replaced
+            (folder / name).unlink(missing_ok=True)
     return lines + made.plan.notes

@@ -229,6 +229,18 @@ class Scenes(TerrainCase):
         self.refused("mass at the rim", slide={"depth": 1, "polygon": [[WEST + x, SOUTH + y] for x, y in
                                                                        ((2, 6), (9, 6), (9, 12), (2, 12))]})
 
+    def test_a_scene_is_not_written_over_unasked(self) -> None:
+        self.make(barrier=None)
+        settings = self.folder / "scene" / "mpm.json"
+        settings.write_text("{}")
+        self.refused("has a scene already", "--replace")
+        self.assertEqual(settings.read_text(), "{}")
+        for barrier, files in (({}, 3), ({"barrier": None}, 1)):
+            result = self.python_script("terrain", self.plan(**barrier), self.folder / "scene", "--replace")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertNotEqual(settings.read_text(), "{}")
+            self.assertEqual(len(list(settings.parent.glob("*.json"))), files)
+
     def test_points_of_results_in_coordinates_of_the_world(self) -> None:
         results = write_space_results(self.folder / "results")
         settings = results / "mpm" / "resolved_config.json"
