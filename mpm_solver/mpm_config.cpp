@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/base/log.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
@@ -50,18 +51,25 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   return settings;
 }
 
-// Basis of the grid; only cells in rows have a choice. Domains fill a body whose cells are boxes.
+// Basis of the grid; only cells in rows have a choice. Domains fill a body of boxes or columns.
 template <int dim>
 Basis read_basis(ConfigReader& in, const Mesh<dim>& grid,
                  const std::vector<PointLayout<dim>>& layouts) {
   static const std::map<std::string, Basis> bases = {
       {"linear", Basis::linear}, {"gimp", Basis::gimp}, {"bspline", Basis::bspline}};
   const bool in_rows = box_grid(grid).has_value();
-  const bool in_boxes =
-      in_rows && std::all_of(layouts.begin(), layouts.end(), [](const PointLayout<dim>& layout) {
-        return box_grid(layout.mesh).has_value();
-      });
-  const std::string name = in.choice_or("basis", in_boxes ? "gimp" : "linear");
+  const auto other =
+      std::find_if(layouts.begin(), layouts.end(),
+                   [](const PointLayout<dim>& layout) { return !has_columns<dim>(layout.mesh); });
+  const bool fills = in_rows && other == layouts.end();
+  if (in_rows && !fills && !in.has("basis")) {
+    log::warn(
+        "{}: linear, since cells of the body {} are no boxes or columns along the axes, which "
+        "domains of \"gimp\" would fill; linear functions lose volume in tall flows "
+        "(docs/guide.md)",
+        in.where("basis"), other - layouts.begin());
+  }
+  const std::string name = in.choice_or("basis", fills ? "gimp" : "linear");
   if (name != "linear" && !in_rows) {
     in.fail("basis",
             fmt::format("found \"{}\" on a grid that is not a \"box\" of {}, allowed: linear", name,
@@ -209,6 +217,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
+  in.vector("origin", dim);
   read_motion(in, settings);
   settings.locking = read_locking(in.object("locking"), settings);
   settings.small_cuts = read_small_cuts(in.object("small_cuts"), settings);

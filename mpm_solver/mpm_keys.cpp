@@ -84,8 +84,12 @@ std::vector<Key> model_keys() {
           key::object("grid", mesh_keys(), "Mesh of the background."),
           key::choice("basis", {"linear", "gimp", "bspline"},
                       "Functions of the grid; the last two need a `box` of quad4 or hex8.")
-              .or_computed("`gimp` where the grid and all bodies are boxes of quad4 or hex8, else "
-                           "`linear`"),
+              .or_computed("`gimp` where the grid is such a box and all cells of the bodies are "
+                           "boxes or upright columns of quad4 or hex8, else `linear`"),
+          key::vector("origin", "m",
+                      "Place of the scene's zero point in coordinates of the world, such as those "
+                      "of a map; for what is exported from the results, the run itself is local.")
+              .or_else(0),
           key::objects("bodies", body_keys(), "The soil.").not_empty(),
           key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
           key::choice("outside", {"error", "remove"},

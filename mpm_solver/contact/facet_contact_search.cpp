@@ -43,11 +43,13 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   touches_.clear();
   may_touch_ = false;
   double widest = 0;
+  std::vector<Vector<dim>> balls;
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
+    balls.push_back(soil.points.x[p] + offset_of(soil.points.id[p]));
   }
   const double margin = watched_ + deepest_ + std::pow(widest, 1.0 / dim);
-  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin));
+  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin, balls));
 }
 
 template <int dim>

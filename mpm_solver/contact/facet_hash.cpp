@@ -24,13 +24,26 @@ typename FacetHash<dim>::Cube FacetHash<dim>::cube_of(const Vector<dim>& x) cons
 }
 
 template <int dim>
+void FacetHash<dim>::list(std::int32_t simplex, const Box& box, bool in_known_cubes) {
+  const Cube first = cube_of(box.low), last = cube_of(box.high);
+  Cube cube = first;
+  while (true) {
+    const auto known = in_known_cubes ? cubes_.find(cube) : cubes_.try_emplace(cube).first;
+    if (known != cubes_.end()) {
+      known->second.push_back(simplex);
+      ++num_listed_;
+    }
+    int d = 0;
+    for (; d < dim && cube[d] == last[d]; ++d) cube[d] = first[d];
+    if (d == dim) break;
+    ++cube[d];
+  }
+}
+
+template <int dim>
 FacetHash<dim>::FacetHash(std::span<const Simplex<dim>> simplices,
-                          std::span<const Vector<dim>> vertices, double margin) {
-  low_.setConstant(std::numeric_limits<double>::infinity());
-  high_ = -low_;
-  struct Box {
-    Vector<dim> low, high;
-  };
+                          std::span<const Vector<dim>> vertices, double margin,
+                          const std::span<const Vector<dim>>* places) {
   std::vector<Box> boxes;
   double widest = 0;
   for (const Simplex<dim>& simplex : simplices) {
@@ -42,28 +55,29 @@ FacetHash<dim>::FacetHash(std::span<const Simplex<dim>> simplices,
     widest += (box.high - box.low).maxCoeff();
     box.low.array() -= margin;
     box.high.array() += margin;
-    low_ = low_.cwiseMin(box.low);
-    high_ = high_.cwiseMax(box.high);
     boxes.push_back(box);
   }
   size_ =
       std::max(2 * margin, widest / static_cast<double>(std::max<std::size_t>(1, boxes.size())));
-  for (std::size_t s = 0; s < boxes.size(); ++s) {
-    const Cube first = cube_of(boxes[s].low), last = cube_of(boxes[s].high);
-    Cube cube = first;
-    while (true) {
-      cubes_[cube].push_back(static_cast<std::int32_t>(s));
-      int d = 0;
-      for (; d < dim && cube[d] == last[d]; ++d) cube[d] = first[d];
-      if (d == dim) break;
-      ++cube[d];
+  Vector<dim> low = Vector<dim>::Constant(-std::numeric_limits<double>::infinity()), high = -low;
+  if (places) {
+    std::swap(low, high);
+    for (const Vector<dim>& x : *places) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+      cubes_.try_emplace(cube_of(x));
     }
+  }
+  for (std::size_t s = 0; s < boxes.size(); ++s) {
+    const Box& box = boxes[s];
+    const bool apart =
+        (box.high.array() < low.array()).any() || (box.low.array() > high.array()).any();
+    if (!apart) list(static_cast<std::int32_t>(s), box, places != nullptr);
   }
 }
 
 template <int dim>
 std::span<const std::int32_t> FacetHash<dim>::near(const Vector<dim>& x) const {
-  if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return {};
   const auto found = cubes_.find(cube_of(x));
   if (found == cubes_.end()) return {};
   return found->second;

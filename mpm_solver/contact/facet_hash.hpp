@@ -17,12 +17,28 @@ class FacetHash {
  public:
   /// @param margin  the bounding boxes are widened by this much [m], > 0
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
-            double margin);
+            double margin)
+      : FacetHash(simplices, vertices, margin, nullptr) {}
+
+  /// The same, to be asked for these places only [m]: simplices far from all of them are not
+  /// listed, and cost no more than a look at their bounding box.
+  FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
+            double margin, std::span<const Vector<dim>> places)
+      : FacetHash(simplices, vertices, margin, &places) {}
 
   /// Those whose widened bounding box may hold x.
   std::span<const std::int32_t> near(const Vector<dim>& x) const;
 
+  /// Entries of all lists: what it costs to make them.
+  std::size_t num_listed() const { return num_listed_; }
+
  private:
+  struct Box {
+    Vector<dim> low, high;
+  };
+  FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
+            double margin, const std::span<const Vector<dim>>* places);
+  void list(std::int32_t simplex, const Box& box, bool in_known_cubes);
   using Cube = std::array<std::int64_t, dim>;
   struct CubeHash {
     std::size_t operator()(const Cube& cube) const;
@@ -30,7 +46,7 @@ class FacetHash {
   Cube cube_of(const Vector<dim>& x) const;
 
   double size_ = 1;
-  Vector<dim> low_, high_;
+  std::size_t num_listed_ = 0;
   std::unordered_map<Cube, std::vector<std::int32_t>, CubeHash> cubes_;
 };
 

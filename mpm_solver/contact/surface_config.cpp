@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "common/mechanics/mesh/triangle_surface.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -73,6 +75,23 @@ ContactSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& co
   return surface;
 }
 
+ContactSurface<3> surface_of_triangles(const Scene& scene, ConfigReader& in) {
+  const std::string file = in.text("triangles");
+  const auto normals = in.choice("normals") == "up" ? TriangleNormals::up : TriangleNormals::file;
+  ContactSurface<3> surface;
+  surface.facet_type = CellType::tri3;
+  try {
+    TriangleSurface read = read_triangles(scene.path(file), normals);
+    surface.vertices = std::move(read.vertices);
+    for (const auto& triangle : read.triangles) {
+      surface.facets.insert(surface.facets.end(), triangle.begin(), triangle.end());
+    }
+  } catch (const ConfigError& error) {
+    in.fail("triangles", error.what());
+  }
+  return surface;
+}
+
 }  // namespace
 
 KeyTable surface_keys() {
@@ -92,14 +111,38 @@ KeyTable surface_keys() {
                    "all.")
            .in(positive())
            .with("polyline"),
-       key::object("mesh", mesh_keys(), "Mesh of the structure.").without("polyline"),
-       key::texts("groups", "Facet groups of that mesh.").without("polyline")}};
+       key::text(
+           "triangles",
+           "Surface of triangles, a .stl or .ply file, relative to the scene; vertices nearer "
+           "than 1e-6 of its size are one.")
+           .or_none()
+           .only("in 3D"),
+       key::choice("normals", {"file", "up"},
+                   "Side of the soil: `file`: by the order of the vertices; `up`: triangles that "
+                   "look down are turned, as terrain asks for.")
+           .or_else("file")
+           .with("triangles"),
+       key::object("mesh", mesh_keys(), "Mesh of the structure.")
+           .without("polyline")
+           .without("triangles"),
+       key::texts("groups", "Facet groups of that mesh.")
+           .without("polyline")
+           .without("triangles")}};
 }
 
 template <int dim>
 ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
   ContactSurface<dim> surface;
-  if (in.has("polyline")) {
+  if (in.has("polyline") && in.has("triangles")) {
+    in.fail("triangles", "allowed: only one of \"polyline\", \"triangles\" and \"mesh\"");
+  }
+  if (in.has("triangles")) {
+    if constexpr (dim == 3) {
+      surface = surface_of_triangles(scene, in);
+    } else {
+      in.fail("triangles", "allowed in 3D only; in 2D give \"polyline\"");
+    }
+  } else if (in.has("polyline")) {
     if constexpr (dim == 2) {
       const auto corners = in.rows("polyline", 2);
       if (corners.size() < 2) in.fail("polyline", "allowed: at least two points");
@@ -107,7 +150,8 @@ ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
       check_polyline(in, corners, spacing);
       surface = surface_of_polyline(corners, spacing);
     } else {
-      in.fail("polyline", "allowed in 2D only; in 3D give \"mesh\" and \"groups\"");
+      in.fail("polyline",
+              "allowed in 2D only; in 3D give \"triangles\", or \"mesh\" and \"groups\"");
     }
   } else {
     surface = surface_of_mesh(read_mesh<dim>(scene, in.object("mesh")), in.texts("groups"),

@@ -12,8 +12,10 @@ inline constexpr int max_surface_points = 1000000;
 
 KeyTable surface_keys();
 
-/// Read "surface" of an interface or a rigid wall: a polyline in pieces, or groups of a mesh.
-/// @throws ConfigError  too few or equal corners, too many pieces, unknown group
+/// Read "surface" of an interface or a rigid wall: a polyline in pieces, triangles of a file,
+/// or groups of a mesh.
+/// @throws ConfigError  too few or equal corners, too many pieces, unknown group, what
+///                      read_triangles refuses
 template <int dim>
 ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in);
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/points/material_points.hpp"
 
-#include "common/mechanics/elements/cell_facets.hpp"
-
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "common/mechanics/elements/cell_facets.hpp"
 
 namespace gabion::mpm {
 
@@ -34,26 +35,93 @@ static_assert(bytes_of_history<2>() == sizeof(MaterialState<2>), "a field withou
 
 }  // namespace
 
+namespace {
+
+// Unit vector across dim - 1 tangents.
 template <int dim>
-double depth_in_cell(CellType type, const Vector<dim>* corners, const Vector<dim>& x) {
+Vector<dim> across(const Vector<dim>& first, [[maybe_unused]] const Vector<dim>& second) {
+  if constexpr (dim == 2) {
+    return Vector<2>(first[1], -first[0]).normalized();
+  } else {
+    return first.cross(second).normalized();
+  }
+}
+
+template <int dim>
+double depth_in_simplex(CellType type, const Vector<dim>* corners, const Vector<dim>& x) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int f = 0; f < num_facets(type); ++f) {
     const auto local = facet_nodes(type, f);
-    const Vector<dim> from = x - corners[local[0]];
-    const Vector<dim> edge = corners[local[1]] - corners[local[0]];
-    if constexpr (dim == 2) {
-      nearest = std::min(nearest, std::abs(edge[0] * from[1] - edge[1] * from[0]) / edge.norm());
-    } else {
-      const Vector<3> normal = edge.cross(corners[local[2]] - corners[local[0]]).normalized();
-      nearest = std::min(nearest, std::abs(normal.dot(from)));
+    const Vector<dim>& origin = corners[local[0]];
+    const Vector<dim> normal =
+        across<dim>(corners[local[1]] - origin, corners[local[dim - 1]] - origin);
+    nearest = std::min(nearest, std::abs(normal.dot(x - origin)));
+  }
+  return nearest;
+}
+
+}  // namespace
+
+template <int dim>
+CellPlace<dim> place_in_cell(CellType type, std::span<const Vector<dim>> corners,
+                             const Vector<dim>& xi) {
+  ShapeValues<dim> shape;
+  shape_functions<dim>(type, xi, shape);
+  CellPlace<dim> place;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    place.x += shape.N[i] * corners[i];
+    place.jacobian += corners[i] * shape.dN[i].transpose();
+  }
+  return place;
+}
+
+template <int dim>
+double depth_in_cell(CellType type, std::span<const Vector<dim>> corners, const Vector<dim>& xi) {
+  const Vector<dim> x = place_in_cell<dim>(type, corners, xi).x;
+  if (type != CellType::quad4 && type != CellType::hex8) {
+    return depth_in_simplex<dim>(type, corners.data(), x);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < dim; ++d) {
+    for (const double side : {-1.0, 1.0}) {
+      Vector<dim> foot = xi;
+      foot[d] = side;
+      const auto place = place_in_cell<dim>(type, corners, foot);
+      const Vector<dim> normal =
+          across<dim>(place.jacobian.col((d + 1) % dim), place.jacobian.col((d + 2) % dim));
+      nearest = std::min(nearest, std::abs(normal.dot(x - place.x)));
     }
   }
   return nearest;
 }
 
 template <int dim>
+bool is_column(const Matrix<dim>& jacobian) {
+  const double det = std::abs(jacobian.determinant());
+  return std::abs(std::abs(jacobian.diagonal().prod()) - det) <= 1e-9 * det;
+}
+
+template <int dim>
+bool has_columns(const Mesh<dim>& mesh) {
+  if (mesh.cell_type != CellType::quad4 && mesh.cell_type != CellType::hex8) return false;
+  const auto places = gauss_rule<dim>(mesh.cell_type, 3);
+  Vector<dim> corners[max_cell_nodes];
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+    const auto nodes = mesh.cell(c);
+    for (std::size_t i = 0; i < nodes.size(); ++i) corners[i] = mesh.nodes[nodes[i]];
+    for (const auto& q : places) {
+      const std::span<const Vector<dim>> cell(corners, nodes.size());
+      if (!is_column<dim>(place_in_cell<dim>(mesh.cell_type, cell, q.xi).jacobian)) return false;
+    }
+  }
+  return true;
+}
+
+template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
-  const Vector<dim> reach = jacobian.cwiseAbs().rowwise().sum();
+  const Vector<dim> reach = is_column<dim>(jacobian)
+                                ? Vector<dim>(jacobian.diagonal().cwiseAbs())
+                                : Vector<dim>(jacobian.cwiseAbs().rowwise().sum());
   return reach * (0.5 * std::pow(volume / reach.prod(), 1.0 / dim));
 }
 
@@ -92,13 +160,9 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
     const auto nodes = mesh.cell(static_cast<std::int32_t>(k / rule_size));
     const auto& q = rule[k % rule_size];
     for (std::size_t i = 0; i < nodes.size(); ++i) corners[i] = mesh.nodes[nodes[i]];
+    const std::span<const Vector<dim>> cell(corners, nodes.size());
+    const auto [x, jacobian] = place_in_cell<dim>(mesh.cell_type, cell, q.xi);
     shape_functions<dim>(mesh.cell_type, q.xi, shape);
-    Vector<dim> x = Vector<dim>::Zero();
-    Matrix<dim> jacobian = Matrix<dim>::Zero();
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      x += shape.N[i] * corners[i];
-      jacobian += corners[i] * shape.dN[i].transpose();
-    }
     const double volume = q.weight * map_gradients<dim>(mesh.cell_type, corners, shape);
 
     NewPoint<dim> point{.id = share.first_id + k,
@@ -106,7 +170,7 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
                         .v = layout.velocity,
                         .m = density * volume,
                         .V0 = volume,
-                        .depth = depth_in_cell<dim>(mesh.cell_type, corners, x)};
+                        .depth = depth_in_cell<dim>(mesh.cell_type, cell, q.xi)};
     if (layout.with_domains) point.half_length = point_domain<dim>(jacobian, volume);
     add_point(point, points);
   }
@@ -148,6 +212,10 @@ void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& poi
   for_each_field<dim>([&](const char*, auto field, FieldKind) { take_out(which, points.*field); });
 }
 
+template bool is_column<2>(const Matrix<2>&);
+template bool is_column<3>(const Matrix<3>&);
+template bool has_columns<2>(const Mesh<2>&);
+template bool has_columns<3>(const Mesh<3>&);
 template Vector<2> point_domain<2>(const Matrix<2>&, double);
 template Vector<3> point_domain<3>(const Matrix<3>&, double);
 template void add_point<2>(const NewPoint<2>&, MaterialPoints<2>&);

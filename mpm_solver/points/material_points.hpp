@@ -119,13 +119,33 @@ struct NewPoint {
 template <int dim>
 void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points);
 
-/// Distance of x to the nearest side of a cell: where soil begins that is cut there [m].
+/// A place in a cell.
 template <int dim>
-double depth_in_cell(CellType type, const Vector<dim>* corners, const Vector<dim>& x);
+struct CellPlace {
+  Vector<dim> x = Vector<dim>::Zero();         ///< [m]
+  Matrix<dim> jacobian = Matrix<dim>::Zero();  ///< dx/dxi [m]
+};
+template <int dim>
+CellPlace<dim> place_in_cell(CellType type, std::span<const Vector<dim>> corners,
+                             const Vector<dim>& xi);
 
-/// Half lengths of the box that stands for a point: as long by wide as the cell of its body
-/// reaches along the axes, with the volume of the point. In a cell along the axes with `regular`
-/// points these boxes fill the cell.
+/// Distance of the place xi to the nearest side of a cell: where soil begins that is cut there [m].
+/// Sides of a hex8 may be warped: then it is the distance to their tangent plane opposite to xi.
+template <int dim>
+double depth_in_cell(CellType type, std::span<const Vector<dim>> corners, const Vector<dim>& xi);
+
+/// Whether boxes as long as the edges of a cell, dx_d/dxi_d, have its volume: it is a box along the
+/// axes, or a column whose bottom and top are inclined, as over terrain.
+template <int dim>
+bool is_column(const Matrix<dim>& jacobian);
+
+/// Whether all cells of a mesh of quad4 or hex8 are.
+template <int dim>
+bool has_columns(const Mesh<dim>& mesh);
+
+/// Half lengths of the box that stands for a point, with the volume of the point: as long by wide
+/// as the edges of a cell that is_column, where these boxes fill it with `regular` points; else as
+/// the cell reaches along the axes.
 /// @param jacobian  dx/dxi of the body's cell at the point
 template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume);

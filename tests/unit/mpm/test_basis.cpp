@@ -319,6 +319,100 @@ TEST(PointDomains, have_the_volume_of_the_point_in_any_cell) {
   });
 }
 
+/// Soil between two surfaces: columns whose bottom and top follow them.
+template <int dim, class Bottom, class Top>
+Mesh<dim> columns(const Eigen::Matrix<int, dim, 1>& cells, const Bottom& bottom, const Top& top) {
+  const CellType brick = dim == 2 ? CellType::quad4 : CellType::hex8;
+  Mesh<dim> mesh = box_mesh<dim>(Vector<dim>::Zero(), Vector<dim>::Ones(), cells, brick);
+  for (auto& x : mesh.nodes) {
+    const double low = bottom(x), height = top(x) - low;
+    x[dim - 1] = low + x[dim - 1] * height;
+  }
+  return mesh;
+}
+
+template <int dim>
+mpm::MaterialPoints<dim> points_of(const Mesh<dim>& mesh) {
+  mpm::MaterialPoints<dim> points;
+  mpm::lay_points<dim>({.mesh = mesh,
+                        .points_per_cell = 1 << dim,
+                        .placement = PointPlacement::regular,
+                        .with_domains = true},
+                       1, {}, points);
+  return points;
+}
+
+/// A column stands on an inclined plane: balls touch it, domains are as wide as the column.
+TEST(PointDomains, fill_columns_on_an_inclined_plane) {
+  const Vector<3> slope(0.7, -0.4, 0);
+  const auto bottom = [&](const Vector<3>& x) { return slope.dot(x); };
+  const auto top = [&](const Vector<3>& x) { return slope.dot(x) + 0.4; };
+  const auto mesh = columns<3>({4, 5, 2}, bottom, top);
+  EXPECT_TRUE(mpm::has_columns<3>(mesh));
+  const auto points = points_of<3>(mesh);
+  double volume = 0;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    EXPECT_LT((points.half_length[p] - Vector<3>(1. / 16, 1. / 20, 0.05)).norm(), 1e-14);
+    volume += points.V0[p];
+    const double above = points.x[p][2] - bottom(points.x[p]);
+    if (above > 0.1) continue;
+    EXPECT_NEAR(points.depth[p], above / std::sqrt(1 + slope.squaredNorm()), 1e-14);
+  }
+  EXPECT_NEAR(volume, 0.4, 1e-13);
+}
+
+/// On a warped bottom a ball touches the bilinear surface to the second order of the cell.
+TEST(PointDomains, balls_touch_a_warped_surface) {
+  const auto bottom = [](const Vector<3>& x) { return 0.3 * x[0] * x[1]; };
+  std::vector<double> errors;
+  for (const int n : {4, 8, 16}) {
+    const auto mesh =
+        columns<3>({n, n, 1}, bottom, [&](const Vector<3>& x) { return bottom(x) + 0.5 / n; });
+    const auto points = points_of<3>(mesh);
+    double worst = 0;
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      const Vector<3>& x = points.x[p];
+      const double above = x[2] - bottom(x);
+      if (above > 0.2 / n) continue;
+      const double distance = above / std::hypot(1, 0.3 * x[0], 0.3 * x[1]);
+      worst = std::max(worst, std::abs(points.depth[p] / distance - 1));
+    }
+    errors.push_back(worst);
+  }
+  EXPECT_GT(errors.back(), 0);
+  EXPECT_LT(errors.back(), 2e-3);
+  EXPECT_GT(std::log2(errors[1] / errors[2]), 0.9);  // by the radius, which is of the first order
+}
+
+/// Volume between a plane and a dome, 1 + sin sin: exact 1 + 4 / pi^2, order 2.
+TEST(PointDomains, volume_between_two_surfaces) {
+  std::vector<double> errors;
+  for (const int n : {4, 8, 16}) {
+    const auto mesh = columns<3>(
+        {n, n, 2}, [](const Vector<3>& x) { return 0.5 * x[0]; },
+        [](const Vector<3>& x) {
+          return 0.5 * x[0] + 1 + std::sin(M_PI * x[0]) * std::sin(M_PI * x[1]);
+        });
+    const auto points = points_of<3>(mesh);
+    const double volume = std::accumulate(points.V0.begin(), points.V0.end(), 0.0);
+    errors.push_back(std::abs(volume - 1 - 4 / (M_PI * M_PI)));
+  }
+  EXPECT_GT(std::log2(errors[0] / errors[1]), 1.9);
+  EXPECT_GT(std::log2(errors[1] / errors[2]), 1.9);
+}
+
+TEST(PointDomains, other_cells_are_no_columns) {
+  EXPECT_TRUE(mpm::has_columns<2>(unit_box<2>(CellType::quad4, 3)));
+  EXPECT_FALSE(mpm::has_columns<2>(unit_box<2>(CellType::tri3, 3)));
+  EXPECT_FALSE(mpm::has_columns<3>(unit_box<3>(CellType::tet4, 2)));
+  auto moved = unit_box<3>(CellType::hex8, 2);
+  moved.nodes[13] += Vector<3>(0.1, 0.05, 0);
+  EXPECT_FALSE(mpm::has_columns<3>(moved));
+  auto turned = unit_box<2>(CellType::quad4, 2);
+  for (auto& x : turned.nodes) x = Vector<2>(x[0] - 0.2 * x[1], x[1] + 0.2 * x[0]);
+  EXPECT_FALSE(mpm::has_columns<2>(turned));
+}
+
 template <int dim>
 Matrix<dim> rotation(double angle) {
   Matrix<dim> R = Matrix<dim>::Identity();

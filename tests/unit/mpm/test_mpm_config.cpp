@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -210,6 +215,78 @@ TEST(MpmConfig, boxes_of_soil_in_a_box_of_cells_get_domains) {
   json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "quad4");
   json["bodies"][0]["points_per_cell"] = 4;
   EXPECT_EQ(basis(json), "gimp");
+}
+
+/// A file in the temporary folder that vanishes with this object.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& content)
+      : path_(std::filesystem::temp_directory_path() /
+              fmt::format("gabion_{}_{}", getpid(), name)) {
+    std::ofstream(path_) << content;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  TemporaryFile(TemporaryFile&&) = delete;
+  TemporaryFile& operator=(TemporaryFile&&) = delete;
+
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// One hex8 from (0, 0, 0) to (1, 1, 1), its top moved by `shift`.
+TemporaryFile brick(const Vector<3>& shift) {
+  std::string text =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 8 1 8\n3 1 0 8\n1\n2\n3\n4\n5\n6\n7\n8\n";
+  for (const int z : {0, 1}) {
+    for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+      text +=
+          fmt::format("{} {} {}\n", x + z * shift[0], y + z * shift[1], z + z * shift[2] + 0.1 * x);
+    }
+  }
+  text += "$EndNodes\n$Elements\n1 1 1 1\n3 1 5 1\n1 1 2 3 4 5 6 7 8\n$EndElements\n";
+  return {"brick.msh", text};
+}
+
+TEST(MpmConfig, upright_columns_get_domains_and_others_do_not) {
+  for (const auto& [shift, basis] :
+       {std::pair<Vector<3>, std::string>{{0, 0, 0.2}, "gimp"}, {{0.2, 0, 0}, "linear"}}) {
+    const TemporaryFile file = brick(shift);
+    Json json = valid_3d();
+    json["grid"] = box({0, 0, 0}, {2, 2, 2}, {2, 2, 2}, "hex8");
+    json["bodies"][0]["mesh"] = {{"file", file.path()}};
+    EXPECT_EQ(mpm_solver<3>(json)->summary().at("basis"), basis);
+  }
+}
+
+TEST(MpmConfig, surfaces_of_triangles) {
+  const TemporaryFile file("bed.stl",
+                           "solid bed\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\n"
+                           "vertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n");
+  Json json = valid_3d();
+  json["rigid_walls"] = {{{"name", "bed"}, {"surface", {{"triangles", file.path()}}}}};
+  Json& surface = json["rigid_walls"][0]["surface"];
+  expect_refused(json, {"bed", "normals point into the soil"});  // it looks down
+  surface["normals"] = "up";
+  const auto settings = mpm_settings<3>(json);
+  const auto& read = settings.rigid_walls.at(0).boundary.surface;
+  EXPECT_EQ(read.facet_type, CellType::tri3);
+  EXPECT_EQ(read.facets.size(), 3U);
+  EXPECT_TRUE(make_mpm(json));
+  surface["normals"] = "down";
+  expect_refused(json, {"/rigid_walls/0/surface/normals", "down", "file, up"});
+  surface["normals"] = "up";
+  surface["groups"] = {"top"};
+  expect_refused(json, {"/rigid_walls/0/surface/groups"});
+  surface.erase("groups");
+  surface["triangles"] = "none.ply";
+  expect_refused(json, {"/rigid_walls/0/surface/triangles", "none.ply: cannot open"});
+  Json flat = valid();
+  flat["interfaces"][0]["surface"] = {{"triangles", file.path()}};
+  expect_refused(flat, {"/interfaces/0/surface/triangles", "3D only"});
 }
 
 TEST(MpmConfig, points_of_gimp_fill_their_body) {

@@ -220,5 +220,44 @@ TEST(SurfaceFeatures, the_hash_finds_all_that_are_near) {
   EXPECT_GT(found, 100);
 }
 
+/// A plane of 2 n^2 triangles with the edge 1.
+std::pair<std::vector<Vector<3>>, std::vector<Simplex<3>>> plane(int n) {
+  std::pair<std::vector<Vector<3>>, std::vector<Simplex<3>>> made;
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) made.first.emplace_back(i, j, 0);
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const std::int32_t at = j * (n + 1) + i;
+      made.second.push_back({at, at + 1, at + n + 2});
+      made.second.push_back({at, at + n + 2, at + n + 1});
+    }
+  }
+  return made;
+}
+
+/// Terrain far from the soil costs nothing: the lists are as long for 200 facets as for 20,000.
+TEST(SurfaceFeatures, the_hash_lists_only_what_is_near_given_places) {
+  Random random;
+  std::vector<Vector<3>> places;
+  for (int k = 0; k < 50; ++k) places.push_back(Vector<3>(2, 2, 0) + random.vector<3>());
+  std::vector<std::size_t> listed;
+  for (const int n : {10, 100}) {
+    const auto [vertices, triangles] = plane(n);
+    const mpm::FacetHash<3> all(triangles, vertices, 0.3);
+    const mpm::FacetHash<3> some(triangles, vertices, 0.3, places);
+    listed.push_back(some.num_listed());
+    EXPECT_GT(all.num_listed(), triangles.size());
+    for (const Vector<3>& x : places) {
+      const auto expected = all.near(x), found = some.near(x);
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin(), found.end()));
+    }
+    EXPECT_EQ(
+        mpm::FacetHash<3>(triangles, vertices, 0.3, std::span<const Vector<3>>()).num_listed(), 0U);
+  }
+  EXPECT_GT(listed[0], 0U);
+  EXPECT_EQ(listed[0], listed[1]);
+}
+
 }  // namespace
 }  // namespace gabion::test

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a scene on terrain is made from: a JSON file, read strictly."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .raster import Raster, TerrainError, read_raster
+
+SOIL = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 5e6, "poisson_ratio": 0.3, "friction_angle": 33}
+CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poisson_ratio": 0.2}
+GRAVITY = 9.81
+
+
+@dataclass
+class Slide:
+    """Mass: inside the polygon (None: anywhere), as deep as a number or a raster says, or up to the raster `top`."""
+
+    polygon: np.ndarray | None
+    depth: float | Raster | None
+    top: Raster | None
+    material: dict
+
+
+@dataclass
+class Barrier:
+    line: np.ndarray
+    height: float
+    thickness: float
+    material: dict
+    friction: float
+
+
+@dataclass
+class Plan:
+    """Coordinates are those of the world, as in the rasters [m]."""
+
+    slope: Raster
+    cell_size: float
+    low: np.ndarray
+    high: np.ndarray
+    clear_height: float  # of the grid above slope and mass
+    friction: float
+    slide: Slide
+    barrier: Barrier | None
+    end: float
+    dt: float
+    notes: list[str] = field(default_factory=list)  # defaults that were taken
+
+
+class Reader:
+    """An object of the file: each key is asked for by name, what nobody asked for is refused."""
+
+    def __init__(self, values: object, where: str):
+        if not isinstance(values, dict):
+            raise TerrainError(f"{where}: found {values!r}, allowed: an object")
+        self.values, self.where = dict(values), where
+
+    def fail(self, key: str, allowed: str) -> TerrainError:
+        return TerrainError(f"{self.where}/{key}: found {self.values.get(key, 'nothing')!r}, allowed: {allowed}")
+
+    def number(self, key: str, at_least_zero: bool = False) -> float:
+        value = self.values.get(key)
+        real = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not real or not (value > 0 or (at_least_zero and value == 0)):
+            raise self.fail(key, "a number >= 0" if at_least_zero else "a number > 0")
+        del self.values[key]
+        return float(value)
+
+    def rows(self, key: str, at_least: int) -> np.ndarray:
+        try:
+            rows = np.array(self.values.get(key), dtype=float)
+        except (TypeError, ValueError) as error:
+            raise self.fail(key, f"at least {at_least} rows [x, y]") from error
+        if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < at_least or not np.isfinite(rows).all():
+            raise self.fail(key, f"at least {at_least} rows [x, y]")
+        del self.values[key]
+        return rows
+
+    def child(self, key: str) -> "Reader":
+        return Reader(self.values.pop(key, None), f"{self.where}/{key}")
+
+    def finish(self) -> None:
+        if self.values:
+            raise TerrainError(f"{self.where}: unknown: {', '.join(self.values)}")
+
+
+def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
+    polygon = reader.rows("polygon", 3) if "polygon" in reader.values else None
+    if ("depth" in reader.values) == ("top" in reader.values):
+        raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, or a raster) and top (a raster)")
+    depth = top = None
+    if "top" in reader.values:
+        top = read_raster(folder / str(reader.values.pop("top")))
+    elif isinstance(reader.values["depth"], str):
+        depth = read_raster(folder / reader.values.pop("depth"))
+    else:
+        depth = reader.number("depth")
+        if polygon is None:
+            raise TerrainError(f"{reader.where}: a depth that is a number needs a polygon")
+    slide = Slide(polygon, depth, top, material_of(reader, SOIL, notes))
+    reader.finish()
+    return slide
+
+
+def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
+    if "material" in reader.values:
+        return reader.values.pop("material")
+    notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
+    return default
+
+
+def read_barrier(reader: Reader, friction: float, notes: list[str]) -> Barrier:
+    barrier = Barrier(reader.rows("line", 2), reader.number("height"), reader.number("thickness"),
+                      material_of(reader, CONCRETE, notes),
+                      reader.number("friction", True) if "friction" in reader.values else friction)
+    reader.finish()
+    return barrier
+
+
+def read_plan(path: Path) -> Plan:
+    """Files are relative to the plan. @raises TerrainError"""
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise TerrainError(f"{path}: {error}") from error
+    reader = Reader(values, str(path))
+    slope = read_raster(path.parent / str(reader.values.pop("slope", "")))
+    notes: list[str] = []
+    corners = reader.rows("area", 2)
+    if len(corners) != 2 or not (corners[0] < corners[1]).all():
+        raise TerrainError(f"{path}/area: found {corners.tolist()}, allowed: two corners, the lower one first")
+    friction = reader.number("friction", at_least_zero=True)
+    barrier = read_barrier(reader.child("barrier"), friction, notes) if "barrier" in reader.values else None
+    time = reader.child("time")
+    plan = Plan(slope, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"), friction,
+                read_slide(reader.child("slide"), path.parent, notes), barrier, time.number("end"), time.number("dt"),
+                notes)
+    time.finish()
+    reader.finish()
+    return plan

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rasters of heights or depths: ESRI ASCII grids, GeoTIFF where GDAL is installed."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+class TerrainError(Exception):
+    """An input that cannot become a scene; the text says what was found, where, and what is allowed."""
+
+
+@dataclass
+class Raster:
+    """Values at the centres of square cells.
+
+    x, y: centre of the cell in the south-west [m]; values: rows from south to north, nan: no data.
+    """
+
+    path: Path
+    x: float
+    y: float
+    spacing: float
+    values: np.ndarray
+
+    def limits(self) -> tuple[float, float, float, float]:
+        """Lowest x and y, highest x and y between which values are known [m]."""
+        rows, columns = self.values.shape
+        return self.x, self.y, self.x + (columns - 1) * self.spacing, self.y + (rows - 1) * self.spacing
+
+    def place(self, row: int, column: int) -> str:
+        """Where a value stands in the file, whose first row is that in the north."""
+        return f"row {self.values.shape[0] - row}, column {column + 1}"
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Bilinear between the centres of the cells; nan where a neighbour has no data or there is none."""
+        rows, columns = self.values.shape
+        s, t = (np.asarray(x) - self.x) / self.spacing, (np.asarray(y) - self.y) / self.spacing
+        inside = (s >= -1e-9) & (s <= columns - 1 + 1e-9) & (t >= -1e-9) & (t <= rows - 1 + 1e-9)
+        i = np.clip(np.floor(s), 0, columns - 2).astype(int)
+        j = np.clip(np.floor(t), 0, rows - 2).astype(int)
+        a, b = s - i, t - j
+        # A neighbour that does not count may have no data.
+        z = sum(np.where(weight > 1e-9, weight * self.values[j + dj, i + di], 0)
+                for di, dj, weight in ((0, 0, (1 - a) * (1 - b)), (1, 0, a * (1 - b)), (0, 1, (1 - a) * b),
+                                       (1, 1, a * b)))
+        return np.where(inside, z, np.nan)
+
+    def needed_at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The same where every value has to be known."""
+        z = self.at(x, y)
+        if not np.isnan(z).any():
+            return z
+        k = int(np.flatnonzero(np.isnan(z.ravel()))[0])
+        at_x, at_y = float(np.ravel(x)[k]), float(np.ravel(y)[k])
+        low_x, low_y, high_x, high_y = self.limits()
+        if not (low_x <= at_x <= high_x and low_y <= at_y <= high_y):
+            raise TerrainError(f"{self.path}: the area needs a height at ({at_x:.9g}, {at_y:.9g}); the raster reaches "
+                               f"from ({low_x:.9g}, {low_y:.9g}) to ({high_x:.9g}, {high_y:.9g})")
+        near = (np.abs(self.x + np.arange(self.values.shape[1])[None, :] * self.spacing - at_x) <= self.spacing) & (
+            np.abs(self.y + np.arange(self.values.shape[0])[:, None] * self.spacing - at_y) <= self.spacing)
+        row, column = np.argwhere(near & np.isnan(self.values))[0]
+        raise TerrainError(f"{self.path}: no data in {self.place(row, column)}, which the area needs at "
+                           f"({at_x:.9g}, {at_y:.9g})")
+
+
+HEADER = {"ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "nodata_value"}
+
+
+def read_ascii(path: Path) -> Raster:
+    """An ESRI ASCII grid, its corner or the centre of its first cell given."""
+    try:
+        lines = path.read_text(encoding="ascii").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise TerrainError(f"{path}: cannot be read as an ESRI ASCII grid: {error}") from error
+    head: dict[str, float] = {}
+    first = 0
+    for first, line in enumerate(lines):
+        words = line.split()
+        if not words or words[0].lower() not in HEADER:
+            break
+        try:
+            head[words[0].lower()] = float(words[1])
+        except (IndexError, ValueError) as error:
+            raise TerrainError(f"{path}: line {first + 1}: found \"{line}\", expected a name and a number") from error
+    for name in ("ncols", "nrows", "cellsize"):
+        if not head.get(name, 0) > 0:
+            raise TerrainError(f"{path}: header: {name}: found {head.get(name, 'none')}, allowed: a number > 0")
+    columns, rows, spacing = int(head["ncols"]), int(head["nrows"]), head["cellsize"]
+    if rows < 2 or columns < 2:
+        raise TerrainError(f"{path}: found {rows} x {columns} values, allowed: at least 2 x 2")
+    corner = []
+    for axis in "xy":
+        if (f"{axis}llcorner" in head) == (f"{axis}llcenter" in head):
+            raise TerrainError(f"{path}: header: allowed: exactly one of {axis}llcorner and {axis}llcenter")
+        corner.append(head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", 0) + spacing / 2))
+    words = [(k, word) for k, line in enumerate(lines[first:], first) for word in line.split()]
+    if len(words) != rows * columns:
+        raise TerrainError(f"{path}: found {len(words)} values, expected {rows} rows of {columns}")
+    values = np.empty(rows * columns)
+    for n, (k, word) in enumerate(words):
+        try:
+            values[n] = float(word)
+        except ValueError as error:
+            raise TerrainError(f"{path}: line {k + 1}: found \"{word}\", expected a number") from error
+    values[values == head.get("nodata_value", -9999)] = np.nan
+    return Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1])
+
+
+def read_geotiff(path: Path) -> Raster:
+    """The first band of what GDAL reads, cells square and along the axes."""
+    try:
+        from osgeo import gdal
+    except ImportError as error:
+        raise TerrainError(f"{path}: GeoTIFF needs GDAL: install python3-gdal, or turn the file into an ESRI ASCII grid "
+                           f"elsewhere: gdal_translate -of AAIGrid {path.name} {path.stem}.asc") from error
+    gdal.UseExceptions()
+    try:
+        data = gdal.Open(str(path))
+    except RuntimeError as error:
+        raise TerrainError(f"{path}: {error}") from error
+    left, width, row_turn, top, column_turn, height = data.GetGeoTransform()
+    if row_turn or column_turn or not width > 0 or abs(width + height) > 1e-9 * width:
+        raise TerrainError(f"{path}: found the transform {data.GetGeoTransform()}, allowed: square cells along the axes, "
+                           "north up")
+    band = data.GetRasterBand(1)
+    values = np.asarray(band.ReadAsArray(), dtype=float)
+    if band.GetNoDataValue() is not None:
+        values[values == band.GetNoDataValue()] = np.nan
+    rows = values.shape[0]
+    return Raster(path, left + width / 2, top - (rows - 0.5) * width, width, values[::-1])
+
+
+def read_raster(path: Path) -> Raster:
+    """By the ending of the name."""
+    if not path.is_file():
+        raise TerrainError(f"{path}: no such raster")
+    if path.suffix.lower() in (".tif", ".tiff"):
+        return read_geotiff(path)
+    if path.suffix.lower() == ".asc":
+        return read_ascii(path)
+    raise TerrainError(f"{path}: allowed: .asc (ESRI ASCII grid), .tif, .tiff (GeoTIFF)")

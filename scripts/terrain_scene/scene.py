@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a plan to the folder of a scene."""
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.path import Path as Polygon
+
+from .barrier import Wall, build_wall
+from .plan import GRAVITY, Plan
+from .raster import TerrainError
+from .slope import THINNEST, Columns, Depth, Slope, lay_columns, write_hexahedra, write_ply
+
+MANY_CELLS = 2_000_000
+
+
+@dataclass
+class Made:
+    """All that a scene is made from, in local coordinates: those of the world less the origin."""
+
+    plan: Plan
+    origin: np.ndarray
+    slope: Slope
+    columns: Columns
+    wall: Wall | None
+    cells: tuple[int, int, int]  # of the grid, from (0, 0, 0)
+
+
+def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
+    """Origin and heights; the area is widened to whole cells."""
+    h = plan.cell_size
+    count = np.ceil((plan.high - plan.low) / h - 1e-9).astype(int)
+    x, y = np.meshgrid(plan.low[0] + h * np.arange(count[0] + 1), plan.low[1] + h * np.arange(count[1] + 1))
+    z = plan.slope.needed_at(x, y)
+    # A cell of the grid below the lowest place, since a point must not leave it there.
+    bottom = h * (np.floor(z.min() / h) - 1)
+    return np.array([*plan.low, bottom]), Slope(h, z - bottom)
+
+
+def depth_function(plan: Plan, origin: np.ndarray, slope: Slope) -> Depth:
+    """Depth of the mass over local places; a raster without data there has no mass there."""
+    slide = plan.slide
+    polygon = None if slide.polygon is None else Polygon(slide.polygon - origin[:2])
+
+    def depth(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        world = x + origin[0], y + origin[1]
+        if slide.top is not None:
+            values = slide.top.at(*world) - origin[2] - slope.at(x, y)
+        elif isinstance(slide.depth, float):
+            values = np.full(x.shape, slide.depth)
+        else:
+            values = slide.depth.at(*world)
+        values = np.where(np.isnan(values), 0, np.maximum(values, 0))
+        if polygon is not None:
+            places = np.column_stack([x.ravel(), y.ravel()])
+            values = np.where(polygon.contains_points(places).reshape(x.shape), values, 0)
+        return values
+
+    return depth
+
+
+def make(plan: Plan) -> Made:
+    """@raises TerrainError"""
+    origin, slope = sample_slope(plan)
+    columns = lay_columns(slope, depth_function(plan, origin, slope))
+    if not len(columns.cells):
+        raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in the area")
+    rim = np.zeros_like(columns.depth, dtype=bool)
+    rim[[0, -1], :] = rim[:, [0, -1]] = True
+    if (columns.depth[rim] >= THINNEST * plan.cell_size).any():
+        raise TerrainError("slide: found mass at the rim of the area, allowed: an area that holds the mass with a cell around")
+    wall = None
+    if plan.barrier is not None:
+        wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
+    top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max()) + plan.clear_height
+    rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
+    return Made(plan, origin, slope, columns, wall, (count, rows, int(np.ceil(top / plan.cell_size))))
+
+
+def soil_settings(made: Made) -> dict:
+    plan, h = made.plan, made.plan.cell_size
+    settings = {
+        "dimension": 3,
+        "origin": [float(v) for v in made.origin],
+        "grid": {"box": {"low": [0, 0, 0], "high": [n * h for n in made.cells], "cells": list(made.cells), "type": "hex8"}},
+        "gravity": [0, 0, -GRAVITY],
+        "outside": "remove",
+        "bodies": [{"name": "slide", "mesh": {"file": "slide.msh"}, "points_per_cell": 8,
+                    "material": plan.slide.material}],
+        "rigid_walls": [{"name": "terrain", "surface": {"triangles": "terrain.ply", "normals": "up"},
+                         "friction": plan.friction}],
+    }
+    if made.wall is not None:
+        settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
+                                   "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]
+    else:
+        settings |= {"time": time_settings(plan), "output": {"interval": plan.end / 20}}
+    return settings
+
+
+def time_settings(plan: Plan) -> dict:
+    return {"end": plan.end, "dt": plan.dt, "dt_min": plan.dt / 1024}
+
+
+def structure_settings(made: Made) -> dict:
+    return {
+        "dimension": 3,
+        "mesh": {"file": "barrier.msh"},
+        "material": made.plan.barrier.material,
+        "gravity": [0, 0, -GRAVITY],
+        "initial_equilibrium": True,
+        "time_integration": {"scheme": "bossak"},
+        "supports": [{"group": "foot", "report_reaction": True}],
+        "interfaces": [{"name": "barrier", "groups": ["faces"]}],
+        "probes": [{"name": "crest", "point": [float(v) for v in made.wall.crest]}],
+    }
+
+
+def coupling_settings(made: Made) -> dict:
+    weight = made.plan.slide.material.get("density", 1800) * GRAVITY * made.columns.filled
+    return {
+        "time": time_settings(made.plan),
+        "output": {"interval": made.plan.end / 20},
+        "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
+        "interfaces": [{"name": "barrier", "soil": "soil", "structure": "structure"}],
+        "coupling": {
+            "convergence": {"displacement": {"relative": 1e-5, "floor": 1e-9 * made.plan.cell_size},
+                            "force": {"relative": 1e-4, "floor": float(f"{1e-7 * weight:.1g}")}},
+            "mapping": {"tolerance": 1e-6 * made.plan.cell_size},
+        },
+    }
+
+
+def write_json(path: Path, values: dict) -> None:
+    """Lists of numbers and of names on one line each."""
+    text = re.sub(r"\[\s+((?:[-\d.e+]+,?\s*|\"[^\"]*\",?\s*)+)\]",
+                  lambda found: "[" + " ".join(found.group(1).split()) + "]", json.dumps(values, indent=2))
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def write_scene(made: Made, folder: Path) -> list[str]:
+    """Write the files; returns what to say of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    facets = made.slope.facets()
+    num_facets = write_ply(facets, folder / "terrain.ply")
+    write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
+    write_json(folder / "mpm.json", soil_settings(made))
+    columns, cells = made.columns, int(np.prod(made.cells))
+    lines = [f"origin of the local coordinates: ({', '.join(f'{v:.10g}' for v in made.origin)}) m",
+             f"terrain: {num_facets} facets of {facets.spacing:.3g} m",
+             f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 ({100 * (columns.filled / columns.asked - 1):+.2f} %)"
+             f" in {8 * len(columns.cells)} points; left out: columns thinner than a quarter of a cell",
+             f"grid: {' x '.join(map(str, made.cells))} = {cells} cells of {made.plan.cell_size:g} m"]
+    advised = np.sqrt(0.5) * made.plan.cell_size
+    if facets.longest_edge() > advised:
+        lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope is very steep")
+    if cells > MANY_CELLS:
+        lines.append(f"warning: more than {MANY_CELLS} cells; a smaller area or larger cells take less memory")
+    if made.wall is not None:
+        write_hexahedra(made.wall.nodes, made.wall.cells, folder / "barrier.msh", made.wall.groups)
+        write_json(folder / "fem.json", structure_settings(made))
+        write_json(folder / "coupler.json", coupling_settings(made))
+        lines.append(f"barrier: {len(made.wall.cells)} cells, {len(made.wall.nodes)} nodes")
+    else:
+        for name in ("barrier.msh", "fem.json", "coupler.json"):  # of a scene that is replaced
+            (folder / name).unlink(missing_ok=True)
+    return lines + made.plan.notes

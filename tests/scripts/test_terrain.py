@@ -1,0 +1,257 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/terrain: rasters, columns, walls and whole scenes that the programs accept.
+
+    test_terrain.py PROGRAMS      folder of the built programs
+"""
+
+import json
+import os
+import subprocess
+import sys
+import types
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from script_case import ScriptCase
+
+from made_up_results import write_space_results
+from terrain_scene.barrier import build_wall
+from terrain_scene.raster import TerrainError, read_raster
+from terrain_scene.slope import Columns, Slope, lay_columns, write_ply
+
+PROGRAMS = Path(sys.argv.pop(1)).resolve()
+WEST, SOUTH = 500000.0, 5200000.0  # of the rasters [m]
+
+
+def plane(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return 700 - 0.4 * (x - WEST) + 0.1 * (y - SOUTH)
+
+
+def volume(nodes: np.ndarray, cells: np.ndarray) -> float:
+    """Of hexahedra whose vertical edges are upright: area in plan times the mean height."""
+    corners = nodes[cells]
+    wide, high = corners[:, 2] - corners[:, 0], corners[:, 4:, 2] - corners[:, :4, 2]
+    return float((wide[:, 0] * wide[:, 1] * high.mean(axis=1)).sum())
+
+
+class TerrainCase(ScriptCase):
+    def raster(self, name: str, values: np.ndarray, head: str | None = None, spacing: float = 2.0) -> Path:
+        """values: rows from south to north."""
+        rows = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in values[::-1])
+        head = head or f"xllcorner {WEST}\nyllcorner {SOUTH}\n"
+        return self.write(name, f"NCOLS {values.shape[1]}\nnrows {values.shape[0]}\n{head}cellsize {spacing}\n"
+                                f"NODATA_value -9999\n{rows}\n")
+
+    def of_function(self, name: str, function=plane, columns: int = 20, rows: int = 12) -> Path:
+        x, y = np.meshgrid(WEST + 1 + 2 * np.arange(columns), SOUTH + 1 + 2 * np.arange(rows))
+        return self.raster(name, function(x, y))
+
+    def plan(self, **changes: object) -> Path:
+        self.of_function("slope.asc")
+        plan = {"slope": "slope.asc", "area": [[WEST + 2, SOUTH + 2], [WEST + 26, SOUTH + 20]], "cell_size": 1,
+                "clear_height": 3, "friction": 0.3,
+                "slide": {"depth": 1.5, "polygon": [[WEST + x, SOUTH + y] for x, y in
+                                                    ((5, 6), (11, 6), (11, 14), (5, 14))]},
+                "barrier": {"line": [[WEST + 20, SOUTH + 6], [WEST + 20.5, SOUTH + 14]], "height": 2, "thickness": 0.5},
+                "time": {"end": 1, "dt": 0.01}} | changes
+        return self.write("plan.json", json.dumps({k: v for k, v in plan.items() if v is not None}))
+
+    def refused(self, *words: str, **changes: object) -> None:
+        result = self.python_script("terrain", self.plan(**changes), self.folder / "scene")
+        self.assertEqual(result.returncode, 2, result.stdout)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+
+class Rasters(TerrainCase):
+    def test_corner_and_centre_name_the_same_places(self) -> None:
+        values = np.arange(12.0).reshape(3, 4)
+        corner = read_raster(self.raster("a.asc", values))
+        centre = read_raster(self.raster("b.asc", values, f"xllcenter {WEST + 1}\nyllcenter {SOUTH + 1}\n"))
+        self.assertEqual(corner.limits(), (WEST + 1, SOUTH + 1, WEST + 7, SOUTH + 5))
+        self.assertEqual(corner.limits(), centre.limits())
+        self.assertEqual(corner.at(np.array([WEST + 1]), np.array([SOUTH + 1]))[0], 0)  # in the south-west
+        self.assertEqual(corner.at(np.array([WEST + 7]), np.array([SOUTH + 5]))[0], 11)
+
+    def test_bilinear_functions_are_met_exactly(self) -> None:
+        def twisted(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+            return 3 + 0.5 * (x - WEST) - 2 * (y - SOUTH) + 0.25 * (x - WEST) * (y - SOUTH)
+
+        raster = read_raster(self.of_function("a.asc", twisted, 4, 3))
+        x = WEST + 1 + np.array([0, 0.3, 2, 3.7, 6])
+        for y in SOUTH + 1 + np.array([0.0, 1.9, 4]):
+            np.testing.assert_allclose(raster.needed_at(x, np.full(5, y)), twisted(x, y), rtol=1e-8)
+
+    def test_missing_data_is_named_by_row_and_column(self) -> None:
+        values = np.ones((3, 4))
+        values[0, 2] = -9999
+        raster = read_raster(self.raster("a.asc", values))
+        raster.needed_at(np.array([WEST + 3.0]), np.array([SOUTH + 2.0]))  # next to it
+        with self.assertRaisesRegex(TerrainError, "no data in row 3, column 3"):
+            raster.needed_at(np.array([WEST + 3.1]), np.array([SOUTH + 2.0]))
+        with self.assertRaisesRegex(TerrainError, "the raster reaches"):
+            raster.needed_at(np.array([WEST + 0.9]), np.array([SOUTH + 2.0]))
+
+    def test_broken_files(self) -> None:
+        for text, words in (("ncols 2\nnrows 2\ncellsize 1\n1 2 3 4", "exactly one of xllcorner"),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2 3 4", "cellsize"),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3", "found 3 values"),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 x", "line 7"),
+                            ("ncols 1\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2", "at least 2 x 2")):
+            with self.assertRaisesRegex(TerrainError, words):
+                read_raster(self.write("a.asc", text))
+
+    def test_geotiff_without_and_with_gdal(self) -> None:
+        path = self.write("a.tif", "")
+        with mock.patch.dict(sys.modules, {"osgeo": None}), self.assertRaisesRegex(TerrainError, "python3-gdal"):
+            read_raster(path)
+        values = np.arange(12.0).reshape(3, 4)
+        band = mock.Mock(ReadAsArray=lambda: values[::-1], GetNoDataValue=lambda: 5.0)
+        data = mock.Mock(GetRasterBand=lambda _: band)
+        osgeo = types.SimpleNamespace(gdal=mock.Mock(Open=lambda _: data))
+        with mock.patch.dict(sys.modules, {"osgeo": osgeo}):
+            data.GetGeoTransform = lambda: (WEST, 2.0, 0.0, SOUTH + 6, 0.0, -2.0)
+            tiff = read_raster(path)
+            text = read_raster(self.raster("a.asc", np.where(values == 5, -9999, values)))
+            self.assertEqual((tiff.x, tiff.y, tiff.spacing), (text.x, text.y, text.spacing))
+            np.testing.assert_array_equal(tiff.values, text.values)
+            data.GetGeoTransform = lambda: (WEST, 2.0, 0.1, SOUTH + 6, 0.0, -2.0)
+            with self.assertRaisesRegex(TerrainError, "square cells along the axes"):
+                read_raster(path)
+
+
+def dome(cells: int) -> Columns:
+    """Soil with the depth 2 (1 - r^2), r < 1, on an inclined plane: volume pi."""
+    x = np.linspace(0, 3, cells + 1)
+    slope = Slope(3 / cells, 1 + 0.5 * x[None, :] - 0.2 * x[:, None])
+    return lay_columns(slope, lambda x, y: np.maximum(0, 2 * (1 - (x - 1.5) ** 2 - (y - 1.5) ** 2)))
+
+
+class Shapes(TerrainCase):
+    def test_columns_have_the_volume_that_they_say(self) -> None:
+        for cells in (12, 24):
+            made = dome(cells)
+            self.assertAlmostEqual(volume(made.nodes, made.cells), made.filled, delta=1e-12)
+            self.assertLess(abs(made.asked - np.pi), 1e-3)
+            high = made.nodes[made.cells][:, 4:, 2] - made.nodes[made.cells][:, :4, 2]
+            self.assertLess(high.max(), 3 / cells * (1 + 1e-9))
+
+    def test_thin_rims_left_out_vanish_with_the_cells(self) -> None:
+        # A rim as wide as the depth of a quarter of a cell takes: of the order h^2.
+        lost = [made.asked - made.filled for made in map(dome, (12, 24, 48))]
+        self.assertGreater(min(lost), 0)
+        self.assertGreater(np.log2(lost[0] / lost[2]) / 2, 1.7)
+
+    def test_a_polygon_that_cuts_cells_keeps_its_volume(self) -> None:
+        slope = Slope(1.0, np.zeros((9, 9)))
+        made = lay_columns(slope, lambda x, y: 2.0 * ((x > 1.5) & (x < 5.25) & (y > 2) & (y < 6)))
+        self.assertAlmostEqual(made.filled, 2 * 3.75 * 4, delta=1e-12)
+        self.assertAlmostEqual(volume(made.nodes, made.cells), made.filled, delta=1e-12)
+
+    def test_facets_look_up_and_lie_on_the_slope(self) -> None:
+        random = np.random.default_rng(1)
+        slope = Slope(0.5, random.uniform(0, 0.6, (4, 6)))
+        self.assertEqual(write_ply(slope, self.folder / "a.ply"), 2 * 3 * 5)
+        head, body = (self.folder / "a.ply").read_bytes().split(b"end_header\n")
+        nodes = np.frombuffer(body[:24 * 12], "<f4").reshape(24, 3)
+        faces = np.frombuffer(body[24 * 12:], [("size", "u1"), ("corners", "<i4", 3)])["corners"]
+        normals = np.cross(nodes[faces[:, 1]] - nodes[faces[:, 0]], nodes[faces[:, 2]] - nodes[faces[:, 0]])
+        np.testing.assert_allclose(normals[:, 2], 0.25, rtol=1e-6)
+        fine = slope.facets()
+        pieces = round(slope.spacing / fine.spacing)
+        np.testing.assert_allclose(fine.z[::pieces, ::pieces], slope.z, rtol=1e-12)
+        self.assertLessEqual(fine.longest_edge(), np.sqrt(0.5) * slope.spacing)
+        self.assertGreater(slope.cut(pieces - 1).longest_edge(), np.sqrt(0.5) * slope.spacing)
+
+    def test_wall_on_a_slope(self) -> None:
+        slope = Slope(1.0, np.arange(11)[:, None] * 0.3 + np.zeros((1, 11)))
+        line = np.array([[2.0, 2.0], [5.0, 2.5], [8.0, 2.0]])
+        wall = build_wall(slope, line, 3.0, 0.4)
+        below = slope.at(wall.nodes[:, 0], wall.nodes[:, 1]) - wall.nodes[:, 2]
+        self.assertAlmostEqual(below.max(), 1.0)
+        self.assertAlmostEqual(below.min(), -3.0, delta=0.3 * 0.25)  # on the lower side, which the crest does not follow
+        self.assertAlmostEqual(wall.crest[2], 0.3 * 2.5 + 3)
+        foot, faces = (set(wall.groups[name].ravel()) for name in ("foot", "faces"))
+        self.assertLess(np.abs(below[sorted(foot & faces)]).max(), 1e-12)  # they meet at the ground
+        # Faces and foot are closed: the volume by the divergence theorem is thickness x length x height.
+        self.assertEqual(len(wall.groups["foot"]) + len(wall.groups["faces"]),
+                         len({tuple(sorted(facet)) for group in wall.groups.values() for facet in group}))
+        with self.assertRaisesRegex(TerrainError, "outside the area"):
+            build_wall(slope, line + 5, 3.0, 0.4)
+
+
+class Scenes(TerrainCase):
+    def check(self, *programs: str) -> str:
+        scene = self.folder / "scene"
+        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
+        for k, program in enumerate(programs):
+            command += [*([":"] if k else []), "-n", "1", str(PROGRAMS / program), str(scene), "--check", "--output",
+                        str(self.folder / "out")]
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90, env=environment)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        return ended.stdout + ended.stderr
+
+    def make(self, **changes: object) -> str:
+        result = self.python_script("terrain", self.plan(**changes), self.folder / "scene")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_soil_and_barrier(self) -> None:
+        said = self.make()
+        self.assertIn("72 m^3 in the plan, 72 m^3 (+0.00 %)", said)
+        self.assertIn("material: not given, taken", said)
+        self.assertTrue((self.folder / "scene" / "scene.png").exists())
+        soil = json.loads((self.folder / "scene" / "mpm.json").read_text())
+        self.assertEqual(soil["origin"][:2], [WEST + 2, SOUTH + 2])
+        checked = self.check("coupler", "mpm_solver", "fem_solver")
+        self.assertNotIn("warning", checked)
+        self.assertIn("basis: gimp", checked)
+        gap = float(checked.split("terrain: smallest gap to the soil ")[1].split()[0])
+        self.assertLess(abs(gap), 1e-6)  # it rests on the plane
+
+    def test_soil_alone_between_two_rasters(self) -> None:
+        self.of_function("top.asc", lambda x, y: plane(x, y) + 2 * (abs(x - WEST - 9) < 3) * (abs(y - SOUTH - 10) < 3))
+        self.make(barrier=None, slide={"top": "top.asc"})
+        self.assertFalse((self.folder / "scene" / "coupler.json").exists())
+        self.assertIn("basis: gimp", self.check("mpm_solver"))
+
+    def test_plans_that_cannot_be(self) -> None:
+        self.refused("unknown: depht", slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
+        self.refused("exactly one of depth", slide={"polygon": [[0, 0], [1, 0], [0, 1]]})
+        self.refused("found no mass", slide={"depth": 1, "polygon": [[0, 0], [1, 0], [0, 1]]})
+        self.refused("/cell_size: found 0", cell_size=0)
+        self.refused("two corners", area=[[1, 1], [0, 2]])
+        self.refused("the raster reaches", area=[[WEST, SOUTH], [WEST + 10, SOUTH + 10]])
+        self.refused("mass at the rim", slide={"depth": 1, "polygon": [[WEST + x, SOUTH + y] for x, y in
+                                                                       ((2, 6), (9, 6), (9, 12), (2, 12))]})
+
+    def test_a_scene_is_not_written_over_unasked(self) -> None:
+        self.make(barrier=None)
+        settings = self.folder / "scene" / "mpm.json"
+        settings.write_text("{}")
+        self.refused("has a scene already", "--replace")
+        self.assertEqual(settings.read_text(), "{}")
+        for barrier, files in (({}, 3), ({"barrier": None}, 1)):
+            result = self.python_script("terrain", self.plan(**barrier), self.folder / "scene", "--replace")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertNotEqual(settings.read_text(), "{}")
+            self.assertEqual(len(list(settings.parent.glob("*.json"))), files)
+
+    def test_points_of_results_in_coordinates_of_the_world(self) -> None:
+        results = write_space_results(self.folder / "results")
+        settings = results / "mpm" / "resolved_config.json"
+        values = json.loads(settings.read_text())
+        values["mpm.json"]["origin"] = [WEST, SOUTH, 700]
+        settings.write_text(json.dumps(values))
+        ended = self.python_script("terrain", "--world", results, self.folder / "world.csv", "--time", 0)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        table = np.genfromtxt(self.folder / "world.csv", delimiter=",", names=True)
+        self.assertTrue((np.abs(table["x"] - WEST) < 10).all() and (np.abs(table["z"] - 700) < 10).all())
+
+
+if __name__ == "__main__":
+    unittest.main()
