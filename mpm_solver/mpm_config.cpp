@@ -9,6 +9,7 @@
 
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
+#include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
@@ -236,6 +237,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
+  settings.gauges = read_gauges<dim>(in);
   settings.outside = in.choice("outside") == "remove" ? Outside::remove : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);

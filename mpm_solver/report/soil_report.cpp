@@ -59,6 +59,7 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
+  for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
   if (settings.outside == Outside::remove) {
     names.insert(names.end(), {"removed_points", "removed_mass"});
   }
@@ -83,6 +84,7 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   append(motion);
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
+  append(state.gauges.values(state.points));
   if (model_.settings.outside == Outside::remove) {
     append(std::vector{static_cast<double>(state.removed_points), state.ledger.removed_mass()});
   }

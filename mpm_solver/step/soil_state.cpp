@@ -160,6 +160,7 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
       surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls),
       ledger(model.comm),
       control(model.settings.step_control),
+      gauges(model.comm, model.settings.gauges, model.cell_size),
       wall_forces(model.wall_groups.size(), Vector<dim>::Zero()),
       rigid_wall_forces(model.settings.rigid_walls.size() * wall_values<dim>, 0.0),
       probe_points(find_probe_points(model, points)) {
@@ -202,6 +203,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.integer("removed_points", removed_points);
   visitor.flag("nearly_linear", nearly_linear);
   control.visit_state(visitor);
+  gauges.visit_state(visitor);
 }
 
 template <int dim>

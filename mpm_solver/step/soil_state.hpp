@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/gauges/gauges.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
 #include "mpm_solver/step/step_control.hpp"
@@ -33,6 +34,7 @@ struct SoilState {
   Surfaces<dim> surfaces;
   Ledger<dim> ledger;
   StepControl control;
+  Gauges<dim> gauges;
   std::vector<Vector<dim>> wall_forces;    ///< on SoilModel::wall_groups [N]
   std::vector<double> rigid_wall_forces;   ///< Surfaces::forces_on_walls
   std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it

@@ -244,6 +244,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
+  state_.gauges.begin_step(points);
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
   if (!with_inertia_) {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
@@ -255,6 +256,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   if (model_.settings.locking.average_volumes) {
     balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
   }
+  state_.gauges.add_step(points, dt_);
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());

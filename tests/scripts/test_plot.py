@@ -10,7 +10,7 @@ import numpy as np
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
-from plotting import contact, history
+from plotting import contact, gauges, history
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
@@ -322,6 +322,25 @@ class Contact(ScriptCase):
         drawn = [Path(line) for line in result.stdout.splitlines() if "contact" in line]
         self.assertEqual([path.name for path in drawn], ["contact_wall.png"])
         self.assertGreater(drawn[0].stat().st_size, 5000)
+
+
+class Gauges(ScriptCase):
+    def test_a_panel_a_quantity_and_a_colour_a_gauge(self) -> None:
+        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "mass", "pressure", "dynamic_pressure"]
+        head = ["time", "soil.mass", *(f"soil.{gauge}.{name}" for gauge in ("toe", "top") for name in columns)]
+        made_up.write_table(self.folder / "probes.csv", head, [[t, 1, *range(t, t + 16)] for t in range(3)])
+        self.assertEqual(gauges.gauge_names(Table(self.folder / "probes.csv")), ["soil.toe", "soil.top"])
+        with mock.patch.object(gauges, "save", lambda figure, path: figure):
+            figure = gauges.plot_gauges(Results(self.folder), self.folder)
+        self.addCleanup(plt.close, figure)
+        toe, toe_top, top, _, _ = figure.axes[0].get_lines()
+        self.assertEqual([toe.get_color(), toe_top.get_color(), top.get_color()], [*COLOURS[:1] * 2, COLOURS[1]])
+        np.testing.assert_array_equal(top.get_ydata(), [8, 9, 10])
+        self.assertEqual(len(figure.axes[3].get_lines()), 3)  # mass and zero
+
+    def test_a_run_without_gauges(self) -> None:
+        run = Results(made_up.write_results(self.folder / "a"))
+        self.assertIsNone(gauges.plot_gauges(run, self.folder))
 
 
 class Curves(ScriptCase):
