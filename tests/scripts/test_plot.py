@@ -326,7 +326,7 @@ class Contact(ScriptCase):
 
 class Gauges(ScriptCase):
     def test_a_panel_a_quantity_and_a_colour_a_gauge(self) -> None:
-        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "mass", "pressure", "dynamic_pressure"]
+        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "passed_mass", "pressure", "dynamic_pressure"]
         head = ["time", "soil.mass", *(f"soil.{gauge}.{name}" for gauge in ("toe", "top") for name in columns)]
         made_up.write_table(self.folder / "probes.csv", head, [[t, 1, *range(t, t + 16)] for t in range(3)])
         self.assertEqual(gauges.gauge_names(Table(self.folder / "probes.csv")), ["soil.toe", "soil.top"])
@@ -392,6 +392,17 @@ class Curves(ScriptCase):
         axes = self.axes_of(history.plot_energies, Results(folder))
         self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
                          ["soil gravity work", "soil damping", "soil kinetic energy"])
+
+    def test_forces_and_moments_of_interfaces(self) -> None:
+        head = ["time", "fx", "fy", "wall.fx", "wall.fy", "wall.mz", "net.fx", "net.fy", "net.mz"]
+        legend = {"one": ["fx", "fy"], "two": ["fx", "fy", "wall fx", "wall fy", "net fx", "net fy"]}
+        for interfaces, forces in legend.items():
+            names = head if interfaces == "two" else head[:6]
+            made_up.write_table(self.folder / "steps.csv", names, [[t, *range(len(names) - 1)] for t in range(2)])
+            run = Results(self.folder)
+            shown = [[text.get_text() for text in self.axes_of(plot, run)[0].get_legend().get_texts()]
+                     for plot in (history.plot_forces, history.plot_moments)]
+            self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
 
     def test_runs_in_the_plane_are_horizontal_and_vertical(self) -> None:
         run = Results(made_up.write_results(self.folder / "a"))
