@@ -227,6 +227,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
+  std::vector<std::string> walls;
+  for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
+  resolve_rigid_walls(in, walls, settings.phases);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);

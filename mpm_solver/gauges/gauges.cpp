@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
@@ -127,18 +126,13 @@ Gauges<dim>::Gauges(MPI_Comm comm, const std::vector<Gauge<dim>>& gauges, double
     : comm_(comm), gauges_(gauges), thickness_(thickness), passages_(gauges.size()) {}
 
 template <int dim>
-void Gauges<dim>::begin_step(const MaterialPoints<dim>& points) {
-  if (!gauges_.empty()) x_n_ = points.x;
-}
-
-template <int dim>
-void Gauges<dim>::add_step(const MaterialPoints<dim>& points, double dt) {
+void Gauges<dim>::add_step(std::span<const Vector<dim>> x_n, const MaterialPoints<dim>& points,
+                           double dt) {
   if (gauges_.empty()) return;
-  require(x_n_.size() == points.x.size(), "gauges: a step ends that did not begin");
   std::vector<Vector<dim + 1>> passed(gauges_.size(), Vector<dim + 1>::Zero());
   for (std::size_t k = 0; k < gauges_.size(); ++k) {
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      const int way = gauges_[k].crossing(x_n_[p], points.x[p]);
+      const int way = gauges_[k].crossing(x_n[p], points.x[p]);
       if (way == 0) continue;
       passed[k][0] += way * points.m[p];
       passed[k].template tail<dim>() += way * points.m[p] * points.v[p];
@@ -156,7 +150,7 @@ void Gauges<dim>::add_step(const MaterialPoints<dim>& points, double dt) {
 
 template <int dim>
 std::vector<std::string> Gauges<dim>::names(const std::vector<Gauge<dim>>& gauges) {
-  static constexpr const char* passed[] = {"mass", "mass_flux"};
+  static constexpr const char* passed[] = {"passed_mass", "mass_flux"};
   static constexpr const char* section[] = {
       "area",         "depth",       "top",       "section_flux",
       "normal_speed", "speed",       "max_speed", "dynamic_pressure",
@@ -164,7 +158,7 @@ std::vector<std::string> Gauges<dim>::names(const std::vector<Gauge<dim>>& gauge
   std::vector<std::string> names;
   for (const auto& gauge : gauges) {
     for (const char* column : passed) names.push_back(fmt::format("{}.{}", gauge.name, column));
-    for (const char* kind : {"momentum", "momentum_flux"}) {
+    for (const char* kind : {"passed_momentum", "momentum_flux"}) {
       for (int d = 0; d < dim; ++d) {
         names.push_back(fmt::format("{}.{}_{}", gauge.name, kind, "xyz"[d]));
       }

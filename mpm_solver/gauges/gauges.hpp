@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,10 +52,10 @@ class Gauges {
   /// @param thickness  of the slabs [m]
   Gauges(MPI_Comm comm, const std::vector<Gauge<dim>>& gauges, double thickness);
 
-  /// The points are about to move.
-  void begin_step(const MaterialPoints<dim>& points);
-  /// They have moved; none has been added or taken out. @param dt  [s] @note Collective.
-  void add_step(const MaterialPoints<dim>& points, double dt);
+  /// @param x_n     where the points were at the start of the step [m]; not read without gauges
+  /// @param points  at its end; none has been taken out
+  /// @note  Collective.
+  void add_step(std::span<const Vector<dim>> x_n, const MaterialPoints<dim>& points, double dt);
 
   const std::vector<Passage<dim>>& passages() const { return passages_; }
 
@@ -69,7 +70,6 @@ class Gauges {
   MPI_Comm comm_;
   const std::vector<Gauge<dim>>& gauges_;
   double thickness_;
-  std::vector<Vector<dim>> x_n_;  // of this rank's points at the start of the step [m]
   std::vector<Passage<dim>> passages_;
 };
 

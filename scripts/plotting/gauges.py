@@ -14,7 +14,7 @@ PANELS = (
     ("depth [m]", "depth", "top"),
     ("speed [m/s]", "normal_speed", "max_speed"),
     ("mass flux [kg/s{}]", "section_flux", ""),
-    ("mass [kg{}]", "mass", ""),
+    ("mass passed\n[kg{}]", "passed_mass", ""),
     ("pressure [Pa]", "pressure", "dynamic_pressure"),
 )
 

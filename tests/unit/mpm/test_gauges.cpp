@@ -88,12 +88,12 @@ TEST(Gauges, a_block_that_flies_through) {
       EXPECT_NEAR(probe(*solver, "g.speed"), 4, 1e-9);
       EXPECT_NEAR(probe(*solver, "g.max_speed"), 4, 1e-9);
       EXPECT_NEAR(probe(*solver, "g.dynamic_pressure"), 16000, 1e-4);
-      EXPECT_NEAR(probe(*solver, "g.mass"), 1000 * std::clamp(front - 1.7, 0.0, 1.0), 1000 * 0.14);
-      EXPECT_NEAR(probe(*solver, "g.momentum_x"), 4 * probe(*solver, "g.mass"), 1e-6);
+      EXPECT_NEAR(probe(*solver, "g.passed_mass"), 1000 * std::clamp(front - 1.7, 0.0, 1.0), 1000 * 0.14);
+      EXPECT_NEAR(probe(*solver, "g.passed_momentum_x"), 4 * probe(*solver, "g.passed_mass"), 1e-6);
     }
-    EXPECT_NEAR(probe(*solver, "g.mass"), 1000, 1e-9);
+    EXPECT_NEAR(probe(*solver, "g.passed_mass"), 1000, 1e-9);
     EXPECT_NEAR(through, 1000, 1e-9);
-    EXPECT_NEAR(probe(*solver, "g.momentum_x"), 4000, 1e-6);
+    EXPECT_NEAR(probe(*solver, "g.passed_momentum_x"), 4000, 1e-6);
     EXPECT_EQ(probe(*solver, "g.depth"), 0);
     EXPECT_EQ(probe(*solver, "g.max_speed"), 0);
   }
@@ -157,15 +157,15 @@ void check_cage() {
     take_steps(*solver, 0.005, n, 1);
     double out = 0;
     for (const auto& entry : json["gauges"]) {
-      const double mass = probe(*solver, entry.at("name").template get<std::string>() + ".mass");
+      const double mass = probe(*solver, entry.at("name").template get<std::string>() + ".passed_mass");
       out += mass;
       moved += std::abs(mass);
     }
     EXPECT_NEAR(start - mass_in_cage(*solver), out, 1e-10 * start) << n;
   }
   EXPECT_GT(moved, 0.5 * start);
-  EXPECT_GT(probe(*solver, "right.mass"), 0.05 * start);
-  EXPECT_LT(probe(*solver, "top.mass"), -0.05 * start);
+  EXPECT_GT(probe(*solver, "right.passed_mass"), 0.05 * start);
+  EXPECT_LT(probe(*solver, "top.passed_mass"), -0.05 * start);
 }
 
 TEST(Gauges, what_passes_closed_gauges_is_what_is_missing_inside) {
@@ -201,7 +201,7 @@ TEST(Gauges, go_on_from_a_saved_state_to_the_bit) {
   EXPECT_EQ(second->probes(), first->probes());
   take_steps(*second, 0.005, 16, 15);
   EXPECT_EQ(second->probes(), through->probes());
-  EXPECT_NE(probe(*through, "right.mass"), 0);
+  EXPECT_NE(probe(*through, "right.passed_mass"), 0);
 }
 
 TEST(Gauges, corners_that_make_no_gauge_are_refused) {
