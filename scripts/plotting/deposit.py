@@ -19,7 +19,7 @@ ROUND_OFF = 1e-9  # of a cell: less of a point over the next cell makes no new c
 class Plan:
     """Square cells over the plan. 2D: a row of cells along x.
 
-    axes: of the scene, those of the plan; low: corner of the first cell [m]; cell: its side [m]; shape: number of
+    axes: of the scene, those of the plan, one less than its dimension; low: corner of the first cell [m]; cell: its side [m]; shape: number of
     cells along each axis.
     """
 
@@ -56,7 +56,7 @@ def _volumes(frame: Frame, series: Series) -> np.ndarray:
 
 def _extents(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corners in the plan of the cubes (2D: squares) that the points stand for."""
-    half = 0.5 * _volumes(frame, series) ** (1 / frame.points.shape[1])
+    half = 0.5 * _volumes(frame, series) ** (1 / (len(axes) + 1))
     centres = frame.points[:, axes]
     return centres - half[:, None], centres + half[:, None]
 
@@ -70,7 +70,7 @@ def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | No
     for k in range(last + 1):
         frame = series.frame(k)
         if not k and cell is None:
-            cell = 2 * float(np.mean(_volumes(frame, series))) ** (1 / frame.points.shape[1])
+            cell = 2 * float(np.mean(_volumes(frame, series))) ** (1 / (len(axes) + 1))
         low, high = _extents(frame, axes, series)
         corners += [low.min(axis=0), high.max(axis=0)]
     first = np.floor(np.min(corners, axis=0) / cell + ROUND_OFF)
@@ -122,8 +122,7 @@ def find_deposit(results: Results, time: float | None = None, cell: float | None
         raise ResultsError(f"{results.folder}: has no mpm/soil.xdmf")
     last = len(series) - 1 if time is None else series.nearest(time)
     up = up_axis(results.dim, results.gravity)
-    dim = series.frame(0).points.shape[1]
-    plan = make_plan(series, tuple(axis for axis in range(dim) if axis != up), last, cell)
+    plan = make_plan(series, tuple(axis for axis in range(results.dim) if axis != up), last, cell)
     max_depth, max_speed = np.zeros(plan.shape), np.zeros(plan.shape)
     depth = max_depth
     for k in range(last + 1):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Curves over time and over iterations: probes, residuals, iterations, forces, moments, energies."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ ITERATIONS = {
     "structure_newton": "Newton, structure",
     "newton_iterations": "Newton",
 }
+REMOVED = re.compile(r"(?:^|\.)(?:removed_mass|removed\..+\.mass)$")
 COMPONENTS = ("ux", "uy", "uz")
 VARIED = 4  # largest over smallest step from which on step sizes are drawn on a logarithmic scale
 
@@ -202,6 +204,14 @@ def plot_moments(results: Results, out: Path) -> Path | None:
     tables = [results.table("steps.csv"), results.table("probes.csv")]
     curves = [(table, name) for table in tables for name in _of_surfaces(table, MOMENTS)]
     return _plot_curves(curves, f"moment [N m{results.per_metre}]", out / "moments.png")
+
+
+def plot_removed(results: Results, out: Path) -> Path | None:
+    """Mass that has left the grid, by side, against time."""
+    table = results.table("probes.csv")
+    names = [name for name in table.names if REMOVED.search(name)] if table else []
+    curves = [(table, name) for name in names if np.any(table[name] > 0)]
+    return _plot_curves(curves, f"mass that left the grid [kg{results.per_metre}]", out / "removed.png")
 
 
 def _of_surfaces(table: Table | None, components: tuple[str, ...]) -> list[str]:

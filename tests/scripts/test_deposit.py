@@ -25,8 +25,10 @@ def frame(time: float, low: list[float], size: list[float], speed: float, spacin
 
 class Deposits(ScriptCase):
     def run_of(self, *frames: tuple) -> Results:
-        made_up.write_series(self.folder / "mpm", "soil", list(frames))
+        """Frames have three coordinates in the plane too, as those of the programs."""
         dim = frames[0][1].shape[1]
+        padded = [(time, np.pad(points, ((0, 0), (0, 3 - dim))), cells, fields) for time, points, cells, fields in frames]
+        made_up.write_series(self.folder / "mpm", "soil", padded)
         made_up.write_table(self.folder / "probes.csv", ["time", f"soil.A.u{'xyz'[dim - 1]}"], [[0, 0]])
         return Results(self.folder)
 
@@ -79,7 +81,8 @@ class Deposits(ScriptCase):
         np.testing.assert_allclose(rows, [[0.2, 0], [0.2, 0], [0.4, 0.4]], atol=1e-15)
 
     def test_profile_in_the_plane(self) -> None:
-        self.run_of(frame(0, [0, 0], [0.4, 0.2], 1.0))
+        run = self.run_of(frame(0, [0, 0], [0.4, 0.2], 1.0))
+        self.assertAlmostEqual(deposit.find_deposit(run).plan.cell, 0.1)  # two points
         result = self.python_script("deposit", self.folder, "--cell", "0.2")
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         table = np.genfromtxt(self.folder / "deposit" / "deposit.csv", delimiter=",", names=True)

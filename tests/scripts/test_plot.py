@@ -404,6 +404,13 @@ class Curves(ScriptCase):
                      for plot in (history.plot_forces, history.plot_moments)]
             self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
 
+    def test_mass_that_left_by_side(self) -> None:
+        names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]
+        made_up.write_table(self.folder / "probes.csv", names, [[0, 5, 0, 0, 0], [1, 2, 3, 3, 0]])
+        axes = self.axes_of(history.plot_removed, Results(self.folder))
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
+                         ["soil removed mass", "soil removed right mass"])
+
     def test_runs_in_the_plane_are_horizontal_and_vertical(self) -> None:
         run = Results(made_up.write_results(self.folder / "a"))
         axes = self.axes_of(history.plot_probes, {"a": run})

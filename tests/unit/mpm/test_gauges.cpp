@@ -88,7 +88,8 @@ TEST(Gauges, a_block_that_flies_through) {
       EXPECT_NEAR(probe(*solver, "g.speed"), 4, 1e-9);
       EXPECT_NEAR(probe(*solver, "g.max_speed"), 4, 1e-9);
       EXPECT_NEAR(probe(*solver, "g.dynamic_pressure"), 16000, 1e-4);
-      EXPECT_NEAR(probe(*solver, "g.passed_mass"), 1000 * std::clamp(front - 1.7, 0.0, 1.0), 1000 * 0.14);
+      EXPECT_NEAR(probe(*solver, "g.passed_mass"), 1000 * std::clamp(front - 1.7, 0.0, 1.0),
+                  1000 * 0.14);
       EXPECT_NEAR(probe(*solver, "g.passed_momentum_x"), 4 * probe(*solver, "g.passed_mass"), 1e-6);
     }
     EXPECT_NEAR(probe(*solver, "g.passed_mass"), 1000, 1e-9);
@@ -157,7 +158,8 @@ void check_cage() {
     take_steps(*solver, 0.005, n, 1);
     double out = 0;
     for (const auto& entry : json["gauges"]) {
-      const double mass = probe(*solver, entry.at("name").template get<std::string>() + ".passed_mass");
+      const double mass =
+          probe(*solver, entry.at("name").template get<std::string>() + ".passed_mass");
       out += mass;
       moved += std::abs(mass);
     }
