@@ -92,7 +92,11 @@ KeyTable interface_keys() {
           "A surface that a soil and a structure share.",
           {key::plain_name("By which both participants know it; its own."),
            key::text("soil", "Participant that sends force."),
-           key::text("structure", "Participant that sends displacement.")}};
+           key::text("structure", "Participant that sends displacement."),
+           key::vector("moment_about", "m",
+                       "Place about which steps.csv gives the moment on the structure, such as its "
+                       "foot; none: the origin.")
+               .or_none()}};
 }
 
 DtByIterations read_step_control(ConfigReader in) {
@@ -170,7 +174,8 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
   std::set<std::string> names;
   std::set<std::string> used;
   for (auto& entry : in.objects("interfaces")) {
-    const InterfaceSettings s{entry.name("name"), entry.text("soil"), entry.text("structure")};
+    InterfaceSettings s{entry.name("name"), entry.text("soil"), entry.text("structure")};
+    s.moment_about = entry.optional_vector("moment_about").value_or(std::vector<double>{});
     entry.finish();
     if (!names.insert(s.name).second) {
       entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));

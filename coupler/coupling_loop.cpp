@@ -10,13 +10,23 @@
 
 namespace gabion {
 
+namespace {
+
+std::vector<std::string> interface_names(const CouplerSettings& settings) {
+  std::vector<std::string> names;
+  for (const auto& interface : settings.interfaces) names.push_back(interface.name);
+  return names;
+}
+
+}  // namespace
+
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
                            const std::vector<NamedSolver>& participants, RunRecord& files,
                            RunKeeper* keeper)
     : settings_(settings),
       files_(files),
       sides_(settings_, participants, phases_),
-      record_(files, sides_.map().dim()),
+      record_(files, sides_.map().dim(), interface_names(settings)),
       step_(settings_.coupling, sides_, record_, counts_, phases_),
       steps_(settings.time),
       checkpoints_(
@@ -113,6 +123,7 @@ void CouplingLoop::record_step(const Attempt& done, int cuts, const Stopwatch& w
               .skipped = done.skipped,
               .soil_newton = done.soil_newton,
               .structure_newton = done.structure_newton,
+              .interfaces = sides_.map().structure_resultants(done.x, done.f),
               .soil_work = soil_work_.accept(done.u, -done.f_soil),
               .structure_work = structure_work_.accept(done.x_tilde, done.f_given),
               .cuts = cuts,

@@ -10,6 +10,7 @@
 #include "common/base/log.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
+#include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
@@ -235,6 +236,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
+  std::vector<std::string> walls;
+  for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
+  resolve_rigid_walls(in, walls, settings.phases);
   for (const Phase& phase : settings.phases) {
     if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
       require_balance_at_end_of_step(in, phase.scheme);
@@ -245,6 +249,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
+  settings.gauges = read_gauges<dim>(in);
   settings.outside = in.choice("outside") == "remove" ? Outside::remove : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);

@@ -10,6 +10,7 @@
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/settings/scene.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
+#include "mpm_solver/gauges/gauge.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -53,6 +54,7 @@ struct MpmSettings {
   std::vector<ContactSettings<dim>> interfaces;
   std::vector<RigidWallSettings<dim>> rigid_walls;
   std::vector<PointProbe<dim>> probes;
+  std::vector<Gauge<dim>> gauges;
   Outside outside = Outside::error;
 };
 

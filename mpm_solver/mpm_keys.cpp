@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mpm_solver/contact/contact_keys.hpp"
+#include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
 
 namespace gabion::mpm {
@@ -107,6 +108,8 @@ std::vector<Key> surface_and_solver_keys() {
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
       key::objects("probes", probe_keys(), "Reported places.").or_empty(),
+      key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
+          .or_empty(),
       key::object("newton", newton_keys(MpmSettings<2>{}.newton), "Newton's method.").or_empty(),
       key::object("linear_solver", linear_solver_keys(), "Linear systems.").or_empty(),
       key::object("step_control", step_control_keys(), "Limits of dt; none: no limit acts.")

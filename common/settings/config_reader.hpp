@@ -60,6 +60,8 @@ class ConfigReader {
 
   // A missing key gives nothing.
   std::optional<double> optional_number(const std::string& key);
+  /// As many numbers as a vector may have, where the dimension is not known yet.
+  std::optional<std::vector<double>> optional_vector(const std::string& key);
   std::optional<ConfigReader> optional_object(const std::string& key);
   /// null gives nothing, a missing key its default.
   std::optional<double> number_or_null(const std::string& key);

@@ -87,6 +87,13 @@ Mapping make_mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
   }
 }
 
+void check_moment_about(const InterfaceSettings& names, int dim) {
+  const std::size_t size = names.moment_about.size();
+  require<ConfigError>(size == 0 || size == static_cast<std::size_t>(dim),
+                       "interface \"{}\": found \"moment_about\" with {} numbers, allowed: {}",
+                       names.name, size, dim);
+}
+
 void log_report(const InterfaceSettings& names, const Mapping& mapping, const std::string& method) {
   const MappingReport& report = mapping.report();
   log::info("interface {}: {} vertices of {} on {} of {} ({}), farthest {:.3g} m", names.name,
@@ -115,6 +122,7 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
                          "interface \"{}\" has dimension {}, interface \"{}\" has {}; "
                          "allowed: equal",
                          names.name, structure.dim, interfaces.front().name, dim_);
+    check_moment_about(names, dim_);
     interfaces_.push_back({.names = names,
                            .soil_mesh = soil,
                            .structure_mesh = structure,
@@ -260,6 +268,21 @@ Resultant InterfaceMap::structure_resultant(const Eigen::VectorXd& x,
                   sum);
   }
   return sum;
+}
+
+std::vector<Resultant> InterfaceMap::structure_resultants(const Eigen::VectorXd& x,
+                                                          const Eigen::VectorXd& f) const {
+  std::vector<Resultant> all;
+  for (const Interface& interface : interfaces_) {
+    Resultant& own = all.emplace_back();
+    add_resultant(interface.structure_mesh, x.data() + interface.begin, f.data() + interface.begin,
+                  own);
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();
+    const auto& place = interface.names.moment_about;
+    for (std::size_t i = 0; i < place.size(); ++i) about(static_cast<Eigen::Index>(i)) = place[i];
+    own.moment -= about.cross(own.force);
+  }
+  return all;
 }
 
 }  // namespace gabion

@@ -19,6 +19,7 @@ struct InterfaceSettings {
   std::string name;
   std::string soil;
   std::string structure;
+  std::vector<double> moment_about = {};  ///< [m], dim numbers; empty: the origin
 };
 
 /// Force and moment about the origin, in deformed positions.
@@ -55,6 +56,11 @@ class InterfaceMap {
   Eigen::VectorXd structure_force(const Eigen::VectorXd& f_soil) const;  ///< f
   Resultant soil_resultant(const Eigen::VectorXd& u, const Eigen::VectorXd& f_soil) const;
   Resultant structure_resultant(const Eigen::VectorXd& x, const Eigen::VectorXd& f) const;
+
+  /// On the structure at each interface, in the order of the settings; moments about its
+  /// InterfaceSettings::moment_about, a place in space.
+  std::vector<Resultant> structure_resultants(const Eigen::VectorXd& x,
+                                              const Eigen::VectorXd& f) const;
 
   /// x was accepted. With positions "deformed": set up again the maps of the interfaces that have a
   /// vertex which has moved by more than the share `moved` of the structure's extent since the last

@@ -35,6 +35,16 @@ Columns CouplingRecord::force_columns(const std::string& prefix) const {
   return columns;
 }
 
+/// Force and moment of each interface.
+Columns CouplingRecord::interface_columns() const {
+  Columns columns;
+  for (const std::string& interface : interfaces_) {
+    append(columns, force_columns(interface + ".f"));
+    append(columns, dim_ == 2 ? Columns{interface + ".mz"} : force_columns(interface + ".m"));
+  }
+  return columns;
+}
+
 void CouplingRecord::start(const Columns& probe_names) {
   Columns columns = {"schema",
                      "step",
@@ -99,6 +109,7 @@ void CouplingRecord::start_steps(const Json& details) {
   append(columns, force_columns("f"));
   append(columns,
          {"soil_work", "structure_work", "work_sum", "soil_newton", "structure_newton", "cuts"});
+  append(columns, interface_columns());
   append(columns, details_.names());
   append(columns, {"acceleration_seconds", "wall_seconds"});
   files_.open_table("steps.csv", columns);
@@ -121,6 +132,10 @@ void CouplingRecord::step(const StepRow& row) {
   cells.push_back(cell(row.soil_newton));
   cells.push_back(cell(row.structure_newton));
   cells.push_back(cell(row.cuts));
+  for (const Resultant& of : row.interfaces) {
+    append_force(cells, of.force, dim_);
+    for (int i = dim_ == 2 ? 2 : 0; i < 3; ++i) cells.emplace_back(of.moment(i));
+  }
   details_.append(row.details, cells);
   cells.emplace_back(row.acceleration_seconds);
   cells.emplace_back(row.wall_seconds);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/run/run_record.hpp"
@@ -35,6 +36,7 @@ struct StepRow {
   std::string skipped = {};  ///< none, acceleration, structure
   int soil_newton = 0;       ///< all iterations of the accepted solution
   int structure_newton = 0;
+  std::vector<Resultant> interfaces = {};  ///< on the structure, of each interface
   double soil_work = 0;       ///< [J] of the interface forces on the soils, in this step
   double structure_work = 0;  ///< [J] on the structures
   int cuts = 0;
@@ -47,7 +49,9 @@ struct StepRow {
 /// "_seconds" and stand last; all others are equal in two runs of one scene.
 class CouplingRecord {
  public:
-  CouplingRecord(RunRecord& files, int dim) : files_(files), dim_(dim) {}
+  /// @param interfaces  their names
+  CouplingRecord(RunRecord& files, int dim, std::vector<std::string> interfaces)
+      : files_(files), dim_(dim), interfaces_(std::move(interfaces)) {}
 
   void start(const std::vector<std::string>& probe_names);
   void iteration(const IterationRow& row);
@@ -59,9 +63,11 @@ class CouplingRecord {
  private:
   void start_steps(const Json& details);
   std::vector<std::string> force_columns(const std::string& prefix) const;
+  std::vector<std::string> interface_columns() const;
 
   RunRecord& files_;
   int dim_;
+  std::vector<std::string> interfaces_;
   DetailColumns details_;
 };
 

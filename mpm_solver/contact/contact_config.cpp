@@ -85,6 +85,8 @@ RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, dou
   wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
   wall.name = wall.boundary.name;
   if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
+  const auto place = in.vector("moment_about", dim);
+  wall.moment_about = Eigen::Map<const Vector<dim>>(place.data());
   in.finish();
   return wall;
 }

@@ -84,6 +84,8 @@ KeyTable rigid_wall_keys() {
                      {key::plain_name("Its own; columns of the tables start with it.")}});
   table.keys.push_back(
       key::object("motion", rigid_motion_keys(), "Given motion; none: it is at rest.").or_none());
+  table.keys.push_back(
+      key::vector("moment_about", "m", "Place about which the moment on it is given.").or_else(0));
   return table;
 }
 

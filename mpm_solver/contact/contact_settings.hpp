@@ -59,6 +59,7 @@ struct RigidWallSettings {
   std::string name;
   ContactSettings<dim> boundary;
   RigidMotion<dim> motion;
+  Vector<dim> moment_about = Vector<dim>::Zero();  ///< place of the moment that is reported [m]
 };
 
 /// The surface as the coupler sees it.

@@ -8,7 +8,9 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/contact/dropped_contact.hpp"
 
 namespace gabion::mpm {
 
@@ -19,6 +21,25 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
   for (const auto& settings : interfaces_) contacts_.push_back(make_contact(settings));
   for (const auto& wall : walls_) contacts_.push_back(make_contact(wall.boundary));
   touching_.assign(contacts_.size(), 0);
+  dropped_.assign(walls_.size(), 0);
+}
+
+template <int dim>
+void Surfaces<dim>::drop_wall(std::size_t wall) {
+  auto& contact = contacts_[interfaces_.size() + wall];
+  contact = std::make_unique<DroppedContact<dim>>(walls_[wall].boundary, contact->energy());
+  dropped_[wall] = 1;
+}
+
+template <int dim>
+void Surfaces<dim>::keep_walls(std::span<const std::string> names) {
+  for (std::size_t k = 0; k < walls_.size(); ++k) {
+    if (dropped_[k] != 0 || std::find(names.begin(), names.end(), walls_[k].name) != names.end()) {
+      continue;
+    }
+    drop_wall(k);
+    log::info("rigid wall \"{}\" is dropped", walls_[k].name);
+  }
 }
 
 template <int dim>
@@ -146,7 +167,10 @@ template <int dim>
 std::vector<double> Surfaces<dim>::forces_on_walls() const {
   std::vector<double> values;
   for (std::size_t k = interfaces_.size(); k < contacts_.size(); ++k) {
-    const auto [force, moment] = contacts_[k]->resultant();
+    auto [force, moment] = contacts_[k]->resultant();
+    typename Contact<dim>::Resultant at_place;
+    at_place.add(walls_[k - interfaces_.size()].moment_about, force);
+    moment -= at_place.moment;
     values.insert(values.end(), force.data(), force.data() + force.size());
     values.insert(values.end(), moment.data(), moment.data() + moment.size());
   }
@@ -195,6 +219,15 @@ void Surfaces<dim>::accept() {
 
 template <int dim>
 void Surfaces<dim>::visit_state(StateVisitor& visitor) {
+  std::vector<std::int32_t> dropped = dropped_;
+  visitor.integers("dropped_walls", std::span<std::int32_t>(dropped));
+  for (std::size_t k = 0; k < walls_.size(); ++k) {
+    if (dropped[k] != 0 && dropped_[k] == 0) drop_wall(k);
+    if (dropped[k] == 0 && dropped_[k] != 0) {
+      contacts_[interfaces_.size() + k] = make_contact(walls_[k].boundary);
+      dropped_[k] = 0;
+    }
+  }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     contacts_[k]->visit_state(visitor, fmt::format("boundary_{}.", k));
   }

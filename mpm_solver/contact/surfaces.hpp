@@ -21,6 +21,9 @@ class Surfaces {
 
   /// Grid nodes of all Contact::find_nodes, some of them several times.
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
+  /// Drop the rigid walls that are not named: they act no more, for the rest of the run.
+  void keep_walls(std::span<const std::string> names);
+
   /// @note Collective.
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.
@@ -40,7 +43,8 @@ class Surfaces {
   InterfaceValues forces_on_structure() const;
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;
-  /// Force and moment of each rigid wall, see Contact::resultant.
+  /// Of each rigid wall the force and the moment about RigidWallSettings::moment_about, see
+  /// Contact::resultant.
   std::vector<double> forces_on_walls() const;
   /// The smallest Contact::approach_step of all.
   double approach_step(double dt, double margin) const;
@@ -54,13 +58,15 @@ class Surfaces {
   void visit_state(StateVisitor& visitor);
 
  private:
+  void drop_wall(std::size_t wall);
   ContactCounts counts(std::size_t contact) const;
 
   MPI_Comm comm_;
   const std::vector<ContactSettings<dim>>& interfaces_;
   const std::vector<RigidWallSettings<dim>>& walls_;
   Contacts<dim> contacts_;
-  std::vector<char> touching_;  // of each contact, in this step, on any rank
+  std::vector<std::int32_t> dropped_;  // of each wall: 1 if it was
+  std::vector<char> touching_;         // of each contact, in this step, on any rank
   bool symmetric_ = true;
 };
 

@@ -2,6 +2,7 @@
 #include "mpm_solver/phases/phases.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,15 @@ namespace {
 // Times that differ by this share are one: they are sums of steps, rounded.
 constexpr double same_time = 1e-9;
 
-std::vector<WallSettings> read_walls(ConfigReader& in, int dim) {
-  std::vector<WallSettings> walls;
+OutflowSide read_outflow(const ConfigReader& item, const std::string& group) {
+  if (item.has("motion")) item.fail("motion", "allowed only with a wall that holds soil");
+  return {group, item.where("group")};
+}
+
+// Walls and sides without walls.
+void read_walls(ConfigReader& in, int dim, Phase& phase) {
+  phase.walls.clear();
+  phase.outflows.clear();
   std::set<std::string> groups;
   for (auto& item : in.objects("walls")) {
     WallSettings wall;
@@ -24,15 +32,20 @@ std::vector<WallSettings> read_walls(ConfigReader& in, int dim) {
       item.fail("group",
                 fmt::format("found \"{}\" a second time, allowed: one wall a group", wall.group));
     }
-    wall.fixed = item.choice("condition") == "fixed";
+    const std::string condition = item.choice("condition");
+    if (condition == "outflow") {
+      phase.outflows.push_back(read_outflow(item, wall.group));
+      item.finish();
+      continue;
+    }
+    wall.fixed = condition == "fixed";
     wall.where = item.where("group");
     if (auto motion = item.optional_object("motion")) {
       wall.motion = read_wall_motion(*motion, dim);
     }
     item.finish();
-    walls.push_back(std::move(wall));
+    phase.walls.push_back(std::move(wall));
   }
-  return walls;
 }
 
 LoadRamp read_load_ramp(ConfigReader in, double start) {
@@ -62,8 +75,9 @@ KeyTable wall_keys() {
       "wall",
       "A wall along facets of the grid; a group once. Where walls meet, fixed ones come first.",
       {key::text("group", "Facet group of the grid."),
-       key::choice("condition", {"fixed", "slip"},
-                   "`fixed` holds all components, `slip` the normal one, in tension too."),
+       key::choice("condition", {"fixed", "slip", "outflow"},
+                   "`fixed` holds all components, `slip` the normal one, in tension too; "
+                   "`outflow` holds nothing, and points that leave there are taken out."),
        key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none()}};
 }
 
@@ -98,18 +112,23 @@ Key or_as_before(Key key, const std::string& words) {
 }
 
 KeyTable phase_keys() {
-  return {"phase",
-          "A part of the run. What it does not name is as in the run.",
-          {key::number("until", "s", "End of the phase, after its start.")
-               .in(positive())
-               .only("in all phases but the last one, which lasts to the end"),
-           key::number("dt", "s", "Largest step of the phase.").in(positive()).or_none(),
-           analysis_key().or_computed("as in the run"),
-           or_as_before(walls_key("All walls of this phase."), "as in the run"),
-           or_as_before(scheme_key(), "as in the run"),
-           or_as_before(
-               gravity_ramp_key("A ramp from the start of this phase; it goes on in later ones."),
-               "that of the phase before")}};
+  return {
+      "phase",
+      "A part of the run. What it does not name is as in the run.",
+      {key::number("until", "s", "End of the phase, after its start.")
+           .in(positive())
+           .only("in all phases but the last one, which lasts to the end"),
+       key::number("dt", "s", "Largest step of the phase.").in(positive()).or_none(),
+       analysis_key().or_computed("as in the run"),
+       or_as_before(walls_key("All walls of this phase."), "as in the run"),
+       key::texts("rigid_walls",
+                  "Names of the rigid walls that act from this phase on; the others are dropped "
+                  "for good, as a gate is opened.")
+           .or_computed("those of the phase before, in the first phase all"),
+       or_as_before(scheme_key(), "as in the run"),
+       or_as_before(
+           gravity_ramp_key("A ramp from the start of this phase; it goes on in later ones."),
+           "that of the phase before")}};
 }
 
 void read_ramp(ConfigReader& in, Phase& phase) {
@@ -121,7 +140,9 @@ void read_ramp(ConfigReader& in, Phase& phase) {
 // Replace what the object of a phase names.
 void read_overrides(ConfigReader& in, int dim, Phase& phase) {
   phase.dynamic = in.choice_or("analysis", analysis_name(phase.dynamic)) == analysis_name(true);
-  if (in.has("walls")) phase.walls = read_walls(in, dim);
+  if (in.has("walls")) read_walls(in, dim, phase);
+  phase.rigid_walls.reset();
+  if (in.has("rigid_walls")) phase.rigid_walls = in.texts_or("rigid_walls", {});
   if (auto scheme = in.optional_object("time_integration")) {
     phase.scheme = read_newmark_bossak(*scheme);
   }
@@ -136,7 +157,7 @@ void require_inertia(const ConfigReader& in, const Phase& phase) {
 Phase read_base(ConfigReader& in, int dim) {
   Phase base;
   base.dynamic = in.choice("analysis") == analysis_name(true);
-  base.walls = read_walls(in, dim);
+  read_walls(in, dim, base);
   const bool quasi_static = !base.dynamic && !in.has("phases");
   if (quasi_static) {
     require_inertia(in, base);
@@ -188,6 +209,21 @@ std::vector<Phase> read_phases(ConfigReader& in, int dim) {
     phases.push_back(std::move(phase));
   }
   return phases;
+}
+
+void resolve_rigid_walls(const ConfigReader& in, const std::vector<std::string>& all,
+                         std::vector<Phase>& phases) {
+  std::vector<std::string> acting = all;
+  for (std::size_t k = 0; k < phases.size(); ++k) {
+    if (!phases[k].rigid_walls) phases[k].rigid_walls = acting;
+    for (const std::string& name : *phases[k].rigid_walls) {
+      if (std::find(acting.begin(), acting.end(), name) != acting.end()) continue;
+      in.fail(fmt::format("phases/{}/rigid_walls", k),
+              fmt::format("found \"{}\", allowed: rigid walls that act in the phase before: {}",
+                          name, fmt::join(acting, ", ")));
+    }
+    acting = *phases[k].rigid_walls;
+  }
 }
 
 std::size_t phase_at(const std::vector<Phase>& phases, double time) {

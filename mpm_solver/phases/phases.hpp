@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,13 @@
 
 namespace gabion::mpm {
 
+/// A facet group of the grid through which soil leaves: nothing supports it there, and material
+/// points that pass it are taken out.
+struct OutflowSide {
+  std::string group;
+  std::string where;  ///< file and pointer, for messages
+};
+
 /// A part of the run with its own kind of analysis and its own walls. Which phase a step belongs to
 /// follows from the time at which it starts and from nothing else.
 struct Phase {
@@ -21,6 +29,10 @@ struct Phase {
   bool dynamic = true;  ///< false: quasi-static, inertia is left out
   NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
   std::vector<WallSettings> walls;
+  std::vector<OutflowSide> outflows;
+  /// Names of the rigid walls that act. read_phases() leaves it empty where a phase does not name
+  /// them; resolve_rigid_walls() fills it.
+  std::optional<std::vector<std::string>> rigid_walls;
   LoadRamp gravity_ramp;
 };
 
@@ -33,6 +45,13 @@ std::vector<Key> phases_keys();
 /// @returns at least one, in the order of time, the last one without end
 /// @throws ConfigError
 std::vector<Phase> read_phases(ConfigReader& in, int dim);
+
+/// Give each phase the rigid walls that act in it: all, then those of the phase before.
+/// @param in   of the root, for messages
+/// @param all  names of the rigid walls
+/// @throws ConfigError  a name that is none of them, or one that an earlier phase has dropped
+void resolve_rigid_walls(const ConfigReader& in, const std::vector<std::string>& all,
+                         std::vector<Phase>& phases);
 
 /// Number of the phase of a step that starts at `time` [s].
 std::size_t phase_at(const std::vector<Phase>& phases, double time);

@@ -12,7 +12,7 @@ using Values = std::span<const double>;
 
 /// Of all points.
 struct FrameValues {
-  Values u, v, stress, pressure, plastic_strain, J, body;
+  Values u, v, stress, pressure, plastic_strain, J, volume, body;
 };
 
 template <int dim>
@@ -23,6 +23,7 @@ std::vector<OutputField> frame_fields(const FrameValues& of) {
           {"pressure", 1, of.pressure},
           {"plastic_strain", 1, of.plastic_strain},
           {"volume_ratio", 1, of.J},
+          {"volume", 1, of.volume},
           {"body", 1, of.body}};
 }
 
@@ -43,7 +44,7 @@ template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   if (!writes_) return;
   const std::size_t n = points.x.size();
-  std::vector<double> body(n), pressure(n), plastic(n), stress;
+  std::vector<double> body(n), pressure(n), plastic(n), volume(n), stress;
   stress.reserve(n * symmetric_size<dim>);
   for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) body[p] = b;
@@ -53,6 +54,7 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
     stress.insert(stress.end(), sigma.data(), sigma.data() + sigma.size());
     pressure[p] = -(sigma[0] + sigma[1] + sigma[2]) / 3;
     plastic[p] = points.history[p].plastic_strain;
+    volume[p] = points.V0[p] * points.J[p];
   }
   const auto x = gather<double>(comm_, flat(points.x));
   const auto u = gather<double>(comm_, flat(points.u));
@@ -60,6 +62,7 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   body = gather<double>(comm_, body);
   pressure = gather<double>(comm_, pressure);
   plastic = gather<double>(comm_, plastic);
+  volume = gather<double>(comm_, volume);
   stress = gather<double>(comm_, stress);
   const auto J = gather<double>(comm_, points.J);
   if (!series_) return;
@@ -72,6 +75,7 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
                                                .pressure = pressure,
                                                .plastic_strain = plastic,
                                                .J = J,
+                                               .volume = volume,
                                                .body = body})});
 }
 

@@ -13,7 +13,7 @@
 namespace gabion::mpm {
 
 /// Frames of the material points, gathered on the first rank: displacement, velocity, Cauchy
-/// stress, mean pressure, plastic strain, volume ratio, body.
+/// stress, mean pressure, plastic strain, volume ratio, volume, body.
 template <int dim>
 class MpmOutput {
  public:

@@ -10,6 +10,27 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+template <int dim>
+void append_removed_names(const std::vector<std::string>& sides, std::vector<std::string>& names) {
+  names.insert(names.end(), {"removed_points", "removed_mass", "removed_kinetic_energy",
+                             "removed_elastic_energy"});
+  for (int d = 0; d < dim; ++d) names.push_back(fmt::format("removed_momentum_{}", "xyz"[d]));
+  for (const auto& side : sides) names.push_back(fmt::format("removed.{}.mass", side));
+}
+
+template <int dim>
+Json removed_masses(const SoilModel<dim>& model, const SoilState<dim>& state) {
+  Json masses = Json::object();
+  for (std::size_t k = 0; k < model.exit_sides.size(); ++k) {
+    masses[model.exit_sides[k]] = state.removed_masses[k];
+  }
+  return masses;
+}
+
+}  // namespace
+
 template <int dim>
 SoilReport<dim>::SoilReport(const SoilModel<dim>& model, const std::string& output_folder)
     : model_(model), output_(model.comm, output_folder), contact_output_(model, output_folder) {}
@@ -59,9 +80,8 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
-  if (settings.outside == Outside::remove) {
-    names.insert(names.end(), {"removed_points", "removed_mass"});
-  }
+  for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
+  if (model_.lets_out) append_removed_names<dim>(model_.exit_sides, names);
   return names;
 }
 
@@ -83,8 +103,13 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   append(motion);
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
-  if (model_.settings.outside == Outside::remove) {
-    append(std::vector{static_cast<double>(state.removed_points), state.ledger.removed_mass()});
+  append(state.gauges.values(state.points));
+  if (model_.lets_out) {
+    const PointTotals<dim>& removed = state.ledger.removed();
+    append(std::vector{static_cast<double>(state.removed_points), removed.mass,
+                       removed.kinetic_energy, removed.elastic_energy});
+    append(std::span(removed.momentum.data(), dim));
+    append(state.removed_masses);
   }
   return values;
 }
@@ -130,6 +155,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
           {"initial_displacement", step.initial_displacement()},
           {"small_cuts", small_cuts(step)},
           {"removed_points", state.removed_points},
+          {"removed_mass", removed_masses(model_, state)},
           {"linear_solver", linear.method_name()},
           {"factorisations", linear.factorisations()},
           {"linear_fallbacks", linear.fallbacks()},

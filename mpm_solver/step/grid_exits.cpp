@@ -2,14 +2,19 @@
 #include "mpm_solver/step/grid_exits.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "common/mechanics/mesh/boundary.hpp"
+#include "mpm_solver/contact/surface_features.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 
 namespace gabion::mpm {
 
 namespace {
+
+// Distances that differ by less are equal, over half the shortest edge.
+constexpr double same_place = 1e-6;
 
 template <int dim>
 double shortest_edge_of_all(const Mesh<dim>& mesh) {
@@ -26,12 +31,16 @@ template <int dim>
 GridExits<dim>::GridExits(const BackgroundGrid<dim>& grid)
     : grid_(grid), safe_distance_(0.5 * shortest_edge_of_all(grid.mesh)) {
   const Mesh<dim>& mesh = grid.mesh;
+  outer_ = boundary_facets(mesh);
   std::vector<bool> outer(mesh.nodes.size(), false);
-  for (const std::int32_t node : boundary_facets(mesh)) outer[node] = true;
+  for (const std::int32_t node : outer_) outer[node] = true;
   at_edge_.resize(mesh.num_cells());
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     const auto nodes = mesh.cell(c);
     at_edge_[c] = std::any_of(nodes.begin(), nodes.end(), [&](auto node) { return outer[node]; });
+    for (const std::int32_t node : nodes) {
+      longest_ = std::max(longest_, (mesh.nodes[node] - mesh.nodes[nodes[0]]).norm());
+    }
   }
 }
 
@@ -39,7 +48,8 @@ template <int dim>
 typename GridExits<dim>::Exit GridExits<dim>::first(const MaterialPoints<dim>& points,
                                                     const PointWeights<dim>& weights,
                                                     const GridNodes<dim>& nodes,
-                                                    std::span<const double> du) const {
+                                                    std::span<const double> du,
+                                                    const Refuse& refuse) const {
   double largest = 0;
   for (const double component : du) largest = std::max(largest, std::abs(component));
   const bool all = largest * std::sqrt(double{dim}) > safe_distance_;
@@ -52,30 +62,44 @@ typename GridExits<dim>::Exit GridExits<dim>::first(const MaterialPoints<dim>& p
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       const Vector<dim> x = points.x[p] + point_displacement(weights, e, of_group.data());
-      if (cell_of(grid_, x, points.cell[p]) < 0) return {p, x};
+      if (cell_of(grid_, x, points.cell[p]) < 0 && refuse({p, x})) return {p, x};
     }
   }
   return {};
 }
 
+// To the nearest of these facets [m]; infinite where none is within reach of a cell.
 template <int dim>
-std::string GridExits<dim>::nearest_group(const Vector<dim>& x) const {
-  const Mesh<dim>& mesh = grid_.mesh;
-  const auto width = static_cast<std::size_t>(num_nodes(facet_type(mesh.cell_type)));
-  std::string nearest;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const auto& [name, facets] : mesh.facet_groups) {
-    for (std::size_t f = 0; f < facets.size(); f += width) {
-      Vector<dim> centre = Vector<dim>::Zero();
-      for (std::size_t i = 0; i < width; ++i) {
-        centre += mesh.nodes[facets[f + i]] / static_cast<double>(width);
-      }
-      if (!((centre - x).norm() < distance)) continue;
-      distance = (centre - x).norm();
-      nearest = name;
+double GridExits<dim>::distance(std::span<const std::int32_t> facets, const Vector<dim>& x) const {
+  const std::vector<Vector<dim>>& nodes = grid_.mesh.nodes;
+  const auto width = static_cast<std::size_t>(num_nodes(facet_type(grid_.mesh.cell_type)));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < facets.size(); f += width) {
+    if ((nodes[facets[f]] - x).norm() > 2 * longest_) continue;
+    std::array<Vector<dim>, dim> corners;
+    for (std::size_t fan = 0; fan + dim <= width; ++fan) {  // a quadrilateral is two triangles
+      corners[0] = nodes[facets[f]];
+      for (std::size_t k = 1; k < dim; ++k) corners[k] = nodes[facets[f + fan + k]];
+      least = std::min(least, (closest_place<dim>(corners, x).x - x).norm());
     }
   }
-  return nearest;
+  return least;
+}
+
+template <int dim>
+std::vector<std::string> GridExits<dim>::sides(const Vector<dim>& from, std::int32_t cell,
+                                               const Vector<dim>& to) const {
+  double inside = 0, outside = 1;
+  for (double middle = 0.5; middle > inside && middle < outside; middle = (inside + outside) / 2) {
+    (cell_of<dim>(grid_, from + middle * (to - from), cell) < 0 ? outside : inside) = middle;
+  }
+  const Vector<dim> place = from + inside * (to - from);
+  const double least = distance(outer_, place) + same_place * safe_distance_;
+  std::vector<std::string> names;
+  for (const auto& [name, facets] : grid_.mesh.facet_groups) {
+    if (distance(facets, place) <= least) names.push_back(name);
+  }
+  return names;
 }
 
 template class GridExits<2>;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,18 +24,26 @@ class GridExits {
     std::int32_t point = -1;  ///< of this rank; -1: none leaves
     Vector<dim> x;            ///< where it would be [m]
   };
-  /// The first point of this rank that the increment du [m], num_nodes x dim, would carry out. Only
-  /// points in cells at the edge, or with a long way to go, are looked at.
+  using Refuse = std::function<bool(const Exit& exit)>;
+  /// The first point of this rank that the increment du [m], num_nodes x dim, would carry out and
+  /// that is to be refused. Only points in cells at the edge, or with a long way to go, are looked
+  /// at.
   Exit first(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-             const GridNodes<dim>& nodes, std::span<const double> du) const;
+             const GridNodes<dim>& nodes, std::span<const double> du, const Refuse& refuse) const;
 
-  /// Facet group of the grid whose facet is nearest to x, by centres; empty when there is none.
-  std::string nearest_group(const Vector<dim>& x) const;
+  /// Facet groups of the side through which the straight way from a place in a cell to one outside
+  /// leaves the grid, by name; empty: that side has none.
+  std::vector<std::string> sides(const Vector<dim>& from, std::int32_t cell,
+                                 const Vector<dim>& to) const;
 
  private:
+  double distance(std::span<const std::int32_t> facets, const Vector<dim>& x) const;
+
   const BackgroundGrid<dim>& grid_;
-  std::vector<bool> at_edge_;  // of each cell: has a node of an outer facet
-  double safe_distance_;       // [m] that does not carry a point out of an inner cell
+  std::vector<bool> at_edge_;        // of each cell: has a node of an outer facet
+  double safe_distance_;             // [m] that does not carry a point out of an inner cell
+  std::vector<std::int32_t> outer_;  // facets
+  double longest_ = 0;               // diagonal of a cell [m]
 };
 
 }  // namespace gabion::mpm

@@ -216,14 +216,14 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
 }
 
 template <int dim>
-void Ledger<dim>::remove(const MaterialPoints<dim>& points) {
+void Ledger<dim>::remove(const MaterialPoints<dim>& points, const Vector<dim>& inertia) {
   const PointTotals<dim> before = totals_;
   totals_ = point_totals(comm_, points);
   removed_.mass += before.mass - totals_.mass;
   removed_.kinetic_energy += before.kinetic_energy - totals_.kinetic_energy;
   removed_.elastic_energy += before.elastic_energy - totals_.elastic_energy;
   removed_.momentum += before.momentum - totals_.momentum;
-  body_.inertia *= totals_.mass / before.mass;  // gravity acts on each mass alike
+  body_.inertia -= inertia;  // only the sum over the forces counts
 }
 
 template <int dim>

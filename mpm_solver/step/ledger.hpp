@@ -64,9 +64,11 @@ class Ledger {
 
   /// Points were taken out of the accepted state; they keep what they had, as if it were still
   /// here.
-  /// @param points  without them
-  void remove(const MaterialPoints<dim>& points);
-  double removed_mass() const { return removed_.mass; }  ///< [kg]
+  /// @param points   without them
+  /// @param inertia  sum of their m a, of all ranks [N]
+  void remove(const MaterialPoints<dim>& points, const Vector<dim>& inertia);
+  /// What they took along; front has no meaning.
+  const PointTotals<dim>& removed() const { return removed_; }
 
   /// Of the accepted state.
   const PointTotals<dim>& totals() const { return totals_; }

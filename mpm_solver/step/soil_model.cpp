@@ -3,8 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace gabion::mpm {
+
+namespace {
+
+template <int dim>
+std::vector<std::string> find_exit_sides(const MpmSettings<dim>& settings, const Mesh<dim>& grid) {
+  std::set<std::string> sides;
+  for (const Phase& phase : settings.phases) {
+    for (const OutflowSide& side : phase.outflows) {
+      grid.facets(side.group, side.where);  // is there
+      sides.insert(side.group);
+    }
+  }
+  if (settings.outside == Outside::remove) {
+    for (const auto& group : grid.facet_groups) sides.insert(group.first);
+  }
+  return {sides.begin(), sides.end()};
+}
+
+}  // namespace
 
 template <int dim>
 SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
@@ -30,6 +50,8 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
   }
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });
+  exit_sides = find_exit_sides(settings, grid.mesh);
+  lets_out = settings.outside == Outside::remove || !exit_sides.empty();
   for (const Phase& phase : settings.phases) {
     for (const auto& wall : phase.walls) {
       const auto known = std::find(wall_groups.begin(), wall_groups.end(), wall.group);

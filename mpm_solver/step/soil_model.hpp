@@ -26,6 +26,10 @@ struct SoilModel {
   std::vector<double> moduli;            ///< of P waves, of each body [Pa]
   bool stressed = false;                 ///< a body has initial stress
   std::vector<std::string> wall_groups;  ///< of all phases, each once
+  /// Facet groups through which soil may leave: all with `outside` `remove`, else those of
+  /// outflows.
+  std::vector<std::string> exit_sides;
+  bool lets_out = false;  ///< soil may leave
 };
 
 }  // namespace gabion::mpm

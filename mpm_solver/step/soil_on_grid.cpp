@@ -15,6 +15,26 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+bool leads_out(const Phase& phase, const std::vector<std::string>& sides) {
+  return std::any_of(phase.outflows.begin(), phase.outflows.end(), [&](const auto& outflow) {
+    return std::find(sides.begin(), sides.end(), outflow.group) != sides.end();
+  });
+}
+
+std::string side_text(const Phase& phase, const std::vector<std::string>& sides) {
+  if (sides.empty()) return "a side without a name";
+  const auto wall =
+      std::find_if(phase.walls.begin(), phase.walls.end(), [&](const WallSettings& each) {
+        return std::find(sides.begin(), sides.end(), each.group) != sides.end();
+      });
+  if (wall == phase.walls.end()) return fmt::format("side \"{}\" (no wall)", sides.front());
+  return fmt::format("side \"{}\" ({} wall)", wall->group, wall->fixed ? "fixed" : "slip");
+}
+
+}  // namespace
+
 template <int dim>
 SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const MaterialPoints<dim>& points,
                             PhaseTimes& times)
@@ -105,24 +125,23 @@ std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
 
 template <int dim>
 void SoilOnGrid<dim>::refuse_exits(const Phase& phase, std::span<const double> du) const {
-  const auto exit = model_.exits.first(points_, weights_, nodes_, du);
+  using Exit = typename GridExits<dim>::Exit;
+  const auto sides_of = [&](const Exit& exit) {
+    return model_.exits.sides(points_.x[exit.point], points_.cell[exit.point], exit.x);
+  };
+  const Exit exit = model_.exits.first(points_, weights_, nodes_, du, [&](const Exit& found) {
+    return phase.outflows.empty() || !leads_out(phase, sides_of(found));
+  });
   std::string own;
   if (exit.point >= 0) {
     const Vector<dim>& v = points_.v[exit.point];
     const Vector<dim>& x_n = points_.x[exit.point];
-    const std::string group = model_.exits.nearest_group(exit.x);
-    const auto wall = std::find_if(phase.walls.begin(), phase.walls.end(),
-                                   [&](const auto& w) { return w.group == group; });
-    const std::string condition = wall == phase.walls.end() ? "no wall"
-                                  : wall->fixed             ? "fixed wall"
-                                                            : "slip wall";
-    const std::string side =
-        group.empty() ? "a side without a name" : fmt::format("side \"{}\" ({})", group, condition);
     own = fmt::format(
         "material point {} would leave the background grid through {}, from ({:.6g}) to ({:.6g}) "
-        "with velocity ({:.4g}); make the grid larger, close the side with a wall, or set "
-        "\"outside\": \"remove\"",
-        points_.id[exit.point], side, fmt::join(x_n.data(), x_n.data() + dim, ", "),
+        "with velocity ({:.4g}); make the grid larger, close the side with a wall, give it the "
+        "condition \"outflow\", or set \"outside\": \"remove\"",
+        points_.id[exit.point], side_text(phase, sides_of(exit)),
+        fmt::join(x_n.data(), x_n.data() + dim, ", "),
         fmt::join(exit.x.data(), exit.x.data() + dim, ", "),
         fmt::join(v.data(), v.data() + dim, ", "));
   }

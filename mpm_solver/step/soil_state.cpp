@@ -160,19 +160,43 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
       surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls),
       ledger(model.comm),
       control(model.settings.step_control),
+      gauges(model.comm, model.settings.gauges, model.cell_size),
       wall_forces(model.wall_groups.size(), Vector<dim>::Zero()),
       rigid_wall_forces(model.settings.rigid_walls.size() * wall_values<dim>, 0.0),
-      probe_points(find_probe_points(model, points)) {
+      probe_points(find_probe_points(model, points)),
+      removed_masses(model.exit_sides.size(), 0.0) {
   locate_points(model, points);
   ledger.start(points);
 }
 
+// Which sides the points leave by.
 template <int dim>
-void SoilState<dim>::remove(std::span<const std::int32_t> outside, const SoilModel<dim>& model) {
+void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const Start& start,
+                                 const SoilModel<dim>& model) {
+  const auto& known = model.exit_sides;
+  std::vector<double> masses(known.size(), 0.0);
+  for (const std::int32_t p : outside) {
+    const auto sides = model.exits.sides(start.x[p], start.cell[p], points.x[p]);
+    const auto side = std::find_first_of(known.begin(), known.end(), sides.begin(), sides.end());
+    if (side != known.end()) masses[static_cast<std::size_t>(side - known.begin())] += points.m[p];
+  }
+  sum_over_ranks(model.comm, std::span<double>(masses));
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    if (masses[k] > 0 && removed_masses[k] == 0) {
+      log::info("soil begins to leave the background grid through side \"{}\"", known[k]);
+    }
+    removed_masses[k] += masses[k];
+  }
+}
+
+template <int dim>
+void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& start,
+                            const SoilModel<dim>& model) {
   auto count = static_cast<std::int32_t>(outside.size());
   sum_over_ranks(model.comm, std::span<std::int32_t>(&count, 1));
   if (count == 0) return;
-  require(model.settings.outside == Outside::remove, "mpm_solver: a point left the grid unseen");
+  require(model.lets_out, "mpm_solver: a point left the grid unseen");
+  count_exits(outside, start, model);
   std::string lost;
   for (std::size_t k = 0; k < probe_points.size(); ++k) {
     if (std::binary_search(outside.begin(), outside.end(), probe_points[k])) {
@@ -182,9 +206,14 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const SoilMod
     probe_points[k] -= static_cast<std::int32_t>(
         std::lower_bound(outside.begin(), outside.end(), probe_points[k]) - outside.begin());
   }
+  std::vector<Vector<dim>> inertia(1, Vector<dim>::Zero());
+  for (const std::int32_t p : outside) inertia[0] += points.m[p] * points.a[p];
+  sum_over_ranks<dim>(model.comm, std::span<Vector<dim>>(inertia));
   remove_points(outside, points);
-  ledger.remove(points);
-  if (removed_points == 0) log::warn("material points leave the background grid and are removed");
+  ledger.remove(points, inertia[0]);
+  if (removed_points == 0 && model.settings.outside == Outside::remove) {
+    log::warn("material points leave the background grid and are removed");
+  }
   removed_points += count;
   lost = first_text(model.comm, lost);
   require(lost.empty(), lost);
@@ -200,8 +229,10 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.reals("rigid_wall_forces", rigid_wall_forces);
   visitor.integers("probe_points", std::span<std::int32_t>(probe_points));
   visitor.integer("removed_points", removed_points);
+  visitor.reals("removed_masses", removed_masses);
   visitor.flag("nearly_linear", nearly_linear);
   control.visit_state(visitor);
+  gauges.visit_state(visitor);
 }
 
 template <int dim>

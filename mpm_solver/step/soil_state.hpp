@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/gauges/gauges.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
 #include "mpm_solver/step/step_control.hpp"
@@ -23,23 +24,34 @@ struct SoilState {
   /// @param num_cells  of the grid
   void load(const State& state, std::int32_t num_cells);
 
+  /// Where the points were at the start of a step.
+  struct Start {
+    std::span<const Vector<dim>> x;      ///< [m]
+    std::span<const std::int32_t> cell;  ///< of the grid
+  };
   /// Take the points out that are outside the grid.
   /// @param outside  ascending, of this rank
+  /// @param start    not read where the model lets none out
   /// @throws Error  there are some and the model does not allow it; a probe is lost; none is left
   /// @note Collective.
-  void remove(std::span<const std::int32_t> outside, const SoilModel<dim>& model);
+  void remove(std::span<const std::int32_t> outside, const Start& start,
+              const SoilModel<dim>& model);
 
   MaterialPoints<dim> points;
   Surfaces<dim> surfaces;
   Ledger<dim> ledger;
   StepControl control;
+  Gauges<dim> gauges;
   std::vector<Vector<dim>> wall_forces;    ///< on SoilModel::wall_groups [N]
   std::vector<double> rigid_wall_forces;   ///< Surfaces::forces_on_walls
   std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it
   std::int64_t removed_points = 0;         ///< of all ranks
+  std::vector<double> removed_masses;      ///< through SoilModel::exit_sides [kg]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
 
  private:
+  void count_exits(std::span<const std::int32_t> outside, const Start& start,
+                   const SoilModel<dim>& model);
   void visit(StateVisitor& visitor);
 };
 

@@ -105,6 +105,7 @@ void SoilStep<dim>::enter_phase(double time) {
     log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, phases.size(),
               phase().dynamic ? "dynamic" : "quasi-static", phase().walls.size());
   }
+  if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
   with_inertia_ = phase().dynamic;
   forces_jump_ = begins(phase(), time) && (phase_ > 0 || model_.stressed);
   scheme_ = forces_jump_ ? starting_scheme : phase().scheme;
@@ -258,6 +259,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
+  std::vector<Vector<dim>> x_n;
+  if (model_.lets_out || !model_.settings.gauges.empty()) x_n = points.x;
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
   if (!with_inertia_) {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
@@ -269,6 +272,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   if (model_.settings.locking.average_volumes) {
     balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
   }
+  state_.gauges.add_step(x_n, points, dt_);
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
@@ -277,7 +281,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   AcceptReport report;
   report.details = details(cell_n);
   report.proposed_dt = sizes_.proposal().dt;
-  state_.remove(outside, model_);
+  state_.remove(outside, {x_n, cell_n}, model_);
   return report;
 }
 

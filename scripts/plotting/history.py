@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Curves over time and over iterations: probes, residuals, iterations, forces, energies."""
+"""Curves over time and over iterations: probes, residuals, iterations, forces, moments, energies."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,14 @@ from plotting.view import AXES, up_axis
 
 RESIDUALS = {"displacement_residual": "residual of\ndisplacement [m]", "force_residual": "change of\nforce [N]"}
 FORCES = ("fx", "fy", "fz")
+MOMENTS = ("mx", "my", "mz")
 ITERATIONS = {
     "iterations": "coupling",
     "soil_newton": "Newton, soil",
     "structure_newton": "Newton, structure",
     "newton_iterations": "Newton",
 }
+REMOVED = re.compile(r"(?:^|\.)(?:removed_mass|removed\..+\.mass)$")
 COMPONENTS = ("ux", "uy", "uz")
 VARIED = 4  # largest over smallest step from which on step sizes are drawn on a logarithmic scale
 
@@ -189,8 +192,32 @@ def plot_forces(results: Results, out: Path) -> Path | None:
     """Resultant force of the soil on the structure against time."""
     table = results.table("steps.csv")
     columns = [] if table is None else [name for name in FORCES if name in table]
+    several = _of_surfaces(table, FORCES)
+    if len({name.rpartition(".")[0] for name in several}) > 1:
+        columns += several
     return _plot_curves([(table, name) for name in columns],
                         f"force on the structure [N{results.per_metre}]", out / "forces.png")
+
+
+def plot_moments(results: Results, out: Path) -> Path | None:
+    """Moment of the soil on each interface and rigid wall against time."""
+    tables = [results.table("steps.csv"), results.table("probes.csv")]
+    curves = [(table, name) for table in tables for name in _of_surfaces(table, MOMENTS)]
+    return _plot_curves(curves, f"moment [N m{results.per_metre}]", out / "moments.png")
+
+
+def plot_removed(results: Results, out: Path) -> Path | None:
+    """Mass that has left the grid, by side, against time."""
+    table = results.table("probes.csv")
+    names = [name for name in table.names if REMOVED.search(name)] if table else []
+    curves = [(table, name) for name in names if np.any(table[name] > 0)]
+    return _plot_curves(curves, f"mass that left the grid [kg{results.per_metre}]", out / "removed.png")
+
+
+def _of_surfaces(table: Table | None, components: tuple[str, ...]) -> list[str]:
+    """Columns such as "wall.fx", of single interfaces and rigid walls."""
+    names = table.names if table else []
+    return [name for name in names if "." in name and name.rpartition(".")[2] in components]
 
 
 def _plot_curves(curves: list[tuple[Table, str]], label: str, path: Path) -> Path | None:

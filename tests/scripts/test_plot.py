@@ -10,7 +10,7 @@ import numpy as np
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
-from plotting import contact, history
+from plotting import contact, gauges, history
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
@@ -324,6 +324,25 @@ class Contact(ScriptCase):
         self.assertGreater(drawn[0].stat().st_size, 5000)
 
 
+class Gauges(ScriptCase):
+    def test_a_panel_a_quantity_and_a_colour_a_gauge(self) -> None:
+        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "passed_mass", "pressure", "dynamic_pressure"]
+        head = ["time", "soil.mass", *(f"soil.{gauge}.{name}" for gauge in ("toe", "top") for name in columns)]
+        made_up.write_table(self.folder / "probes.csv", head, [[t, 1, *range(t, t + 16)] for t in range(3)])
+        self.assertEqual(gauges.gauge_names(Table(self.folder / "probes.csv")), ["soil.toe", "soil.top"])
+        with mock.patch.object(gauges, "save", lambda figure, path: figure):
+            figure = gauges.plot_gauges(Results(self.folder), self.folder)
+        self.addCleanup(plt.close, figure)
+        toe, toe_top, top, _, _ = figure.axes[0].get_lines()
+        self.assertEqual([toe.get_color(), toe_top.get_color(), top.get_color()], [*COLOURS[:1] * 2, COLOURS[1]])
+        np.testing.assert_array_equal(top.get_ydata(), [8, 9, 10])
+        self.assertEqual(len(figure.axes[3].get_lines()), 3)  # mass and zero
+
+    def test_a_run_without_gauges(self) -> None:
+        run = Results(made_up.write_results(self.folder / "a"))
+        self.assertIsNone(gauges.plot_gauges(run, self.folder))
+
+
 class Curves(ScriptCase):
     """What stands in the figures of curves."""
 
@@ -373,6 +392,24 @@ class Curves(ScriptCase):
         axes = self.axes_of(history.plot_energies, Results(folder))
         self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
                          ["soil gravity work", "soil damping", "soil kinetic energy"])
+
+    def test_forces_and_moments_of_interfaces(self) -> None:
+        head = ["time", "fx", "fy", "wall.fx", "wall.fy", "wall.mz", "net.fx", "net.fy", "net.mz"]
+        legend = {"one": ["fx", "fy"], "two": ["fx", "fy", "wall fx", "wall fy", "net fx", "net fy"]}
+        for interfaces, forces in legend.items():
+            names = head if interfaces == "two" else head[:6]
+            made_up.write_table(self.folder / "steps.csv", names, [[t, *range(len(names) - 1)] for t in range(2)])
+            run = Results(self.folder)
+            shown = [[text.get_text() for text in self.axes_of(plot, run)[0].get_legend().get_texts()]
+                     for plot in (history.plot_forces, history.plot_moments)]
+            self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
+
+    def test_mass_that_left_by_side(self) -> None:
+        names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]
+        made_up.write_table(self.folder / "probes.csv", names, [[0, 5, 0, 0, 0], [1, 2, 3, 3, 0]])
+        axes = self.axes_of(history.plot_removed, Results(self.folder))
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
+                         ["soil removed mass", "soil removed right mass"])
 
     def test_runs_in_the_plane_are_horizontal_and_vertical(self) -> None:
         run = Results(made_up.write_results(self.folder / "a"))

@@ -36,7 +36,7 @@ struct OneStep {
     PhaseTimes phases;
     RunRecord files(folder.path() + "/results", "coupler");
     Sides sides(settings, {{"soil", soil}, {"structure", structure}}, phases);
-    CouplingRecord record(files, 2);
+    CouplingRecord record(files, 2, {"wall"});
     record.start({});
     CoupledStep step(settings.coupling, sides, record, counts, phases);
     step.start_at_rest();

@@ -28,6 +28,7 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
   EXPECT_EQ(s.output_interval, 0.01);
   ASSERT_EQ(s.participants.size(), 2u);
   EXPECT_TRUE(s.participants[0].sends_force);
+  EXPECT_TRUE(s.interfaces[0].moment_about.empty());
   EXPECT_EQ(s.coupling.scheme, Scheme::serial_implicit);
   EXPECT_EQ(s.coupling.acceleration.method, "mvqn");
   const Json resolved = reader.resolved();
@@ -74,6 +75,13 @@ TEST(CouplerConfig, a_participant_may_have_a_command) {
       read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys()));
   EXPECT_EQ(s.participants[1].command, (std::vector<std::string>{"python3", "wall.py"}));
   EXPECT_TRUE(s.participants[0].command.empty());
+}
+
+TEST(CouplerConfig, moments_about_a_place) {
+  Json json = test::good_coupler();
+  json["interfaces"][0]["moment_about"] = {0.5, -1};
+  const auto s = read_coupler_settings(ConfigReader(json, "coupler.json", coupler_keys()));
+  EXPECT_EQ(s.interfaces[0].moment_about, (std::vector<double>{0.5, -1}));
 }
 
 TEST(CouplerConfig, mistakes_are_named_with_their_place) {

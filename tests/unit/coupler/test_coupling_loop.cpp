@@ -192,6 +192,24 @@ TEST(CouplingLoop, force_balance_is_logged_at_round_off) {
   EXPECT_EQ(run.column("steps.csv", "soil.work")[3], "6");
 }
 
+TEST(CouplingLoop, forces_and_moments_of_an_interface_have_columns) {
+  CoupledRun origin("origin"), foot("foot");
+  foot.settings.interfaces[0].moment_about = {1, 2};
+  origin.go();
+  foot.go();
+  EXPECT_EQ(foot.column("steps.csv", "wall.fx"), foot.column("steps.csv", "fx"));
+  EXPECT_EQ(foot.column("steps.csv", "wall.fy"), foot.column("steps.csv", "fy"));
+  const auto fx = foot.column("steps.csv", "fx"), fy = foot.column("steps.csv", "fy");
+  const auto about_origin = origin.column("steps.csv", "wall.mz");
+  const auto about_foot = foot.column("steps.csv", "wall.mz");
+  ASSERT_EQ(about_foot.size(), 20u);
+  for (std::size_t n = 0; n < 20; ++n) {
+    const double shift = std::stod(fy[n]) - 2 * std::stod(fx[n]);
+    EXPECT_NEAR(std::stod(about_foot[n]), std::stod(about_origin[n]) - shift, 1e-12) << n;
+    EXPECT_GT(std::abs(shift), 1e-3);
+  }
+}
+
 TEST(CouplingLoop, interface_work_is_the_energy_of_the_structure_and_cancels) {
   CoupledRun run("work");
   run.go();

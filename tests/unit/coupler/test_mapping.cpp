@@ -113,6 +113,32 @@ TEST(Mapping, forces_keep_sum_moment_and_work) {
   }
 }
 
+/// The moment about a place is that about the origin less place x force; several interfaces add up.
+TEST(InterfaceMap, forces_and_moments_of_each_interface) {
+  for (const SurfacePair& pair : pairs()) {
+    InterfaceMesh roof_soil = pair.soil, roof = pair.structure;
+    roof_soil.name = roof.name = "roof";
+    std::vector<double> place = {0.3, -0.7, 0.2};
+    place.resize(static_cast<std::size_t>(roof.dim));
+    const InterfaceMap map(
+        {{"wall", "soil", "structure"}, {"roof", "soil", "structure", place}},
+        {{"soil", {pair.soil, roof_soil}}, {"structure", {pair.structure, roof}}}, projection);
+    const Values values = random_values(2 * roof.coordinates.size(), 1);
+    const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(values.data(), map.size());
+    Eigen::VectorXd f = x.reverse();
+    f.tail(f.size() / 2) *= 3;
+    const auto of = map.structure_resultants(x, f);
+    const Resultant all = map.structure_resultant(x, f);
+    ASSERT_EQ(of.size(), 2u);
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < place.size(); ++i) about(Eigen::Index(i)) = place[i];
+    EXPECT_LE((of[0].force + of[1].force - all.force).norm(), 1e-12);
+    const Eigen::Vector3d moment = of[0].moment + of[1].moment + about.cross(of[1].force);
+    EXPECT_LE((moment - all.moment).norm(), 1e-12);
+    EXPECT_GT(about.cross(of[1].force).norm(), 0.01);
+  }
+}
+
 TEST(Mapping, matching_meshes_are_mapped_by_the_identity) {
   for (const InterfaceMesh& mesh : {polyline({0, 0.3, 0.7, 1}), plane(3, 4, 3), plane(3, 4, 4)}) {
     const Mapping mapping(mesh, mesh, projection);
@@ -312,6 +338,12 @@ TEST(InterfaceMap, interfaces_that_do_not_pair_up_are_refused) {
         map_of({wall, roof}, {wall});
       },
       {"participant \"soil\" offers the interface \"roof\""});
+  expect_error<ConfigError>(
+      [&] {
+        InterfaceMap({{"wall", "soil", "structure", {1, 2, 3}}},
+                     {{"soil", {wall}}, {"structure", {wall}}}, projection);
+      },
+      {"interface \"wall\"", "\"moment_about\" with 3 numbers, allowed: 2"});
 }
 
 }  // namespace

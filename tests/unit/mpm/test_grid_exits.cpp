@@ -54,6 +54,7 @@ void expect_balance(const Json& json, const std::string& name) {
   EXPECT_GT(removed, 100) << name;
   EXPECT_GT(mass, 100) << name;
   EXPECT_NEAR(mass + removed, 1000, 1e-9) << name;
+  EXPECT_NEAR(probe(*solver, "removed.right.mass"), removed, 1e-9) << name;
   EXPECT_GT(probe(*solver, "removed_points"), 1) << name;
   EXPECT_NEAR(probe(*solver, "energy_balance"), 0, 1e-8) << name;
   EXPECT_NEAR(probe(*solver, "created_energy"), 0, 1e-8) << name;

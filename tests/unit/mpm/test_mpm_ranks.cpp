@@ -38,6 +38,8 @@ void check_ranks(const RankCase& given) {
   json["linear_solver"] = {{"method", "mumps"}};
   json["interfaces"][0]["friction"] = 0.4;
   json["probes"] = {{{"name", "A"}, {"point", {1.5, 0.5}}}};
+  json["gauges"] = {{{"name", "middle"}, {"corners", {{1.0, 0.0}, {1.1, 1.0}}}},
+                    {{"name", "left"}, {"corners", {{0.501, 0.0}, {0.501, 1.0}}}}};
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   EXPECT_EQ(shared->probe_names(), alone->probe_names());
   InterfaceValues together, single;

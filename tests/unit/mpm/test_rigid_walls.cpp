@@ -108,6 +108,23 @@ TEST(RigidWalls, force_and_moment_are_probes_and_interfaces_do_not_see_walls) {
   EXPECT_LT(probe(*solver, "ram.mz"), 0);  // a push to the right, above the origin
 }
 
+TEST(RigidWalls, moment_about_a_place) {
+  Json json = walled();
+  const auto about_origin = make_mpm(json);
+  json["rigid_walls"][0]["moment_about"] = {0.5, 0.3};
+  const auto about_place = make_mpm(json);
+  for (auto* solver : {about_origin.get(), about_place.get()}) {
+    InterfaceValues sent;
+    const StepRequest request{1, 0, 0, 0.01};
+    solver->solve_step(request, {}, sent);
+    solver->accept_step(request, true);
+  }
+  const double fx = probe(*about_place, "ram.fx"), fy = probe(*about_place, "ram.fy");
+  EXPECT_EQ(fx, probe(*about_origin, "ram.fx"));
+  EXPECT_NEAR(probe(*about_place, "ram.mz"), probe(*about_origin, "ram.mz") - (0.5 * fy - 0.3 * fx),
+              1e-12 * std::abs(fx));
+}
+
 /// The wall lies on a line of the grid; soil is in the cells of the higher or the lower number.
 TEST(RigidWalls, soil_on_either_side_of_a_grid_line_is_felt) {
   for (const char* type : {"quad4", "tri3"}) {

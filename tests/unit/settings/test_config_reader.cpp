@@ -103,6 +103,23 @@ TEST(ConfigReader, values_that_are_there) {
   EXPECT_EQ(in.resolved(), all);
 }
 
+TEST(ConfigReader, a_vector_of_a_dimension_that_is_not_known_yet) {
+  const KeyTable table = {"arm", "", {key::vector("arm", "m", "An arm.").or_none()}};
+  const auto arm = [&](const Json& json) {
+    return ConfigReader(json, "a.json", table).optional_vector("arm");
+  };
+  EXPECT_EQ(arm({{"arm", {1, 2}}}), (std::vector<double>{1, 2}));
+  EXPECT_EQ(arm({{"arm", {1, 2, 3}}}), (std::vector<double>{1, 2, 3}));
+  EXPECT_FALSE(arm(Json::object()));
+  for (const Json& wrong : {Json{1}, Json{1, 2, 3, 4}, Json("x")}) {
+    expect_error<ConfigError>(
+        [&] {
+          arm({{"arm", wrong}});
+        },
+        {"at /arm", "allowed: a list of 2 or 3 numbers"});
+  }
+}
+
 TEST(ConfigReader, missing_keys_take_the_defaults_of_the_table_and_show_them) {
   auto in = reader();
   EXPECT_EQ(in.number("height"), 2);

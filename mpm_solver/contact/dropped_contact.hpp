@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/contact/moving_surface.hpp"
+
+namespace gabion::mpm {
+
+/// A surface that no longer acts: soil passes it. It keeps the energies of the contact it was; what
+/// its springs held is lost.
+template <int dim>
+class DroppedContact final : public Contact<dim> {
+ public:
+  DroppedContact(const ContactSettings<dim>& settings, const ContactEnergy& energy)
+      : surface_(settings.surface),
+        energy_{.friction = energy.friction, .loss = energy.loss + energy.stored} {}
+
+  void begin_step(const SoilSurface<dim>&) override {}
+  bool can_touch() const override { return false; }
+  bool symmetric() const override { return true; }
+  void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
+  void set_displacement(std::span<const double> displacement) override {
+    surface_.set_displacement(displacement);
+  }
+  void add_forces(std::span<const double>, std::span<double>, BlockMatrix<dim>*) override {}
+  std::vector<double> forces_on_structure() const override {
+    return std::vector<double>(surface_.num_vertices() * dim, 0.0);
+  }
+  typename Contact<dim>::Resultant resultant() const override { return {}; }
+  double work_on_soil(std::span<const double>) const override { return 0; }
+  ContactCounts counts() const override { return {}; }
+  double approach_step(double, double) const override {
+    return std::numeric_limits<double>::infinity();
+  }
+  void accept() override {}
+  ContactEnergy energy() const override { return energy_; }
+  ContactFields<dim> fields(const MaterialPoints<dim>&, double) const override {
+    return {surface_.positions(), surface_.num_facets()};
+  }
+  void visit_state(StateVisitor& visitor, const std::string& prefix) override {
+    visitor.real(prefix + "friction", energy_.friction);
+    visitor.real(prefix + "loss", energy_.loss);
+  }
+
+ private:
+  MovingSurface<dim> surface_;
+  ContactEnergy energy_;
+};
+
+}  // namespace gabion::mpm

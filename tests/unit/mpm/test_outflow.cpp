@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+/// A heavy elastic block that slides on a smooth bed, settles under its weight as it goes, and
+/// leaves over the edge on the right.
+Json sliding(int dim, const std::string& basis, const std::string& transfer = "flip") {
+  std::vector<double> low(dim, 0.0), high(dim, 1.0), from(dim, 0.0), to(dim, 0.5), v(dim, 0.0);
+  std::vector<double> gravity(dim, 0.0);
+  high[0] = 2;
+  from[0] = 1;
+  to[0] = 1.75;
+  v[0] = 3;
+  gravity[dim - 1] = -9.81;
+  std::vector<int> cells(dim, 4), parts(dim, 2);
+  cells[0] = 8;
+  parts[0] = 3;
+  const std::string type = dim == 2 ? "quad4" : "hex8";
+  Json walls = {wall("bottom", "slip"), wall("right", "outflow")};
+  if (dim == 3) walls.push_back(wall("front", "slip"));
+  std::vector<std::vector<double>> edge = {{2, 0}, {2, 1}};
+  if (dim == 3) edge = {{2, 0, 0}, {2, 1, 0}, {2, 0, 1}};
+  return {{"dimension", dim},
+          {"grid", box(low, high, cells, type)},
+          {"basis", basis},
+          {"gravity", gravity},
+          {"walls", walls},
+          {"transfer", {{"method", transfer}}},
+          {"bodies",
+           {body("block", box(from, to, parts, type), dim == 2 ? 4 : 8,
+                 elastic_soil("linear_elastic", 1e6, 0.3, 1000), v)}},
+          {"gauges", {{{"name", "edge"}, {"corners", edge}}}},
+          {"newton", {{"residual_tolerance", 1e-12}, {"increment_tolerance", 1e-12}}}};
+}
+
+void take_steps(Solver& solver, double dt, int first, int count) {
+  InterfaceValues sent;
+  for (int n = first; n < first + count; ++n) {
+    const StepRequest request{n, 0, (n - 1) * dt, dt};
+    solver.solve_step(request, {}, sent);
+    solver.accept_step(request, true);
+  }
+}
+
+/// Mass, momentum and energy of what has gone stay in the books, though it was under stress and did
+/// not fall freely.
+void expect_balances(int dim, const std::string& basis, const std::string& transfer) {
+  SCOPED_TRACE(std::to_string(dim) + basis + transfer);
+  const auto solver = make_mpm(sliding(dim, basis, transfer));
+  const double mass = probe(*solver, "mass"), energy = 0.5 * mass * 9;
+  take_steps(*solver, 0.005, 1, 40);
+  const double removed = probe(*solver, "removed_mass");
+  EXPECT_GT(removed, 0.3 * mass);
+  EXPECT_LT(removed, 0.9 * mass);
+  EXPECT_NEAR(probe(*solver, "mass") + removed, mass, 1e-12 * mass);
+  EXPECT_NEAR(probe(*solver, "removed.right.mass"), removed, 1e-12 * mass);
+  EXPECT_NEAR(probe(*solver, "edge.passed_mass"), removed, 1e-12 * mass);
+  EXPECT_NEAR(probe(*solver, "edge.passed_momentum_x"), probe(*solver, "removed_momentum_x"),
+              1e-12 * mass);
+  // What leaves under stress takes half of its last acceleration along, what stays keeps the other
+  // half of the reaction.
+  EXPECT_NEAR(probe(*solver, "momentum_x") + probe(*solver, "removed_momentum_x"), 3 * mass,
+              2e-3 * 3 * mass);
+  EXPECT_GT(probe(*solver, "removed_elastic_energy"), 1e-4 * energy);
+  EXPECT_NEAR(probe(*solver, "removed_kinetic_energy"), 0.5 * removed * 9, 0.2 * energy);
+  for (int d = 0; d < dim; ++d) {
+    const std::string axis(1, "xyz"[d]);
+    EXPECT_NEAR(probe(*solver, "momentum_error_" + axis), 0, 1e-10 * mass) << axis;
+  }
+  EXPECT_NEAR(probe(*solver, "energy_balance"), 0, 1e-10 * energy);
+  EXPECT_EQ(solver->summary()["removed_mass"]["right"], probe(*solver, "removed.right.mass"));
+}
+
+TEST(Outflow, what_leaves_stays_in_the_balances) {
+  expect_balances(2, "linear", "flip");
+  expect_balances(2, "gimp", "flip");
+  expect_balances(2, "linear", "tpic");
+  expect_balances(3, "linear", "flip");
+}
+
+/// The side does not reflect: without gravity the block leaves as if the grid went on.
+TEST(Outflow, a_free_side_does_not_hold_soil_back) {
+  Json json = sliding(2, "gimp");
+  json["gravity"] = {0, 0};
+  const auto solver = mpm_solver<2>(json);
+  take_steps(*solver, 0.005, 1, 40);
+  EXPECT_GT(probe(*solver, "removed_mass"), 100);
+  for (const auto& v : solver->points().v) EXPECT_LT((v - Vector<2>(3, 0)).norm(), 1e-9);
+}
+
+TEST(Outflow, soil_that_leaves_elsewhere_is_an_error) {
+  Json json = sliding(2, "linear");
+  json["bodies"][0]["velocity"] = {-6, 0};
+  json["bodies"][0]["mesh"] = box({0.25, 0}, {1, 0.5}, {3, 2}, "quad4");
+  const auto solver = make_mpm(json);
+  expect_error<ConvergenceError>([&] { take_steps(*solver, 0.01, 1, 20); },
+                                 {"side \"left\" (no wall)", "\"outflow\""});
+}
+
+/// Of a corner, each way out is through the side that it meets first.
+TEST(Outflow, each_side_has_its_mass) {
+  Json json = sliding(2, "linear");
+  json["outside"] = "remove";
+  json["gravity"] = {0, 0};
+  json["walls"] = Json::array();
+  json["bodies"] = {body("right", box({1.25, 0.25}, {1.75, 0.5}, {2, 1}, "quad4"), 4,
+                         elastic_soil("linear_elastic", 1e3, 0, 1000), {6, 3.2}),
+                    body("up", box({0.25, 0.5}, {0.5, 0.75}, {1, 1}, "quad4"), 4,
+                         elastic_soil("linear_elastic", 1e3, 0, 2000), {-1, 5}),
+                    body("rest", box({0, 0}, {0.25, 0.25}, {1, 1}, "quad4"), 4,
+                         elastic_soil("linear_elastic", 1e3, 0, 1000))};
+  const auto solver = make_mpm(json);
+  take_steps(*solver, 0.01, 1, 12);
+  EXPECT_NEAR(probe(*solver, "removed.right.mass"), 125, 1e-9);
+  EXPECT_NEAR(probe(*solver, "removed.top.mass"), 125, 1e-9);
+  EXPECT_EQ(probe(*solver, "removed.left.mass"), 0);
+}
+
+TEST(Outflow, goes_on_from_a_saved_state_to_the_bit) {
+  const Json json = sliding(2, "gimp");
+  const auto through = make_mpm(json), first = make_mpm(json), second = make_mpm(json);
+  take_steps(*through, 0.005, 1, 40);
+  take_steps(*first, 0.005, 1, 25);
+  EXPECT_GT(probe(*first, "removed_mass"), 0);
+  second->load_state(first->save_state());
+  take_steps(*second, 0.005, 26, 15);
+  EXPECT_EQ(second->probes(), through->probes());
+}
+
+TEST(Outflow, bad_input) {
+  Json json = sliding(2, "linear");
+  json["walls"][1]["motion"] = {{"velocity", {1, 0}}};
+  expect_error<ConfigError>([&] { make_mpm(json); }, {"/walls/1/motion"});
+  json = sliding(2, "linear");
+  json["walls"][1]["group"] = "outlet";
+  expect_error<ConfigError>([&] { make_mpm(json); }, {"/walls/1/group", "outlet"});
+}
+
+}  // namespace
+}  // namespace gabion::test
