@@ -68,7 +68,7 @@ class Directory {
 struct Neighbour {
   int rank = 0;
   std::vector<std::int32_t> shared{};
-  std::vector<std::int32_t> owned;     // of `shared`, by this rank
+  std::vector<std::int32_t> owned{};   // of `shared`, by this rank
   std::vector<std::int32_t> theirs{};  // of `shared`, by the other one
 };
 
