@@ -15,11 +15,18 @@ class LinearSystem {
   LinearSystem(MPI_Comm comm, const LinearSolverSettings& settings)
       : solver_(comm, dim, settings) {}
 
-  /// A step begins.
-  void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime) {
+  /// A step begins. @param pause  of the solver after the step before
+  void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime,
+             const KrylovPause& pause) {
     std::vector<std::int32_t> offsets, cell_nodes;
     equilibrium.pattern(offsets, cell_nodes);
-    const std::int32_t num_nodes = equilibrium.parts().nodes.size();
+    const std::vector<Vector<dim>>& positions = equilibrium.parts().nodes.x;
+    const auto num_nodes = static_cast<std::int32_t>(positions.size());
+    std::vector<double> x;
+    x.reserve(positions.size() * dim);
+    for (const Vector<dim>& node : positions) x.insert(x.end(), node.begin(), node.end());
+    solver_.set_coordinates(std::move(x));
+    solver_.begin_step(pause);
     K_.set_pattern(num_nodes, offsets, cell_nodes);
     solver_.set_regime(regime, num_nodes);
   }

@@ -201,6 +201,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.integers("probe_points", std::span<std::int32_t>(probe_points));
   visitor.integer("removed_points", removed_points);
   visitor.flag("nearly_linear", nearly_linear);
+  pause.visit_state(visitor);
   control.visit_state(visitor);
 }
 

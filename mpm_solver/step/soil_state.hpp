@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/petsc/krylov_pause.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
@@ -38,6 +39,7 @@ struct SoilState {
   std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it
   std::int64_t removed_points = 0;         ///< of all ranks
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
+  KrylovPause pause;           ///< LinearSolver::pause() after the last step
 
  private:
   void visit(StateVisitor& visitor);

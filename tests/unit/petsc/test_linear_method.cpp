@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
 
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "tests/support/expect_error.hpp"
@@ -29,7 +30,10 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   EXPECT_EQ(automatic(infinity, false, 2, 100000), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 3, 100000), (LinearMethod{M::bicgstab, P::ilu}));
-  EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(20, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(100, true, 3, 100000), (LinearMethod{M::cg, P::multigrid}));
+  EXPECT_EQ(automatic(infinity, true, 3, 10000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::multigrid}));
 }
 
 TEST(LinearMethod, settings_override_the_regime) {
@@ -38,12 +42,24 @@ TEST(LinearMethod, settings_override_the_regime) {
   settings.preconditioner = "ilu";
   EXPECT_EQ(choose_linear_method(settings, {false, 0.1}, 2, 100, 1),
             (LinearMethod{SolutionMethod::gmres, Preconditioner::ilu}));
+  settings.preconditioner = "multigrid";
+  EXPECT_EQ(choose_linear_method(settings, {false, 0.1}, 2, 100, 1),
+            (LinearMethod{SolutionMethod::gmres, Preconditioner::multigrid}));
   settings.method = "mumps";
+  settings.preconditioner = "auto";
   EXPECT_TRUE(choose_linear_method(settings, {false, 0.1}, 2, 100, 1).direct());
 }
 
 LinearSolverSettings read(const Json& json) {
   return read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
+}
+
+TEST(LinearMethod, numbers_differ) {
+  std::set<std::int64_t> numbers;
+  for (const auto m : {SolutionMethod::bicgstab, SolutionMethod::gmres, SolutionMethod::cg})
+    for (const auto p : {Preconditioner::jacobi, Preconditioner::ilu, Preconditioner::multigrid})
+      numbers.insert(LinearMethod{m, p}.number());
+  EXPECT_EQ(numbers.size(), 9u);
 }
 
 TEST(LinearMethod, reads_settings) {
