@@ -11,13 +11,14 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 
 from plotting.results import Results, ResultsError, Series
-from plotting.scene import ScenePlot, label_of, scalar
+from plotting.scene import DISC, ScenePlot, label_of, scalar
 from plotting.style import new_figure, plt, save
-from plotting.surface import Surface, surface_of
+from plotting.surface import surface_of
 from plotting.view import FACES, outer_faces
 
 GROUND, STEEL = np.array([0.80, 0.77, 0.72]), np.array([0.45, 0.52, 0.60])
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
+GRAIN = 0.5  # size of a loose point
 TILES = 24  # of the side of a box along its longer edge
 MAX_FRAMES = 80
 
@@ -130,10 +131,18 @@ class SpacePlot(ScenePlot):
         colours = shade(GROUND, normals_of(tiles), self.camera)
         return PolyCollection(self.camera.project(tiles), facecolors=colours, edgecolors=0.94 * colours, linewidths=0.3)
 
-    def _soil_surface(self, time: float) -> tuple[Surface, np.ndarray]:
+    def _colours_of(self, values: np.ndarray) -> np.ndarray:
+        return plt.get_cmap("viridis")(self.norm(values))[:, :3]
+
+    def _soil_parts(self, time: float) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Polygons, colours and normals of the surface, and of loose points as discs that face the eye."""
         frame = self.soil.frame(self.soil.nearest(time))
-        surface = surface_of(frame.points, scalar(frame.fields[self.field]), self.size)
-        return surface, plt.get_cmap("viridis")(self.norm(surface.values))[:, :3]
+        values = scalar(frame.fields[self.field])
+        surface = surface_of(frame.points, values, self.size)
+        plane = np.stack([self.camera.right, self.camera.up])
+        discs = frame.points[surface.loose, None] + self.size * (GRAIN * DISC @ plane)[None]
+        return [(surface.triangles, self._colours_of(surface.values), surface.normals),
+                (discs, self._colours_of(values[surface.loose]), np.tile(self.camera.eye, (len(discs), 1)))]
 
     def _structure_faces(self, structure: Series, time: float) -> np.ndarray:
         frame = structure.frame(structure.nearest(time))
@@ -143,22 +152,16 @@ class SpacePlot(ScenePlot):
 
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
         """Walls first, then all else from the back to the front; what is turned away is left out."""
-        polygons, colours, normals = [], [], []
-        if self.soil:
-            surface, soil_colours = self._soil_surface(time)
-            polygons += list(surface.triangles)
-            colours.append(soil_colours)
-            normals.append(surface.normals)
+        parts = self._soil_parts(time) if self.soil else []
         for structure in self.structures:
             faces = self._structure_faces(structure, time)
-            polygons += list(faces)
-            colours.append(np.tile(STEEL, (len(faces), 1)))
-            normals.append(normals_of(faces))
+            parts.append((faces, np.tile(STEEL, (len(faces), 1)), normals_of(faces)))
         walls = self._wall_collection()
         if walls is not None:
             axes.add_collection(walls)
-        normals = np.concatenate(normals)
-        shaded = shade(np.concatenate(colours), normals, self.camera)
+        polygons = [polygon for part, _, _ in parts for polygon in part]
+        normals = np.concatenate([part for _, _, part in parts])
+        shaded = shade(np.concatenate([part for _, part, _ in parts]), normals, self.camera)
         order = np.argsort([self.camera.depth(polygon.mean(axis=0)) for polygon in polygons], kind="stable")
         order = order[normals[order] @ self.camera.eye > 0]
         axes.add_collection(PolyCollection([self.camera.project(polygons[k]) for k in order], facecolors=shaded[order],

@@ -8,6 +8,7 @@ import numpy as np
 
 MARGIN = 4  # voxels around the points
 SMOOTHING = 2  # times [1/4, 1/2, 1/4] along each axis: some 0.7 of the distance of points
+LEVEL = 0.4  # of the density inside: edges of bodies belong to the surface
 MAX_VOXELS = 8_000_000
 
 # A voxel as six tetrahedra around its diagonal (Kuhn), by the numbers x + 2 y + 4 z of its corners.
@@ -18,18 +19,20 @@ TETRAHEDRA = [[0, 1 << a, (1 << a) | (1 << b), 7] for a, b, _ in permutations(ra
 class Surface:
     """Triangles of a surface.
 
-    triangles: num_triangles x 3 corners x 3 [m]; normals: unit, outwards, at their centres; values: there, or None.
+    triangles: num_triangles x 3 corners x 3 [m]; normals: unit, outwards, at their centres; values: there;
+    loose: numbers of the points that lie outside of it, such as single ones.
     """
 
     triangles: np.ndarray
     normals: np.ndarray
-    values: np.ndarray | None = None
+    values: np.ndarray
+    loose: np.ndarray
 
 
 def surface_of(points: np.ndarray, values: np.ndarray, size: float) -> Surface:
-    """Where the density of the points has fallen to half of that of a lattice with this distance `size` [m].
+    """Where the density of the points has fallen to LEVEL of that of a lattice with this distance `size` [m].
 
-    Single points have too little density to be part of it. `values`: one a point.
+    values: one a point.
     """
     low = points.min(axis=0) - MARGIN * size
     shape = np.ceil((points.max(axis=0) + MARGIN * size - low) / size).astype(int) + 1
@@ -38,12 +41,13 @@ def surface_of(points: np.ndarray, values: np.ndarray, size: float) -> Surface:
         shape = np.ceil((points.max(axis=0) + MARGIN * size - low) / size).astype(int) + 1
     density, weighted = (_smooth(_deposit((points - low) / size, weights, shape))
                          for weights in (np.ones(len(points)), values))
-    triangles = _march(density, 0.5)
+    triangles = _march(density, LEVEL)
     centres = triangles.mean(axis=1)
     gradient = np.stack([_sample(g, centres) for g in np.gradient(density)], axis=1)
     normals = -gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
     mean = _sample(weighted, centres) / np.maximum(_sample(density, centres), 1e-300)
-    return Surface(low + size * triangles, normals, mean)
+    loose = np.flatnonzero(_sample(density, (points - low) / size) < LEVEL)
+    return Surface(low + size * triangles, normals, mean, loose)
 
 
 def _corners(places: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

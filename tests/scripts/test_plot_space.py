@@ -69,6 +69,12 @@ class SurfaceOfABall(unittest.TestCase):
         points = np.vstack([lattice(), [[4000.0, 4000, 4000]]])
         self.assertGreater(len(surface_of(points, np.ones(len(points)), 1.0).triangles), 0)
 
+    def test_single_points_are_named(self) -> None:
+        points = np.vstack([[[20.0, 0, 0]], lattice(), [[0, 20.0, 0]]])
+        loose = surface_of(points, np.ones(len(points)), 1.0).loose
+        self.assertEqual(loose[[0, -1]].tolist(), [0, len(points) - 1])
+        self.assertTrue(np.all(np.linalg.norm(points[loose], axis=1) > RADIUS - 1.2))
+
 
 class Seen(ScriptCase):
     def test_gravity_points_down_and_the_slope_runs_to_the_right(self) -> None:
