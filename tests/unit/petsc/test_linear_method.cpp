@@ -29,11 +29,11 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   EXPECT_EQ(automatic(infinity, false, 2, 3000), (LinearMethod{M::lu, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 100000), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
-  EXPECT_EQ(automatic(infinity, false, 3, 100000), (LinearMethod{M::bicgstab, P::ilu}));
-  EXPECT_EQ(automatic(20, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
-  EXPECT_EQ(automatic(100, true, 3, 100000), (LinearMethod{M::cg, P::multigrid}));
-  EXPECT_EQ(automatic(infinity, true, 3, 10000), (LinearMethod{M::cg, P::ilu}));
-  EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::multigrid}));
+  EXPECT_EQ(automatic(infinity, false, 3, 200000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(20, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(100, true, 3, 200000), (LinearMethod{M::cg, P::multigrid}));
+  EXPECT_EQ(automatic(infinity, true, 3, 90000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::multigrid}));
 }
 
 TEST(LinearMethod, settings_override_the_regime) {
