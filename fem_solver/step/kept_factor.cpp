@@ -2,6 +2,7 @@
 #include "fem_solver/step/kept_factor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/base/log.hpp"
@@ -37,7 +38,10 @@ struct CellsOfNodes {
 struct Walk {
   std::vector<std::int32_t> nodes;  ///< in the order in which they were reached
   std::int64_t widest = 0;
+  std::int64_t fronts = 0;
 };
+
+constexpr double slender_share = 0.2;
 
 /// @param reached  of all nodes; those of the walk are marked with `mark`
 template <int dim>
@@ -48,6 +52,7 @@ Walk walk_from(std::int32_t start, const Mesh<dim>& mesh, const CellsOfNodes<dim
   for (std::size_t begin = 0; begin < walk.nodes.size();) {
     const std::size_t end = walk.nodes.size();
     walk.widest = std::max(walk.widest, static_cast<std::int64_t>(end - begin));
+    ++walk.fronts;
     for (; begin < end; ++begin) {
       const std::int32_t i = walk.nodes[begin];
       for (std::int64_t k = of_nodes.starts[i]; k < of_nodes.starts[i + 1]; ++k)
@@ -61,20 +66,36 @@ Walk walk_from(std::int32_t start, const Mesh<dim>& mesh, const CellsOfNodes<dim
   return walk;
 }
 
-}  // namespace
-
 template <int dim>
-std::int64_t front_width(const Mesh<dim>& mesh) {
+std::vector<Walk> walk_through(const Mesh<dim>& mesh) {
   const CellsOfNodes<dim> of_nodes(mesh);
   std::vector<char> reached(mesh.nodes.size(), 0);
-  std::int64_t widest = 0;
+  std::vector<Walk> walks;
   for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
     if (reached[i] != 0) continue;
     // The node that is reached last lies at an end.
     const std::int32_t end = walk_from(i, mesh, of_nodes, reached, 1).nodes.back();
-    widest = std::max(widest, walk_from(end, mesh, of_nodes, reached, 2).widest);
+    walks.push_back(walk_from(end, mesh, of_nodes, reached, 2));
   }
+  return walks;
+}
+
+}  // namespace
+
+template <int dim>
+std::int64_t front_width(const Mesh<dim>& mesh) {
+  std::int64_t widest = 0;
+  for (const Walk& walk : walk_through(mesh)) widest = std::max(widest, walk.widest);
   return widest;
+}
+
+template <int dim>
+bool is_slender(const Mesh<dim>& mesh) {
+  const std::vector<Walk> walks = walk_through(mesh);
+  return std::any_of(walks.begin(), walks.end(), [](const Walk& walk) {
+    const auto fronts = static_cast<double>(walk.fronts);
+    return static_cast<double>(walk.nodes.size()) < slender_share * std::pow(fronts, dim);
+  });
 }
 
 template <int dim>
@@ -98,6 +119,8 @@ LinearSolverSettings with_kept_factor(LinearSolverSettings settings, const Mesh<
 
 template std::int64_t front_width<2>(const Mesh<2>&);
 template std::int64_t front_width<3>(const Mesh<3>&);
+template bool is_slender<2>(const Mesh<2>&);
+template bool is_slender<3>(const Mesh<3>&);
 template LinearSolverSettings with_kept_factor<2>(LinearSolverSettings, const Mesh<2>&, bool, int);
 template LinearSolverSettings with_kept_factor<3>(LinearSolverSettings, const Mesh<3>&, bool, int);
 

@@ -15,6 +15,11 @@ namespace gabion::fem {
 template <int dim>
 std::int64_t front_width(const Mesh<dim>& mesh);
 
+/// Whether the mesh is far from a cube: less than a fifth of as many nodes as a cube that takes as
+/// many fronts.
+template <int dim>
+bool is_slender(const Mesh<dim>& mesh);
+
 /// The settings for a matrix that serves over iterations and steps: "auto" becomes the direct
 /// method unless its factor in space costs more than Krylov iterations save
 /// (docs/measured/solvers.md), which is sooner in statics than in a dynamic analysis.

@@ -38,6 +38,7 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
+      slender_(is_slender(settings.mesh)),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
@@ -183,7 +184,9 @@ bool StructureStep<dim>::prepare_matrix(const StructureState& state_n, double dt
       with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.cells().smallest_cell_size()
                    : std::numeric_limits<double>::infinity();
   if (!last_) linear_.begin_step(state_n.pause);
-  linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant}, K_.num_nodes());
+  linear_.set_regime(
+      {.symmetric = equilibrium_.symmetric(), .courant = courant, .slender = slender_},
+      K_.num_nodes());
   const auto fits = [&](const std::optional<TangentPoint>& point) {
     return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
   };

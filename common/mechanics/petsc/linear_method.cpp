@@ -41,10 +41,11 @@ constexpr std::int64_t direct_dofs_3d = 1000;  // 3D problems above this are nev
 //     wall of 38,000       145   1.1         24   1.3
 //     block of 47,000       76   1.2         15   1.8
 //
-// Newton's method asks for less than 1e-8, which favours ilu(0); smaller walls have narrow fronts
-// and get a factor. Unsymmetric matrices of soil that rests, 64,000 unknowns: bicgstab + ilu(0) 46
-// iterations, multigrid 69 and ten times the time.
-constexpr std::int64_t multigrid_dofs_3d = 100000;
+// Newton's method asks for less than 1e-8, which favours ilu(0): a block of 292,000 takes it 22 s,
+// 59 s with multigrid, a wall four cells thick of 185,000 more than 500 iterations, 21 s with
+// multigrid (docs/measured/solvers.md). Unsymmetric matrices of soil that rests, 64,000 unknowns:
+// bicgstab + ilu(0) 46 iterations, multigrid 69 and ten times the time.
+constexpr std::int64_t multigrid_dofs_3d = 20000;
 constexpr double multigrid_courant = 80;
 
 std::string name_of(Preconditioner preconditioner) {
@@ -67,8 +68,8 @@ Preconditioner choose_preconditioner(const LinearSolverSettings& settings,
   if (settings.preconditioner == "ilu") return Preconditioner::ilu;
   if (settings.preconditioner == "multigrid") return Preconditioner::multigrid;
   if (regime.courant <= jacobi_courant) return Preconditioner::jacobi;
-  const bool multigrid = dim == 3 && regime.symmetric && num_dofs > multigrid_dofs_3d &&
-                         regime.courant > multigrid_courant;
+  const bool multigrid = dim == 3 && regime.symmetric && regime.slender &&
+                         num_dofs > multigrid_dofs_3d && regime.courant > multigrid_courant;
   return multigrid ? Preconditioner::multigrid : Preconditioner::ilu;
 }
 

@@ -26,6 +26,8 @@ struct LinearRegime {
   bool symmetric = false;
   /// Elastic Courant number c dt / h; infinity for statics. Mass dominates the matrix when small.
   double courant = 0;
+  /// The body bends: in space much thinner than it is long.
+  bool slender = false;
 };
 
 enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };

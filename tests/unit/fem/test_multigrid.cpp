@@ -162,6 +162,17 @@ TEST(KeptFactor, thin_walls_are_direct_and_large_blocks_are_not) {
   EXPECT_EQ(method({22, 22, 22}, false), "auto");
 }
 
+TEST(KeptFactor, walls_and_bars_are_slender) {
+  const auto slender = [](std::vector<int> cells) {
+    const std::vector<double> size{1.0 * cells[0], 1.0 * cells[1], 1.0 * cells[2]};
+    return fem::is_slender(fem_settings<3>(box(size, cells)).mesh);
+  };
+  EXPECT_TRUE(slender({40, 4, 40}));
+  EXPECT_TRUE(slender({4, 4, 20}));
+  EXPECT_FALSE(slender({12, 12, 12}));
+  EXPECT_FALSE(slender({20, 10, 20}));
+}
+
 TEST(KeptFactor, asked_for_is_kept) {
   const auto mesh = cantilever(1).mesh;
   EXPECT_EQ(fem::with_kept_factor<3>({.method = "cg"}, mesh, true, 1).method, "cg");

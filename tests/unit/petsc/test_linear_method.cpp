@@ -31,9 +31,25 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 3, 200000), (LinearMethod{M::bicgstab, P::ilu}));
   EXPECT_EQ(automatic(20, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
-  EXPECT_EQ(automatic(100, true, 3, 200000), (LinearMethod{M::cg, P::multigrid}));
   EXPECT_EQ(automatic(infinity, true, 3, 90000), (LinearMethod{M::cg, P::ilu}));
-  EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::multigrid}));
+  EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
+}
+
+TEST(LinearMethod, multigrid_is_for_large_slender_bodies_at_rest) {
+  using M = SolutionMethod;
+  using P = Preconditioner;
+  const auto chosen = [](LinearRegime regime, std::int64_t num_dofs) {
+    return choose_linear_method({}, regime, 3, num_dofs, 1);
+  };
+  const LinearMethod multigrid{M::cg, P::multigrid};
+  EXPECT_EQ(chosen({.symmetric = true, .courant = infinity, .slender = true}, 50000), multigrid);
+  EXPECT_EQ(chosen({.symmetric = true, .courant = 100, .slender = true}, 50000), multigrid);
+  EXPECT_EQ(chosen({.symmetric = true, .courant = 40, .slender = true}, 50000),
+            (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(chosen({.symmetric = true, .courant = infinity, .slender = true}, 10000),
+            (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(chosen({.symmetric = false, .courant = infinity, .slender = true}, 50000),
+            (LinearMethod{M::bicgstab, P::ilu}));
 }
 
 TEST(LinearMethod, settings_override_the_regime) {
