@@ -16,6 +16,8 @@ namespace gabion::fem {
 
 namespace {
 
+constexpr std::size_t large_dofs = 3000;  // in space
+
 template <int dim>
 CellRange own_cells(const Mesh<dim>& mesh, MPI_Comm comm) {
   return cells_of_rank(mesh.num_cells(), rank_of(comm), num_ranks(comm));
@@ -203,8 +205,11 @@ std::unique_ptr<LinearSolver<dim>> Equilibrium<dim>::factor_mass() const {
   cells_.add_mass(1, M);
   M.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
               [this](std::int32_t) { return rank_ == 0; });
-  LinearSolverSettings settings;
-  settings.method = "lu";
+  // The mass matrix is well conditioned: beyond a small factor, iterations to the last digits.
+  const bool large = dim == 3 && num_dofs_ > large_dofs;
+  const LinearSolverSettings settings =
+      large ? LinearSolverSettings{.method = "cg", .preconditioner = "jacobi", .tolerance = 1e-14}
+            : LinearSolverSettings{.method = "lu"};
   auto solver = std::make_unique<LinearSolver<dim>>(comm_, dim, settings);
   solver->set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
   solver->set_matrix(M);

@@ -42,6 +42,7 @@ void StructureState::visit_state(StateVisitor& visitor) {
   visitor.integer("rescue", method);
   require(method >= -1 && method <= static_cast<std::int64_t>(SolutionMethod::cg),
           "saved state: \"rescue\" is no method of solution");
+  pause.visit_state(visitor);
   rescue.reset();
   if (method >= 0) rescue = static_cast<SolutionMethod>(method);
 }

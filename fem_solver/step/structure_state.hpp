@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/mechanics/petsc/krylov_pause.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/run/state.hpp"
 
@@ -49,6 +50,7 @@ struct StructureState {
   /// gives other last bits with another matrix.
   std::optional<TangentPoint> tangent;
   std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
+  KrylovPause pause;                     ///< LinearSolver::pause() after the last step
 
   /// Save or load; the arrays have their sizes already.
   void visit_state(StateVisitor& visitor);

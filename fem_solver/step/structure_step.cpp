@@ -8,23 +8,18 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "fem_solver/step/kept_factor.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-/// Up to this size a factor that serves many solves beats Krylov iterations in 3D too.
-constexpr std::int64_t direct_dofs = 30000;
-
-/// "auto" means a direct method here: its factor is kept over iterations and steps.
 template <int dim>
-LinearSolverSettings with_kept_factor(LinearSolverSettings settings, std::int64_t num_dofs,
-                                      MPI_Comm comm) {
-  const bool automatic = settings.method == "auto" && settings.preconditioner == "auto";
-  if (!automatic || (dim == 3 && num_dofs > direct_dofs)) return settings;
-  const bool small = choose_direct_method(dim, num_dofs, num_ranks(comm)) == SolutionMethod::lu;
-  settings.method = small ? "lu" : "mumps";
-  return settings;
+std::vector<double> coordinates(const Mesh<dim>& mesh) {
+  std::vector<double> x;
+  x.reserve(mesh.nodes.size() * dim);
+  for (const Vector<dim>& node : mesh.nodes) x.insert(x.end(), node.begin(), node.end());
+  return x;
 }
 
 template <int dim>
@@ -43,15 +38,16 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
+      slender_(is_slender(settings.mesh)),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
-      linear_(
-          comm, dim,
-          with_kept_factor<dim>(settings.linear_solver,
-                                static_cast<std::int64_t>(settings.mesh.nodes.size()) * dim, comm)),
+      linear_(comm, dim,
+              with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.dynamic,
+                                    num_ranks(comm))),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
+  linear_.set_coordinates(coordinates(settings.mesh));
 }
 
 template <int dim>
@@ -187,7 +183,10 @@ bool StructureStep<dim>::prepare_matrix(const StructureState& state_n, double dt
   const double courant =
       with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.cells().smallest_cell_size()
                    : std::numeric_limits<double>::infinity();
-  linear_.set_regime({.symmetric = equilibrium_.symmetric(), .courant = courant}, K_.num_nodes());
+  if (!last_) linear_.begin_step(state_n.pause);
+  linear_.set_regime(
+      {.symmetric = equilibrium_.symmetric(), .courant = courant, .slender = slender_},
+      K_.num_nodes());
   const auto fits = [&](const std::optional<TangentPoint>& point) {
     return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
   };
@@ -270,6 +269,7 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   trial.external_work = state_n.external_work + work(state_n, trial, du);
   trial.tangent = held_tangent_;
   trial.rescue = linear_.rescue();
+  trial.pause = linear_.pause();
 }
 
 /// Work of loads and reactions in a step by the trapezoidal rule, and of the mean forces. Reactions

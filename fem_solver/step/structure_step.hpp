@@ -82,6 +82,7 @@ class StructureStep {
   bool dynamic_;
   bool initial_equilibrium_;
   Vector<dim> initial_velocity_;
+  bool slender_;
   NewtonSettings newton_;
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;

@@ -15,11 +15,14 @@ class LinearSystem {
   LinearSystem(MPI_Comm comm, const LinearSolverSettings& settings)
       : solver_(comm, dim, settings) {}
 
-  /// A step begins.
-  void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime) {
+  /// A step begins. @param pause  of the solver after the step before
+  void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime,
+             const KrylovPause& pause) {
     std::vector<std::int32_t> offsets, cell_nodes;
     equilibrium.pattern(offsets, cell_nodes);
     const GridNodes<dim>& nodes = equilibrium.parts().nodes;
+    if (dim == 3) solver_.set_coordinates(own_coordinates(nodes));
+    solver_.begin_step(pause);
     K_.set_pattern(nodes.size(), offsets, cell_nodes);
     solver_.set_regime(regime, nodes.num_of_all());
     shared_ = nodes.shared;
@@ -39,6 +42,15 @@ class LinearSystem {
   const LinearSolver<dim>& solver() const { return solver_; }
 
  private:
+  // Of the nodes that this rank owns.
+  static std::vector<double> own_coordinates(const GridNodes<dim>& nodes) {
+    std::vector<double> x;
+    for (std::int32_t i = 0; i < nodes.size(); ++i) {
+      if (nodes.shared.owns(i)) x.insert(x.end(), nodes.x[i].begin(), nodes.x[i].end());
+    }
+    return x;
+  }
+
   BlockMatrix<dim> K_;
   SharedNodes shared_;
   LinearSolver<dim> solver_;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/petsc/krylov_pause.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/gauges/gauges.hpp"
 #include "mpm_solver/step/ledger.hpp"
@@ -48,6 +49,7 @@ struct SoilState {
   std::int64_t removed_points = 0;         ///< of all ranks
   std::vector<double> removed_masses;      ///< through SoilModel::exit_sides [kg]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
+  KrylovPause pause;           ///< LinearSolver::pause() after the last step
 
  private:
   void count_exits(std::span<const std::int32_t> outside, const Start& start,

@@ -190,7 +190,7 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
       .f_body_start = f_body_start_,
       .average_volumes = model_.settings.locking.average_volumes,
       .ghost = soil_.ghost()});
-  system_.begin(*equilibrium_, regime());
+  system_.begin(*equilibrium_, regime(), state_.pause);
 }
 
 template <int dim>
@@ -277,6 +277,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   state_.nearly_linear = first_iterations_ <= 1;
+  state_.pause = system_.solver().pause();
   dt_ = 0;
   AcceptReport report;
   report.details = details(cell_n);

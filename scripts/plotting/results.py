@@ -95,6 +95,10 @@ class Series:
     def nearest(self, time: float) -> int:
         return int(np.argmin(np.abs(self.times - time)))
 
+    def grid(self, index: int) -> ElementTree.Element:
+        """The XML of a frame."""
+        return self._grids[index]
+
     def frame(self, index: int) -> Frame:
         grid = self._grids[index]
         points = self._array(grid.find("Geometry/DataItem"))
@@ -154,15 +158,21 @@ class Results:
         return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
 
     @cached_property
+    def _resolved(self) -> list[tuple[str, dict]]:
+        """Settings with all defaults: name of the file, what is in it."""
+        places = (self.folder / "resolved_config.json", *sorted(self.folder.glob("*/resolved_config.json")))
+        return [item for path in places if path.exists()
+                for item in json.loads(path.read_text(encoding="utf-8")).items()]
+
+    @property
     def gravity(self) -> list[float] | None:
         """Of the first resolved settings that have it [m/s^2]; None without."""
-        places = (self.folder / "resolved_config.json", *sorted(self.folder.glob("*/resolved_config.json")))
-        for path in places:
-            files = json.loads(path.read_text(encoding="utf-8")).values() if path.exists() else ()
-            for settings in files:
-                if isinstance(settings, dict) and settings.get("gravity"):
-                    return settings["gravity"]
-        return None
+        return next((settings["gravity"] for _, settings in self._resolved
+                     if isinstance(settings, dict) and settings.get("gravity")), None)
+
+    def settings(self, name: str) -> dict:
+        """Resolved settings of a file such as mpm.json; empty: there are none."""
+        return next((settings for file, settings in self._resolved if file == name), {})
 
     @property
     def per_metre(self) -> str:

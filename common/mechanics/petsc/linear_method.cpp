@@ -28,11 +28,49 @@ constexpr std::int64_t lu_dofs_2d = 12000;  // below: block LU, above: MUMPS
 constexpr std::int64_t lu_dofs_3d = 1000;
 constexpr std::int64_t direct_dofs_3d = 1000;  // 3D problems above this are never direct
 
+// Multigrid in space, symmetric matrices of hex8. Iterations to 1e-8, seconds for set-up and
+// solution:
+//
+//     statics            cg + ilu(0)    cg + multigrid
+//     wall of 38,000       628   2.5         38   1.3
+//     block of 12,000       57   0.2         14   0.5
+//     block of 47,000       85   0.6         16   1.3
+//     block of 207,000     143   5.2         16   7.2   (2.3 without the set-up)
+//     wall of 290,000   > 2000               58   22
+//     Courant 64
+//     wall of 38,000       145   1.1         24   1.3
+//     block of 47,000       76   1.2         15   1.8
+//
+// Newton's method asks for less than 1e-8, which favours ilu(0): a block of 292,000 takes it 22 s,
+// 59 s with multigrid, a wall four cells thick of 185,000 more than 500 iterations, 21 s with
+// multigrid (docs/measured/solvers.md). Unsymmetric matrices of soil that rests, 64,000 unknowns:
+// bicgstab + ilu(0) 46 iterations, multigrid 69 and ten times the time.
+constexpr std::int64_t multigrid_dofs_3d = 20000;
+constexpr double multigrid_courant = 80;
+
+std::string name_of(Preconditioner preconditioner) {
+  switch (preconditioner) {
+    case Preconditioner::jacobi:
+      return "node-block jacobi";
+    case Preconditioner::ilu:
+      return "block ilu(0)";
+    case Preconditioner::multigrid:
+      return "multigrid";
+    case Preconditioner::none:
+      return "nothing";
+  }
+  return {};
+}
+
 Preconditioner choose_preconditioner(const LinearSolverSettings& settings,
-                                     const LinearRegime& regime) {
+                                     const LinearRegime& regime, int dim, std::int64_t num_dofs) {
   if (settings.preconditioner == "jacobi") return Preconditioner::jacobi;
   if (settings.preconditioner == "ilu") return Preconditioner::ilu;
-  return regime.courant <= jacobi_courant ? Preconditioner::jacobi : Preconditioner::ilu;
+  if (settings.preconditioner == "multigrid") return Preconditioner::multigrid;
+  if (regime.courant <= jacobi_courant) return Preconditioner::jacobi;
+  const bool multigrid = dim == 3 && regime.symmetric && regime.slender &&
+                         num_dofs > multigrid_dofs_3d && regime.courant > multigrid_courant;
+  return multigrid ? Preconditioner::multigrid : Preconditioner::ilu;
 }
 
 bool direct_is_faster(const LinearRegime& regime, int dim, std::int64_t num_dofs) {
@@ -48,12 +86,13 @@ KeyTable linear_solver_keys() {
       "linear_solver",
       "How each linear system of Newton's method is solved.",
       {key::choice("method", {"auto", "lu", "mumps", "bicgstab", "gmres", "cg"},
-                   "`auto`: what is fastest for size and step; direct: `lu` (node blocks, one "
+                   "`auto`: what is fastest for size, shape and step (docs/measured/solvers.md); "
+                   "direct: `lu` (node blocks, one "
                    "rank; on several it is `mumps`), `mumps`; Krylov: the others.")
            .or_else(defaults.method),
-       key::choice("preconditioner", {"auto", "jacobi", "ilu"},
-                   "Of a Krylov method: `jacobi` (node blocks) or `ilu` (node blocks, no fill); "
-                   "with a direct method only `auto`.")
+       key::choice("preconditioner", {"auto", "jacobi", "ilu", "multigrid"},
+                   "Of a Krylov method: `jacobi` (node blocks), `ilu` (node blocks, no fill) or "
+                   "`multigrid` (smoothed aggregation); with a direct method only `auto`.")
            .or_else(defaults.preconditioner),
        key::number("tolerance", "",
                    "True residual over the right-hand side: the smallest that Newton's method "
@@ -61,8 +100,10 @@ KeyTable linear_solver_keys() {
            .in(in_words(between(std::numeric_limits<double>::epsilon(), 1e-2),
                         "a number from 2.3e-16 (rounding of the right-hand side) to 0.01"))
            .or_else(defaults.tolerance),
-       key::integer("max_iterations",
-                    "Of a Krylov method: after so many the direct one takes over.")
+       key::integer(
+           "max_iterations",
+           "Of a Krylov method: after so many the direct one takes over, for this step and "
+           "4 more, twice as many after each further failure in a row, up to 64.")
            .in(at_least(1))
            .or_else(defaults.max_iterations)}};
 }
@@ -83,8 +124,7 @@ LinearSolverSettings read_linear_solver_settings(ConfigReader in) {
 
 std::string LinearMethod::name() const {
   const auto krylov = [this](const std::string& name) {
-    return name +
-           (preconditioner == Preconditioner::jacobi ? " + node-block jacobi" : " + block ilu(0)");
+    return name + " + " + name_of(preconditioner);
   };
   switch (method) {
     case SolutionMethod::lu:
@@ -101,6 +141,10 @@ std::string LinearMethod::name() const {
   return {};
 }
 
+std::int64_t LinearMethod::number() const {
+  return 10 * static_cast<std::int64_t>(method) + static_cast<std::int64_t>(preconditioner);
+}
+
 SolutionMethod choose_direct_method(int dim, std::int64_t num_dofs, int num_ranks) {
   const bool small = num_dofs <= (dim == 2 ? lu_dofs_2d : lu_dofs_3d);
   return small && num_ranks == 1 ? SolutionMethod::lu : SolutionMethod::mumps;
@@ -114,7 +158,7 @@ LinearMethod choose_linear_method(const LinearSolverSettings& settings, const Li
   const bool any_krylov = settings.preconditioner != "auto";
   if (settings.method == "auto" && !any_krylov && direct_is_faster(regime, dim, num_dofs))
     return {choose_direct_method(dim, num_dofs, num_ranks), Preconditioner::none};
-  const Preconditioner preconditioner = choose_preconditioner(settings, regime);
+  const Preconditioner preconditioner = choose_preconditioner(settings, regime, dim, num_dofs);
   if (settings.method == "gmres") return {SolutionMethod::gmres, preconditioner};
   if (settings.method == "bicgstab") return {SolutionMethod::bicgstab, preconditioner};
   if (settings.method == "cg" || regime.symmetric) return {SolutionMethod::cg, preconditioner};

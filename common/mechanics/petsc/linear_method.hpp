@@ -12,7 +12,8 @@ namespace gabion {
 struct LinearSolverSettings {
   /// "auto" | "lu" | "mumps" | "bicgstab" | "gmres" | "cg"
   std::string method = "auto";
-  /// "auto" | "jacobi" (node blocks) | "ilu" (node blocks, no fill); for Krylov methods
+  /// "auto" | "jacobi" (node blocks) | "ilu" (node blocks, no fill) | "multigrid" (smoothed
+  /// aggregation); for Krylov methods
   std::string preconditioner = "auto";
   double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; [eps, 1e-2]
   int max_iterations = 500;  ///< of a Krylov method, then the direct one takes over; >= 1
@@ -25,10 +26,12 @@ struct LinearRegime {
   bool symmetric = false;
   /// Elastic Courant number c dt / h; infinity for statics. Mass dominates the matrix when small.
   double courant = 0;
+  /// The body bends: in space much thinner than it is long.
+  bool slender = false;
 };
 
 enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };
-enum class Preconditioner { none, jacobi, ilu };
+enum class Preconditioner { none, jacobi, ilu, multigrid };
 
 /// A way to solve a linear system.
 struct LinearMethod {
@@ -37,6 +40,7 @@ struct LinearMethod {
 
   bool direct() const { return method == SolutionMethod::lu || method == SolutionMethod::mumps; }
   std::string name() const;
+  std::int64_t number() const;  ///< another one for each method
   bool operator==(const LinearMethod&) const = default;
 };
 

@@ -2,6 +2,7 @@
 #include "common/mechanics/petsc/linear_solver.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -38,6 +39,14 @@ struct LinearSolver<block_size>::Implementation {
   int solve(std::span<const double> b, std::span<double> x, double tolerance);
   /// Solve for the right-hand side that `matrix` holds; converged means by the true residual.
   PetscSolver::Result attempt(PetscSolver& solver, double b_norm, double tolerance);
+  PetscSolver::Result use_main(double b_norm, double tolerance);
+  SolutionMethod direct_method() const {
+    return choose_direct_method(dim, matrix.num_dofs(), num_ranks);
+  }
+  bool rests() const {
+    return !chosen.direct() && (has_failed || (pause.steps > 0 && pause.method == chosen.number()));
+  }
+  KrylovPause pause_after() const;
   PetscSolver::Result use_rescue(SolutionMethod method, double b_norm, const char* reason);
 
   LinearSolverSettings settings;
@@ -49,6 +58,8 @@ struct LinearSolver<block_size>::Implementation {
   PetscSolver main;    // with the chosen method
   PetscSolver rescue;  // direct, when the chosen method failed for this matrix
   bool use_rescue_first = false;
+  KrylovPause pause;                            // as the step began
+  bool has_failed = false, has_worked = false;  // the chosen Krylov method in this step
   std::int64_t fallbacks = 0;
 };
 
@@ -77,12 +88,36 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::use_rescue(Solutio
                                                                          double b_norm,
                                                                          const char* reason) {
   const LinearMethod direct{method, Preconditioner::none};
-  // Once in the open; a regime in which it happens at every matrix would flood the log.
+  const std::string how_long =
+      chosen.direct() ? "matrix" : fmt::format("step and the next {}", pause_after().steps);
+  // Once in the open; a regime in which it happens again and again would flood the log.
   const auto level = fallbacks <= 1 ? log::Level::warn : log::Level::debug;
-  log::write(level, fmt::format("linear solver: {} failed ({}), {} for this matrix",
-                                main.method().name(), reason, direct.name()));
+  log::write(level, fmt::format("linear solver: {} failed ({}), {} for this {}",
+                                main.method().name(), reason, direct.name(), how_long));
   rescue.configure(direct, 1);
   return attempt(rescue, b_norm, direct_tolerance);
+}
+
+template <int block_size>
+KrylovPause LinearSolver<block_size>::Implementation::pause_after() const {
+  KrylovPause after = pause;
+  if (has_failed) {
+    after.after_failure(chosen.number());
+  } else if (has_worked) {
+    after.after_success();
+  } else {
+    after.after_rest();
+  }
+  return after;
+}
+
+template <int block_size>
+PetscSolver::Result LinearSolver<block_size>::Implementation::use_main(double b_norm,
+                                                                       double tolerance) {
+  main.configure(chosen, settings.max_iterations);
+  PetscSolver::Result result = attempt(main, b_norm, tolerance);
+  has_worked = has_worked || (result.converged && !chosen.direct());
+  return result;
 }
 
 template <int block_size>
@@ -100,14 +135,12 @@ int LinearSolver<block_size>::Implementation::solve(std::span<const double> b, s
   if (use_rescue_first) {
     result = attempt(rescue, b_norm, direct_tolerance);
   } else {
-    main.configure(chosen, settings.max_iterations);
-    result = attempt(main, b_norm, std::max(tolerance, settings.tolerance));
+    result = use_main(b_norm, std::max(tolerance, settings.tolerance));
     iterations = result.iterations;
-    const SolutionMethod direct = choose_direct_method(dim, matrix.num_dofs(), num_ranks);
     if (!result.converged && !chosen.direct()) {
       ++fallbacks;
-      use_rescue_first = true;
-      result = use_rescue(direct, b_norm, result.reason);
+      has_failed = use_rescue_first = true;
+      result = use_rescue(direct_method(), b_norm, result.reason);
     }
   }
   // MUMPS exchanges rows for stability, the small block LU does not.
@@ -116,6 +149,8 @@ int LinearSolver<block_size>::Implementation::solve(std::span<const double> b, s
     use_rescue_first = true;
     result = use_rescue(SolutionMethod::mumps, b_norm, result.reason);
   }
+  // The matrix is at fault, not the method.
+  has_failed = has_failed && result.converged;
   require<ConvergenceError>(
       result.converged,
       "linear solver: {} failed with {} unknowns: {}; the matrix is singular, nearly so, "
@@ -135,6 +170,24 @@ template <int block_size>
 LinearSolver<block_size>::LinearSolver(LinearSolver&&) noexcept = default;
 template <int block_size>
 LinearSolver<block_size>& LinearSolver<block_size>::operator=(LinearSolver&&) noexcept = default;
+
+template <int block_size>
+void LinearSolver<block_size>::begin_step(const KrylovPause& pause) {
+  impl_->pause = pause;
+  impl_->has_failed = impl_->has_worked = false;
+  impl_->main.begin_step();
+}
+
+template <int block_size>
+KrylovPause LinearSolver<block_size>::pause() const {
+  return impl_->pause_after();
+}
+
+template <int block_size>
+void LinearSolver<block_size>::set_coordinates(std::vector<double> x) {
+  assert(block_size == impl_->dim);
+  impl_->main.set_coordinates(std::move(x));
+}
 
 template <int block_size>
 void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64_t num_nodes) {
@@ -157,7 +210,10 @@ void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K,
   const bool renewed = impl_->matrix.set(K, shared);
   impl_->main.invalidate(renewed);
   impl_->rescue.invalidate(renewed);
-  impl_->use_rescue_first = false;
+  impl_->use_rescue_first = impl_->rests();
+  if (impl_->use_rescue_first) {
+    impl_->rescue.configure({impl_->direct_method(), Preconditioner::none}, 1);
+  }
 }
 
 template <int block_size>

@@ -8,8 +8,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/petsc/krylov_pause.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/petsc/shared_nodes.hpp"
 
@@ -34,6 +36,18 @@ class LinearSolver {
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
+  /// A step begins: what was set up for matrices of earlier ones serves no longer, but for the
+  /// present matrix itself, so that a step depends on its beginning alone.
+  /// @param pause  what pause() said after the step before
+  void begin_step(const KrylovPause& pause);
+  /// What the next step has to know of this one.
+  KrylovPause pause() const;
+
+  /// Positions of the nodes for multigrid, num_nodes x dim, of all nodes or those that this rank
+  /// owns, where the unknowns are displacements.
+  /// @pre  block_size is dim
+  void set_coordinates(std::vector<double> x);
+
   /// Choose the method for this regime and size (logged when it changes). Before the first
   /// call the regime is static and unsymmetric.
   /// @param num_nodes  of all ranks
@@ -46,8 +60,9 @@ class LinearSolver {
   void set_matrix(const BlockMatrix<block_size>& K, const SharedNodes& shared = {});
 
   /// Solve with the matrix of the last set_matrix. A Krylov method that fails is replaced by the
-  /// direct one for this matrix (logged, counted). The residual |b - K x| of what is returned is at
-  /// most 10 times the tolerance (direct: 1e-8) times |b|.
+  /// direct one for the rest of the step and some more, see KrylovPause (logged, counted). The
+  /// residual |b - K x| of what is returned is at most 10 times the tolerance (direct: 1e-8) times
+  /// |b|.
   /// @param tolerance  relative to |b|, for a looser solution than the setting asks for; a tighter
   ///                   one than the setting is not given
   /// @returns iterations (0 for a direct solve)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
 
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "tests/support/expect_error.hpp"
@@ -28,8 +29,27 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   EXPECT_EQ(automatic(infinity, false, 2, 3000), (LinearMethod{M::lu, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 100000), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
-  EXPECT_EQ(automatic(infinity, false, 3, 100000), (LinearMethod{M::bicgstab, P::ilu}));
-  EXPECT_EQ(automatic(infinity, true, 3, 100000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(infinity, false, 3, 200000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(20, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(infinity, true, 3, 90000), (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
+}
+
+TEST(LinearMethod, multigrid_is_for_large_slender_bodies_at_rest) {
+  using M = SolutionMethod;
+  using P = Preconditioner;
+  const auto chosen = [](LinearRegime regime, std::int64_t num_dofs) {
+    return choose_linear_method({}, regime, 3, num_dofs, 1);
+  };
+  const LinearMethod multigrid{M::cg, P::multigrid};
+  EXPECT_EQ(chosen({.symmetric = true, .courant = infinity, .slender = true}, 50000), multigrid);
+  EXPECT_EQ(chosen({.symmetric = true, .courant = 100, .slender = true}, 50000), multigrid);
+  EXPECT_EQ(chosen({.symmetric = true, .courant = 40, .slender = true}, 50000),
+            (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(chosen({.symmetric = true, .courant = infinity, .slender = true}, 10000),
+            (LinearMethod{M::cg, P::ilu}));
+  EXPECT_EQ(chosen({.symmetric = false, .courant = infinity, .slender = true}, 50000),
+            (LinearMethod{M::bicgstab, P::ilu}));
 }
 
 TEST(LinearMethod, settings_override_the_regime) {
@@ -38,12 +58,24 @@ TEST(LinearMethod, settings_override_the_regime) {
   settings.preconditioner = "ilu";
   EXPECT_EQ(choose_linear_method(settings, {false, 0.1}, 2, 100, 1),
             (LinearMethod{SolutionMethod::gmres, Preconditioner::ilu}));
+  settings.preconditioner = "multigrid";
+  EXPECT_EQ(choose_linear_method(settings, {false, 0.1}, 2, 100, 1),
+            (LinearMethod{SolutionMethod::gmres, Preconditioner::multigrid}));
   settings.method = "mumps";
+  settings.preconditioner = "auto";
   EXPECT_TRUE(choose_linear_method(settings, {false, 0.1}, 2, 100, 1).direct());
 }
 
 LinearSolverSettings read(const Json& json) {
   return read_linear_solver_settings(ConfigReader(json, "f.json", linear_solver_keys()));
+}
+
+TEST(LinearMethod, numbers_differ) {
+  std::set<std::int64_t> numbers;
+  for (const auto m : {SolutionMethod::bicgstab, SolutionMethod::gmres, SolutionMethod::cg})
+    for (const auto p : {Preconditioner::jacobi, Preconditioner::ilu, Preconditioner::multigrid})
+      numbers.insert(LinearMethod{m, p}.number());
+  EXPECT_EQ(numbers.size(), 9u);
 }
 
 TEST(LinearMethod, reads_settings) {

@@ -225,9 +225,65 @@ TEST(LinearSolver, krylov_that_fails_is_replaced_by_direct) {
   for (int k = 0; k < 3; ++k)
     EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-8 * b.norm());
   EXPECT_EQ(solver.fallbacks(), 1);
+}
+
+LinearSolverSettings hopeless() {
+  auto settings = settings_of("bicgstab", "jacobi");
+  settings.max_iterations = 2;
+  return settings;
+}
+
+/// Iterations that a step's only solution took.
+int solve_step(LinearSolver<2>& solver, const BlockMatrix<2>& K, KrylovPause& pause) {
+  const Eigen::VectorXd b = load(2 * K.num_nodes());
+  std::vector<double> x(b.size());
+  solver.begin_step(pause);
+  solver.set_regime({false, 1}, K.num_nodes());
   solver.set_matrix(K);
-  EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-8 * b.norm());
-  EXPECT_EQ(solver.fallbacks(), 2);
+  const int iterations = solver.solve({b.data(), x.size()}, x);
+  pause = solver.pause();
+  return iterations;
+}
+
+TEST(LinearSolver, failure_is_remembered_for_4_steps_then_for_8) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 11);
+  const auto K = assembled_share(system);
+  LinearSolver<2> solver(test::comm(), 2, hopeless());
+  KrylovPause pause;
+  std::vector<int> steps_that_tried;
+  for (int step = 0; step < 31; ++step)
+    if (solve_step(solver, K, pause) > 0) steps_that_tried.push_back(step);
+  EXPECT_EQ(steps_that_tried, (std::vector<int>{0, 5, 14}));
+  EXPECT_EQ(solver.fallbacks(), 3);
+  EXPECT_EQ(pause.last, 16);
+}
+
+TEST(LinearSolver, failure_is_remembered_within_a_step) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 11);
+  const auto K = assembled_share(system);
+  LinearSolver<2> solver(test::comm(), 2, hopeless());
+  const Eigen::VectorXd b = load(system.dense.rows());
+  for (int k = 0; k < 3; ++k) {
+    solver.set_matrix(K);
+    EXPECT_LT((system.dense * solve(solver, b) - b).norm(), 1e-8 * b.norm());
+  }
+  EXPECT_EQ(solver.fallbacks(), 1);
+}
+
+TEST(LinearSolver, success_ends_the_memory_and_other_methods_are_not_concerned) {
+  const auto system = random_system<2>(61, 80, 3, 0.3, 11);
+  const auto K = assembled_share(system);
+  LinearSolver<2> solver(test::comm(), 2, settings_of("bicgstab", "jacobi"));
+  const std::int64_t number =
+      LinearMethod{SolutionMethod::bicgstab, Preconditioner::jacobi}.number();
+  KrylovPause due{.steps = 0, .last = 8, .method = number};
+  EXPECT_GT(solve_step(solver, K, due), 0);
+  EXPECT_EQ(due, KrylovPause{});
+  KrylovPause resting{.steps = 3, .last = 8, .method = number};
+  EXPECT_EQ(solve_step(solver, K, resting), 0);
+  EXPECT_EQ(resting.steps, 2);
+  KrylovPause of_another{.steps = 3, .last = 8, .method = number + 1};
+  EXPECT_GT(solve_step(solver, K, of_another), 0);
 }
 
 /// Two nodes whose diagonal blocks vanish: block Jacobi, block ILU and LU without pivots all fail.
