@@ -41,10 +41,10 @@ constexpr std::int64_t direct_dofs_3d = 1000;  // 3D problems above this are nev
 //     wall of 38,000       145   1.1         24   1.3
 //     block of 47,000       76   1.2         15   1.8
 //
-// Newton's method asks for less than 1e-8, which favours ilu(0): a block of 292,000 takes it 22 s,
-// 59 s with multigrid, a wall four cells thick of 185,000 more than 500 iterations, 21 s with
-// multigrid (docs/measured/solvers.md). Unsymmetric matrices of soil that rests, 64,000 unknowns:
-// bicgstab + ilu(0) 46 iterations, multigrid 69 and ten times the time.
+// Newton's method asks for less than 1e-8, which favours ilu(0): a block of 292,000 takes it 16 s,
+// 45 s with multigrid; in a wall four cells thick of 185,000 it fails, multigrid takes 24 s
+// (docs/measured/solvers.md). Unsymmetric matrices of soil that rests, 64,000 unknowns: bicgstab +
+// ilu(0) 46 iterations, multigrid 69 and ten times the time.
 constexpr std::int64_t multigrid_dofs_3d = 20000;
 constexpr double multigrid_courant = 80;
 
