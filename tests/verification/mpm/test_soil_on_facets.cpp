@@ -76,9 +76,9 @@ void check_rankine(const Way& way, double in_cell, const Limit& limit) {
             .exact = active ? (1 - sine) / (1 + sine) : (1 + sine) / (1 - sine),
             .computed = earth_pressure(between_walls(way, 1 + 0.1 * in_cell, active ? 1.0 : -1.0)),
             .bound = bound,
-            .limitation = bound > 0.02
-                              ? "splines with F-bar lock beside walls; without it they do not"
-                              : ""});
+            .limitation = bound > 0.02 ? "splines with F-bar need three times the way of the wall: "
+                                         "its last half cell gives way"
+                                       : ""});
   }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -23,8 +25,28 @@ struct Footing {
 
 constexpr double prandtl = 2 + M_PI;
 
-Json footing_scene(const Footing& footing, const std::string& type, int cells,
-                   const std::string& locking) {
+struct Form {
+  std::string type = "quad4", basis = "linear", locking = "fbar";
+  bool by_facets = false;  ///< else tied by boundary points
+};
+
+/// What pushes the soil.
+Json rough_plate(const Footing& footing, double h, bool by_facets) {
+  Json json = {{"name", "footing"},
+               {"surface",
+                {{"polyline", {{0, footing.depth}, {footing.b, footing.depth}}}, {"spacing", h}}}};
+  if (by_facets) {
+    json["friction"] = 0.5;
+  } else {
+    json["method"] = "boundary_points";
+    json["mode"] = "fixed";
+    json["penalty"] = 1000 * footing.E / h;
+  }
+  return json;
+}
+
+Json footing_scene(const Footing& footing, const Form& form, int cells) {
+  const std::string& type = form.type;
   const double h = footing.b / cells, width = footing.width, depth = footing.depth;
   const std::vector<int> count = {static_cast<int>(width * cells), static_cast<int>(depth * cells)};
   Json material = elastic_soil("tresca", footing.E, footing.nu, 1000);
@@ -33,25 +55,20 @@ Json footing_scene(const Footing& footing, const std::string& type, int cells,
       {"dimension", 2},
       {"analysis", "quasi_static"},
       {"grid", box({0, 0}, {width, depth + h}, {count[0], count[1] + 1}, type)},
-      {"basis", "linear"},
+      {"basis", form.basis},
       {"walls", {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")}},
       {"bodies",
        {body("soil", box({0, 0}, {width, depth}, count, type), type == "tri3" ? 3 : 4, material)}},
-      {"interfaces",
-       {{{"name", "footing"},
-         {"surface", {{"polyline", {{0, depth}, {footing.b, depth}}}, {"spacing", h}}},
-         {"method", "boundary_points"},
-         {"mode", "fixed"},
-         {"penalty", 1000 * footing.E / h}}}},
-      {"locking", {{"method", locking}}},
+      {"interfaces", {rough_plate(footing, h, form.by_facets)}},
+      {"locking", {{"method", form.locking}}},
       {"newton", {{"max_iterations", 60}}},
       {"linear_solver", {{"method", "lu"}}}};
 }
 
 /// q / c at the end of each step. @param cells  under half of the footing
-std::vector<double> push(const std::string& type, int cells, const std::string& locking) {
+std::vector<double> push(const Form& form, int cells) {
   const Footing footing;
-  const auto solver = make_mpm(footing_scene(footing, type, cells, locking));
+  const auto solver = make_mpm(footing_scene(footing, form, cells));
   const std::size_t num_values = solver->interfaces()[0].coordinates.size();
   std::vector<double> q;
   for (int n = 1; n <= footing.steps; ++n) {
@@ -75,7 +92,7 @@ double last_growth(const std::vector<double>& q) {
 
 /// A cell beside the footing's edge carries part of it along, so the error is of first order in h.
 void check_footing(const std::string& type) {
-  const auto coarse = push(type, 4, "fbar"), fine = push(type, 8, "fbar");
+  const auto coarse = push({.type = type}, 4), fine = push({.type = type}, 8);
   EXPECT_LT(last_growth(coarse), 0.01) << type;
   EXPECT_LT(last_growth(fine), 0.01) << type;
   const std::string what = "limit load q / c of a strip footing, Tresca, " + type + ", F-bar, ";
@@ -89,7 +106,7 @@ void check_footing(const std::string& type) {
           .exact = prandtl,
           .computed = 2 * fine.back() - coarse.back(),
           .bound = 0.03});
-  const auto locked = push(type, 8, "none");
+  const auto locked = push({.type = type, .locking = "none"}, 8);
   EXPECT_GT(locked.back(), 1.25 * prandtl) << type;
   EXPECT_GT(last_growth(locked), 0.025) << type;
 }
@@ -102,13 +119,32 @@ TEST(StripFooting, tri3_reaches_prandtls_limit) {
   check_footing("tri3");
 }
 
+TEST(StripFooting, facets_push_soil_on_smooth_functions) {
+  for (const auto& [basis, bound] : {std::pair{"gimp", 0.065}, std::pair{"bspline", 0.02}}) {
+    const Form form{.basis = basis, .by_facets = true};
+    const auto coarse = push(form, 4), fine = push(form, 8);
+    const std::string what =
+        fmt::format("limit load q / c of a strip footing by facets, Tresca, {}, F-bar, ", basis);
+    verify({.id = "V11",
+            .what = what + "8 cells under half of it",
+            .exact = prandtl,
+            .computed = fine.back(),
+            .bound = bound});
+    verify({.id = "V11",
+            .what = what + "4 and 8 cells extrapolated in h",
+            .exact = prandtl,
+            .computed = 2 * fine.back() - coarse.back(),
+            .bound = 0.03});
+  }
+}
+
 TEST(StripFooting, limit_load_within_three_percent) {
   for (const std::string type : {"quad4", "tri3"}) {
     verify({.id = "V11",
             .what = "limit load q / c of a strip footing, Tresca, " + type +
                     ", F-bar, 16 cells under half of it",
             .exact = prandtl,
-            .computed = push(type, 16, "fbar").back(),
+            .computed = push({.type = type}, 16).back(),
             .bound = 0.03});
   }
 }
