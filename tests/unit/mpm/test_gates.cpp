@@ -77,7 +77,12 @@ TEST(Gates, an_open_gate_stays_open_in_a_saved_state) {
   }
   second->load_state(first->save_state());
   for (auto* solver : {through.get(), second.get()}) take_steps(*solver, 1.003, 0.001, 3);
-  EXPECT_EQ(through->probes(), second->probes());
+  const auto a = through->probes(), b = second->probes();
+  // MUMPS on several ranks adds in the order in which messages come: other last bits each time.
+  const double rounding = size() == 1 ? 0 : 1e-8;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_NEAR(a[k], b[k], rounding * (1 + std::abs(b[k]))) << through->probe_names()[k];
+  }
   EXPECT_NE(probe(*second, "momentum_x"), 0);
 }
 
