@@ -204,22 +204,6 @@ TEST(MpmConfig, basis_needs_cells_in_rows) {
   }
 }
 
-TEST(MpmConfig, boundary_points_do_not_hold_splines_with_averaged_volumes) {
-  Json json = valid();
-  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
-  json["basis"] = "bspline";
-  json["locking"] = {{"method", "fbar"}};
-  json["rigid_walls"] = {{{"name", "lid"},
-                          {"surface", {{"polyline", {{0, 0.6}, {0.5, 0.6}}}, {"spacing", 0.1}}},
-                          {"method", "boundary_points"}}};
-  expect_refused(json, {"/rigid_walls/0/method", "boundary_points", "bspline", "facets"});
-  json["locking"] = {{"method", "none"}};
-  make_mpm(json);
-  json["locking"] = {{"method", "fbar"}};
-  json["rigid_walls"][0]["method"] = "facets";
-  make_mpm(json);
-}
-
 TEST(MpmConfig, boxes_of_soil_in_a_box_of_cells_get_domains) {
   const auto basis = [](const Json& json) { return make_mpm(json)->summary().at("basis"); };
   EXPECT_EQ(mpm_solver<3>(valid_3d())->summary().at("basis"), "gimp");
