@@ -252,8 +252,10 @@ class Restarted(ScriptCase):
 
 
 if __name__ == "__main__":
-    installed = subprocess.run(["dpkg-query", "--show", "libdeal.ii-dev"], capture_output=True, check=False)
-    if installed.returncode != 0 or Path(sys.argv[1]).resolve() != ROOT / "build" / "release" / "bin":
+    # A package that others only name is known, and shown, without being installed.
+    package = subprocess.run(["dpkg-query", "--show", "--showformat", "${db:Status-Status}", "libdeal.ii-dev"],
+                             capture_output=True, text=True, check=False)
+    if package.stdout != "installed" or Path(sys.argv[1]).resolve() != ROOT / "build" / "release" / "bin":
         print("not run: it needs libdeal.ii-dev, and build/release")
         sys.exit(77)
     subprocess.run([str(FOLDER / "build")], check=True)
