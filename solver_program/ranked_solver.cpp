@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver_program/ranked_solver.hpp"
 
+#include <sys/resource.h>
+
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "solver_program/ranked_state.hpp"
@@ -30,6 +32,13 @@ Failure failure_of(const std::exception& error) {
     default:
       throw Error(text);
   }
+}
+
+/// The most memory that this process has had [bytes].
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 }  // namespace
@@ -91,6 +100,12 @@ std::vector<double> RankedSolver::probes() const {
 Json RankedSolver::summary() const {
   Json result;
   together([&] { result = inner_.summary(); });
+  double memory[] = {peak_memory()};
+  const double largest = max_over_ranks(comm_, memory[0]);
+  sum_over_ranks(comm_, std::span<double>(memory));
+  result["ranks"] = size_;
+  result["peak_memory"] = {{"largest_rank", static_cast<std::int64_t>(largest)},
+                           {"all_ranks", static_cast<std::int64_t>(memory[0])}};
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/gather.hpp"
@@ -82,16 +83,22 @@ std::string problem_with(const State& all) {
 
 }  // namespace
 
-State gather_state(MPI_Comm comm, const State& own) {
+State gather_state(MPI_Comm comm, State own) {
+  // What has arrived is given up, so that no array is there twice.
+  const auto collect = [comm]<class Value>(std::vector<Value> values, std::vector<int>& counts) {
+    if (num_ranks(comm) > 1) return gather<Value>(comm, values, counts);
+    counts = {static_cast<int>(values.size())};
+    return values;
+  };
   State all;
   Json real_counts = Json::object(), integer_counts = Json::object(), facts = Json::array();
   std::vector<int> counts;
-  for (const auto& [name, values] : own.reals) {
-    all.reals[name] = gather<double>(comm, values, counts);
+  for (auto& [name, values] : own.reals) {
+    all.reals[name] = collect(std::exchange(values, {}), counts);
     real_counts[name] = counts;
   }
-  for (const auto& [name, values] : own.integers) {
-    all.integers[name] = gather<std::int64_t>(comm, values, counts);
+  for (auto& [name, values] : own.integers) {
+    all.integers[name] = collect(std::exchange(values, {}), counts);
     integer_counts[name] = counts;
   }
   const Bytes texts = gather<std::uint8_t>(comm, Json::to_cbor(own.facts), counts);

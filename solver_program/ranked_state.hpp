@@ -11,7 +11,7 @@ namespace gabion {
 /// @param own  of this rank; equal names on all ranks
 /// @returns    on the first rank; empty on the others
 /// @note Collective.
-State gather_state(MPI_Comm comm, const State& own);
+State gather_state(MPI_Comm comm, State own);
 
 /// The part of this rank, from what gather_state() made.
 /// @param all  read on the first rank only

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "common/base/error.hpp"
 #include "common/hdf5/hdf5_handle.hpp"
@@ -130,14 +129,13 @@ void Hdf5File::finish() {
   const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
   const ssize_t size = flushed ? H5Fget_file_image(file_, nullptr, 0) : -1;
   if (size <= 0) fail("write this file", hdf5_cause());
-  std::vector<char> image(size);
-  if (H5Fget_file_image(file_, image.data(), image.size()) != size) {
-    fail("write this file", hdf5_cause());
-  }
-  if (H5Fclose(std::exchange(file_, -1)) < 0) fail("write this file", hdf5_cause());
+  // The core driver's handle is the place of its pointer to the file in memory.
+  void* handle = nullptr;
+  if (H5Fget_vfd_handle(file_, H5P_DEFAULT, &handle) < 0) fail("write this file", hdf5_cause());
+  const char* const image = *static_cast<const char* const*>(handle);
 
   errno = 0;
-  out_.write(image.data(), size);
+  out_.write(image, size);
   out_.flush();
   if (!out_.good()) {
     const std::string cause = std::strerror(errno);
@@ -145,6 +143,7 @@ void Hdf5File::finish() {
     fail("write this file", cause);
   }
   out_.close();
+  if (H5Fclose(std::exchange(file_, -1)) < 0) fail("write this file", hdf5_cause());
   std::error_code error;
   std::filesystem::rename(part_path_, path_, error);
   if (error) fail("give the written file its name", error.message());

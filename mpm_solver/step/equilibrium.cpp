@@ -41,7 +41,7 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
                  .nodes = parts.nodes,
                  .trial = parts.trial},
                 parts.cell_size, parts.same_strain,
-                parts.average_volumes ? std::optional(parts.comm) : std::nullopt),
+                parts.average_volumes ? std::optional(parts.comm) : std::nullopt, parts.repeats),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
   if (parts_.with_inertia) {

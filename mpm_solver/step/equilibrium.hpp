@@ -46,6 +46,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     double same_strain;  ///< see InternalForces
     double dt;
     bool with_inertia = true;             ///< false: quasi-static
+    bool repeats = true;                  ///< several solutions, as in a coupled step
     bool nearly_linear = false;           ///< one Newton iteration likely suffices
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
     std::span<const double> f_body_start = {};   ///< the same at the start of the step

@@ -13,7 +13,13 @@ template <int dim>
 class LinearSystem {
  public:
   LinearSystem(MPI_Comm comm, const LinearSolverSettings& settings)
-      : solver_(comm, dim, settings) {}
+      : K_([this](const BlockMatrix<dim>& K) { return solver_.make_room(K); }),
+        solver_(comm, dim, settings) {}
+  LinearSystem(const LinearSystem&) = delete;  // K_ keeps its values in solver_
+  LinearSystem& operator=(const LinearSystem&) = delete;
+  LinearSystem(LinearSystem&&) = delete;
+  LinearSystem& operator=(LinearSystem&&) = delete;
+  ~LinearSystem() = default;
 
   /// A step begins. @param pause  of the solver after the step before
   void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime,

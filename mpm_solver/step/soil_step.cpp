@@ -185,6 +185,7 @@ void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<
       .same_strain = same_strain_share * model_.settings.newton.residual_tolerance,
       .dt = dt,
       .with_inertia = with_inertia_,
+      .repeats = !model_.settings.interfaces.empty(),
       .nearly_linear = state_.nearly_linear,
       .f_body = f_body_,
       .f_body_start = f_body_start_,

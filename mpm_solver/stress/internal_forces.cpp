@@ -28,8 +28,9 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 
 template <int dim>
 InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
-                                    double same_strain, std::optional<MPI_Comm> average_over)
-    : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain) {
+                                    double same_strain, std::optional<MPI_Comm> average_over,
+                                    bool repeats)
+    : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain), repeats_(repeats) {
   if (average_over) averaged_.emplace(*average_over, parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
   parts_.trial.resize(parts_.points.size());
@@ -40,7 +41,8 @@ template <int dim>
 void InternalForces<dim>::forget() {
   du_known_.clear();
   du_K_.clear();
-  known_.assign(averaged_ ? 0 : parts_.weights.groups.size(), {});
+  const bool per_group = !averaged_ && parts_.weights.constant_gradient;
+  known_.assign(per_group ? parts_.weights.groups.size() : 0, {});
   same_strain_ = given_same_strain_;
 }
 
@@ -210,7 +212,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   }
   yielding_.add(parts_.trial.region);
   du_known_.assign(du.begin(), du.end());
-  if (K) {
+  if (K && repeats_) {
     du_K_ = du_known_;
     K_int_.assign(K->values().begin(), K->values().end());
   }

@@ -29,8 +29,9 @@ class InternalForces {
   /// @param same_strain   largest difference of a component of H that the tangent may bridge
   /// @param average_over  empty, or for F-bar (AveragedForces) the ranks that share the points;
   ///                      `evaluate` and `finish` are then collective
+  /// @param repeats       several solutions may follow each other: K is kept for the next one
   InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
-                 std::optional<MPI_Comm> average_over = {});
+                 std::optional<MPI_Comm> average_over = {}, bool repeats = true);
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible
@@ -111,7 +112,8 @@ class InternalForces {
   std::vector<GroupStress> known_;  // of each group
   std::vector<double> du_known_;    // where the forces were last evaluated; empty: nowhere
   std::vector<double> du_K_;        // where K_int_ was evaluated; empty: nowhere
-  std::vector<double> K_int_;       // values of the matrix
+  bool repeats_;
+  std::vector<double> K_int_;  // values of the matrix
   bool first_evaluation_ = true;
   bool neighbours_matrix_ = false;
   YieldingPoints<dim> yielding_;

@@ -17,22 +17,6 @@ std::int64_t next_pattern_id() {
   return ++last;
 }
 
-/// Scatter a dense (n block_size) x (n block_size) row-major matrix to column-major blocks.
-template <int block_size>
-inline void scatter(int n, const std::int32_t* slots, const double* K, double* values) {
-  const int width = n * block_size;
-  for (int a = 0; a < n; ++a) {
-    const double* rows = K + a * block_size * width;
-    for (int b = 0; b < n; ++b) {
-      double* target =
-          values + static_cast<std::size_t>(slots[a * n + b]) * block_size * block_size;
-      const double* source = rows + b * block_size;
-      for (int c = 0; c < block_size; ++c)
-        for (int r = 0; r < block_size; ++r) target[c * block_size + r] += source[r * width + c];
-    }
-  }
-}
-
 }  // namespace
 
 template <int block_size>
@@ -52,7 +36,20 @@ void BlockMatrix<block_size>::set_pattern(std::int32_t num_nodes,
   list_neighbours();
   sort_columns();
   map_cells();
-  values_.assign(columns_.size() * block_size * block_size, 0.0);
+  place_values();
+  set_zero();
+}
+
+template <int block_size>
+void BlockMatrix<block_size>::place_values() {
+  const std::size_t size = columns_.size() * block_size * block_size;
+  values_ = storage_ ? storage_(*this) : std::span<double>();
+  if (values_.empty()) {
+    own_values_.resize(size);
+    values_ = own_values_;
+  }
+  require(values_.size() == size, "BlockMatrix: found room for {} values, needed: {}",
+          values_.size(), size);
 }
 
 template <int block_size>
@@ -101,23 +98,36 @@ void BlockMatrix<block_size>::sort_columns() {
       columns_[marks_[neighbours_[k]]++] = j;
 }
 
+// Where the numbers of a cell's nodes go up by one, so do the slots of their blocks in each row.
+template <int block_size>
+void BlockMatrix<block_size>::find_runs() {
+  const std::size_t num_cells = offsets_.size() - 1;
+  runs_.clear();
+  run_starts_.assign(1, 0);
+  slot_starts_.assign(1, 0);
+  for (std::size_t c = 0; c < num_cells; ++c) {
+    for (std::int32_t k = offsets_[c]; k < offsets_[c + 1]; ++k) {
+      const bool goes_on = k > offsets_[c] && cell_nodes_[k] == cell_nodes_[k - 1] + 1;
+      if (!goes_on) runs_.push_back(k - offsets_[c]);
+    }
+    const auto num_runs = static_cast<std::int64_t>(runs_.size()) - run_starts_.back();
+    run_starts_.push_back(static_cast<std::int64_t>(runs_.size()));
+    slot_starts_.push_back(slot_starts_.back() + num_runs * (offsets_[c + 1] - offsets_[c]));
+  }
+}
+
 template <int block_size>
 void BlockMatrix<block_size>::map_cells() {
-  const std::size_t num_cells = offsets_.size() - 1;
-  slot_starts_.resize(num_cells + 1);
-  slot_starts_[0] = 0;
-  for (std::size_t c = 0; c < num_cells; ++c) {
-    const std::int64_t n = offsets_[c + 1] - offsets_[c];
-    slot_starts_[c + 1] = slot_starts_[c] + n * n;
-  }
-  slots_.resize(static_cast<std::size_t>(slot_starts_[num_cells]));
+  find_runs();
+  slots_.resize(static_cast<std::size_t>(slot_starts_.back()));
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) marks_[columns_[s]] = s;
     for (std::int32_t k = corner_starts_[i]; k < corner_starts_[i + 1]; ++k) {
       const auto [c, a] = corners_[k];
-      const std::int32_t n = offsets_[c + 1] - offsets_[c];
-      std::int32_t* row = slots_.data() + slot_starts_[c] + static_cast<std::int64_t>(a) * n;
-      for (std::int32_t b = 0; b < n; ++b) row[b] = marks_[cell_nodes_[offsets_[c] + b]];
+      const auto runs = runs_of(c);
+      std::int32_t* row =
+          slots_.data() + slot_starts_[c] + static_cast<std::int64_t>(a * runs.size());
+      for (const std::int32_t b : runs) *row++ = marks_[cell_nodes_[offsets_[c] + b]];
     }
   }
 }
@@ -127,35 +137,46 @@ void BlockMatrix<block_size>::set_zero() {
   std::fill(values_.begin(), values_.end(), 0.0);
 }
 
+// Visit the blocks of a cell that lie side by side: add(a, first, last, values) with those of its
+// nodes a and first .. last - 1.
 template <int block_size>
-void BlockMatrix<block_size>::add_cell(std::int32_t c, const double* K) {
+template <class Add>
+void BlockMatrix<block_size>::for_each_run(std::int32_t c, const Add& add) {
   const int n = offsets_[c + 1] - offsets_[c];
-  const std::int32_t* slots = slots_.data() + slot_starts_[c];
-  // Constant sizes let the compiler unroll triangles, quadrilaterals and tetrahedra, bricks.
-  switch (n) {
-    case 3:
-      return scatter<block_size>(3, slots, K, values_.data());
-    case 4:
-      return scatter<block_size>(4, slots, K, values_.data());
-    case 8:
-      return scatter<block_size>(8, slots, K, values_.data());
-    default:
-      return scatter<block_size>(n, slots, K, values_.data());
+  const auto runs = runs_of(c);
+  const std::int32_t* slot = slots_.data() + slot_starts_[c];
+  for (int a = 0; a < n; ++a) {
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      add(a, runs[r], r + 1 < runs.size() ? runs[r + 1] : n, block(*slot++));
+    }
   }
 }
 
 template <int block_size>
+void BlockMatrix<block_size>::add_cell(std::int32_t c, const double* K) {
+  const int width = (offsets_[c + 1] - offsets_[c]) * block_size;
+  for_each_run(c, [&](int a, int first, int last, double* target) {
+    const double* rows = K + a * block_size * width;
+    for (int column = first * block_size; column < last * block_size; ++column) {
+      for (int r = 0; r < block_size; ++r) *target++ += rows[r * width + column];
+    }
+  });
+}
+
+template <int block_size>
 void BlockMatrix<block_size>::add_cell_blocks(std::int32_t c, const double* blocks) {
-  const std::int64_t n = offsets_[c + 1] - offsets_[c];
-  const std::int32_t* slots = slots_.data() + slot_starts_[c];
-  for (std::int64_t k = 0; k < n * n; ++k) {
-    double* target = block(slots[k]);
-    BlockVector<block_size> sum, added;
-    sum.load(target);
-    added.load(blocks + k * BlockVector<block_size>::num_entries);
-    sum += added;
-    sum.store(target);
-  }
+  using Block = BlockVector<block_size>;
+  for_each_run(c, [&](int, int first, int last, double* target) {
+    for (int b = first; b < last; ++b) {
+      Block sum, added;
+      sum.load(target);
+      added.load(blocks);
+      sum += added;
+      sum.store(target);
+      target += Block::num_entries;
+      blocks += Block::num_entries;
+    }
+  });
 }
 
 template <int block_size>

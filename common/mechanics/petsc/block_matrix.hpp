@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/mechanics/petsc/node_block.hpp"
@@ -17,6 +18,20 @@ namespace gabion {
 template <int block_size>
 class BlockMatrix {
  public:
+  /// Room for the values of a pattern, or nothing.
+  using Storage = std::function<std::span<double>(const BlockMatrix& pattern)>;
+
+  BlockMatrix() = default;
+  /// @param storage  asked at each new pattern for room that lasts to the next one, such as that of
+  ///                 the PETSc matrix which the values are for; where it has none they are kept
+  ///                 here
+  explicit BlockMatrix(Storage storage) : storage_(std::move(storage)) {}
+  BlockMatrix(const BlockMatrix&) = delete;  // values_ may refer to own_values_
+  BlockMatrix& operator=(const BlockMatrix&) = delete;
+  BlockMatrix(BlockMatrix&&) noexcept = default;
+  BlockMatrix& operator=(BlockMatrix&&) noexcept = default;
+  ~BlockMatrix() = default;
+
   /// New pattern with all blocks zero: nodes that share a cell are coupled; every diagonal block
   /// exists. Cell c has the nodes cell_nodes[offsets[c] .. offsets[c + 1]), numbered
   /// 0 .. num_nodes - 1. Work and memory grow with the number of node pairs; buffers are reused,
@@ -69,15 +84,26 @@ class BlockMatrix {
   void list_cells_of_nodes();
   void list_neighbours();
   void sort_columns();
+  void place_values();
+  void find_runs();
   void map_cells();
+  std::span<const std::int32_t> runs_of(std::int32_t c) const {
+    return std::span(runs_).subspan(run_starts_[c], run_starts_[c + 1] - run_starts_[c]);
+  }
+  template <class Add>
+  void for_each_run(std::int32_t c, const Add& add);
 
   std::int32_t num_nodes_ = 0;
   std::int64_t pattern_id_ = 0;
   std::vector<std::int32_t> row_starts_;  // blocks
   std::vector<std::int32_t> columns_;     // sorted in each row
-  std::vector<double> values_;
+  Storage storage_;
+  std::vector<double> own_values_;  // empty: kept elsewhere
+  std::span<double> values_;
   std::vector<std::int32_t> offsets_, cell_nodes_;
-  std::vector<std::int32_t> slots_;        // block index of each node pair of each cell
+  std::vector<std::int32_t> runs_;  // of each cell: where nodes with consecutive numbers begin
+  std::vector<std::int64_t> run_starts_;   // of each cell in runs_
+  std::vector<std::int32_t> slots_;        // of each cell: of each node and run, its first block
   std::vector<std::int64_t> slot_starts_;  // of each cell in slots_
 
   struct Corner {

@@ -202,6 +202,13 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64
 }
 
 template <int block_size>
+std::span<double> LinearSolver<block_size>::make_room(const BlockMatrix<block_size>& K) {
+  impl_->main.release();
+  impl_->rescue.release();
+  return impl_->matrix.make_room(K);
+}
+
+template <int block_size>
 void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K,
                                           const SharedNodes& shared) {
   if (!impl_->is_chosen)

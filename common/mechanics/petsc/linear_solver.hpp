@@ -20,9 +20,9 @@ namespace gabion {
 /// Solves K x = b with PETSc. b and x hold the nodes of K: all of them on every rank, or those that
 /// SharedNodes names.
 ///
-/// PETSc gets a copy of K; on several ranks each rank adds its blocks to a matrix whose rows belong
-/// to the owners of the nodes, or are shared out in equal contiguous parts where every rank has
-/// all.
+/// PETSc gets a copy of K, unless K keeps its values in the room of make_room; on several ranks
+/// each rank adds its blocks to a matrix whose rows belong to the owners of the nodes, or are
+/// shared out in equal contiguous parts where every rank has all.
 /// @tparam block_size  number of unknowns of a node, as of BlockMatrix
 /// @pre  destroyed before the PetscSession ends
 template <int block_size>
@@ -52,6 +52,10 @@ class LinearSolver {
   /// call the regime is static and unsymmetric.
   /// @param num_nodes  of all ranks
   void set_regime(const LinearRegime& regime, std::int64_t num_nodes);
+
+  /// Room for the values of K in PETSc's own matrix, until the next pattern: set_matrix then copies
+  /// nothing. What was set up for the last pattern is given up. On several ranks there is none.
+  std::span<double> make_room(const BlockMatrix<block_size>& K);
 
   /// Take over new values of K, and its pattern where its pattern_id is another than in the last
   /// call. A direct method factorises at the next solve.

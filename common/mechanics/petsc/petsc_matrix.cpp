@@ -2,6 +2,7 @@
 #include "common/mechanics/petsc/petsc_matrix.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "common/mechanics/ranks/sum.hpp"
@@ -14,6 +15,17 @@ template <int block_size>
 PetscMatrix<block_size>::PetscMatrix(MPI_Comm comm) : comm_(comm) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &size_);
+}
+
+template <int block_size>
+std::span<double> PetscMatrix<block_size>::make_room(const BlockMatrix<block_size>& K) {
+  if (size_ > 1) return {};
+  pattern_id_ = K.pattern_id();
+  shared_ = {};
+  shared_id_ = shared_.id();
+  create(K);
+  is_new_ = true;
+  return value_array(K.columns().size() * block_size * block_size);
 }
 
 template <int block_size>
@@ -31,7 +43,7 @@ bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K, const Shared
     insert_blocks(K, renew);
   }
   assemble();
-  return renew;
+  return std::exchange(is_new_, false) || renew;
 }
 
 // Every rank has all nodes: equal parts.
@@ -163,11 +175,19 @@ void PetscMatrix<block_size>::insert_row(const BlockMatrix<block_size>& K, std::
 }
 
 template <int block_size>
-void PetscMatrix<block_size>::copy_values(const BlockMatrix<block_size>& K) {
+std::span<double> PetscMatrix<block_size>::value_array(std::size_t size) const {
   double* values = nullptr;
   check_petsc(MatSeqBAIJGetArray(matrix_.get(), &values), "MatSeqBAIJGetArray");
-  std::copy(K.values().begin(), K.values().end(), values);
+  double* const first = values;
   check_petsc(MatSeqBAIJRestoreArray(matrix_.get(), &values), "MatSeqBAIJRestoreArray");
+  return {first, size};
+}
+
+template <int block_size>
+void PetscMatrix<block_size>::copy_values(const BlockMatrix<block_size>& K) {
+  const std::span<double> values = value_array(K.values().size());
+  if (values.data() == K.values().data()) return;
+  std::copy(K.values().begin(), K.values().end(), values.begin());
 }
 
 template <int block_size>

@@ -17,6 +17,10 @@ class PetscMatrix {
  public:
   explicit PetscMatrix(MPI_Comm comm);
 
+  /// A new matrix with the pattern of K, and the memory of its values, where K may keep its own:
+  /// `set` then has nothing to copy. Empty on several ranks, which exchange blocks.
+  std::span<double> make_room(const BlockMatrix<block_size>& K);
+
   /// Take a copy of K; on several ranks the sum over the ranks.
   /// @param shared  whose the nodes of K are; alone() on several ranks: every rank has all
   /// @returns true when the pattern is new and PETSc's matrix is another object than before
@@ -43,6 +47,7 @@ class PetscMatrix {
   void create_shared(const BlockMatrix<block_size>& K);
   void share_out_rows();
   void take_rows(const SharedNodes& shared);
+  std::span<double> value_array(std::size_t size) const;
   std::vector<PetscInt> count_blocks(const BlockMatrix<block_size>& K) const;
   void insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks);
   void insert_row(const BlockMatrix<block_size>& K, std::int32_t i);
@@ -54,6 +59,7 @@ class PetscMatrix {
   int size_ = 1;
   SharedNodes shared_;
   std::int64_t pattern_id_ = 0, shared_id_ = 0;
+  bool is_new_ = false;  // made since the last `set`
   std::int64_t num_nodes_of_all_ = 0;
   std::vector<PetscInt> numbers_;     // of the nodes of K among those of all ranks
   std::vector<int> owners_;           // of them; one rank: empty

@@ -81,6 +81,12 @@ void PetscSolver::invalidate(bool new_pattern) {
   if (!keeps || new_pattern_) is_set_up_ = false;
 }
 
+void PetscSolver::release() {
+  if (ksp_) check_petsc(KSPReset(ksp_.get()), "KSPReset");
+  is_set_up_ = false;
+  new_pattern_ = true;
+}
+
 void PetscSolver::begin_step() {
   may_keep_ = false;
   if (has_new_values_) is_set_up_ = false;

@@ -26,6 +26,8 @@ class PetscSolver {
   /// Multigrid goes on with a matrix of the same pattern while it serves: until a solve takes 5
   /// iterations more than 1.5 times those of the first one with it, by digit of the tolerance.
   void invalidate(bool new_pattern);
+  /// Give up what was set up, and the matrix that it was set up for.
+  void release();
   /// Nothing of earlier matrices serves any longer, but the present one may go on.
   void begin_step();
 

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How time and memory of the soil grow with its points."""
+
+import csv
+import json
+import math
+import shutil
+import subprocess
+from pathlib import Path
+from statistics import median
+
+from plotting.results import ResultsError
+from studies.instructions import FORMS, SOLVER, scene
+from studies.runner import Runner, folder_of
+
+STEPS = 10
+#: Runs: form, and the cells of instructions.scene along an edge times these.
+SIZES = {
+    "quad4, linear": (1, 4, 16),
+    "quad4, gimp, F-bar": (1, 4, 16),
+    "hex8, linear": (1, 2, 4),
+    "hex8, gimp, F-bar": (1, 2, 4, 5),
+}
+PHASES = {"points and nodes": ("search", "points to grid", "grid to points"), "stress and K": ("assembly",),
+          "linear solve": ("solve",), "pattern": ("pattern",)}
+HEAD = ["soil", "points", "Newton a step", "a step [s]", "a point and iteration [µs]", *PHASES, "other",
+        "memory a point [kB]"]
+
+
+def refined(form: tuple[str, str, str], times: int) -> dict:
+    """The scene with cells smaller by that factor, and steps too: waves cross as many cells in a step."""
+    settings = scene(*form)
+    for mesh in (settings["grid"]["box"], settings["bodies"][0]["mesh"]["box"]):
+        mesh["cells"] = [times * cells for cells in mesh["cells"]]
+    time = settings["time"]
+    time["dt"] /= times
+    time["dt_min"] /= times
+    time["end"] = STEPS * time["dt"]
+    return settings
+
+
+def run(folder: Path, settings: dict) -> tuple[dict, list[dict]]:
+    """Summary and steps of a run."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
+    done = subprocess.run([SOLVER, folder, "--output", folder / "out"], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise ResultsError(f"{folder.name}: exit code {done.returncode}\n{done.stderr[-600:]}")
+    with (folder / "out" / "steps.csv").open(encoding="utf-8") as table:
+        return json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8")), list(csv.DictReader(table))
+
+
+def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
+    """Of a run. smallest: summary of that with the fewest points; memory counts from there."""
+    soil, phases = summary["solver"], summary["solver"]["wall_seconds"]
+    total = summary["wall_seconds"]["solve"] + summary["wall_seconds"]["accept"]
+    shares = [sum(phases.get(phase, 0) for phase in group) / total for group in PHASES.values()]
+    iterations = sum(int(step["newton_iterations"]) for step in steps)
+    each = median(float(step["wall_seconds"]) / int(step["newton_iterations"]) for step in steps)
+    points = soil["points"] - smallest["solver"]["points"]
+    memory = soil["peak_memory"]["largest_rank"] - smallest["solver"]["peak_memory"]["largest_rank"]
+    return [name, soil["points"], iterations / len(steps), median(float(step["wall_seconds"]) for step in steps),
+            1e6 * each / soil["points"], *(f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)]),
+            memory / points / 1e3 if points else None]
+
+
+def size(runner: Runner) -> None:
+    """Time and memory of a step of the soil over its points, in the plane and in space, and where they go."""
+    rows, exponents = [], []
+    for name, sizes in SIZES.items():
+        of_form = []
+        smallest = None
+        for times in sizes:
+            print(f"{name}, cells / {times}: running", flush=True)
+            summary, steps = run(runner.folder / f"{folder_of(name)}_{times}", refined(FORMS[name], times))
+            smallest = smallest or summary
+            of_form.append(row(name, summary, steps, smallest))
+        ratio = of_form[-1][4] / of_form[0][4]
+        exponents.append(f"{name} {1 + math.log(ratio) / math.log(of_form[-1][1] / of_form[0][1]):.2f}")
+        rows += of_form
+    runner.report(HEAD, rows)
+    runner.remark(f"time of an iteration over points, exponent: {', '.join(exponents)}")
+
+
+STUDIES = {"size": size}
