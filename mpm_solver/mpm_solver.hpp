@@ -35,7 +35,10 @@ class MpmSolver final : public Solver {
   std::vector<double> probes() const override { return report_.probes(state_); }
   Json summary() const override { return report_.summary(state_, step_, times_); }
   bool keeps_state() const override { return true; }
-  State save_state() override { return state_.save(); }
+  State save_state() override {
+    step_.release();
+    return state_.save();
+  }
   void load_state(const State& state) override;
 
   const MaterialPoints<dim>& points() const { return state_.points; }

@@ -103,7 +103,6 @@ Json RankedSolver::summary() const {
   double memory[] = {peak_memory()};
   const double largest = max_over_ranks(comm_, memory[0]);
   sum_over_ranks(comm_, std::span<double>(memory));
-  result["ranks"] = size_;
   result["peak_memory"] = {{"largest_rank", static_cast<std::int64_t>(largest)},
                            {"all_ranks", static_cast<std::int64_t>(memory[0])}};
   return result;

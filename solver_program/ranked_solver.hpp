@@ -30,7 +30,7 @@ class RankedSolver final : public Solver {
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override;
-  /// With `ranks` and `peak_memory` [bytes] of the programs: `largest_rank`, `all_ranks`.
+  /// With `peak_memory` of the programs [bytes]: `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).

@@ -42,6 +42,13 @@ class SoilStep {
   void reject();
   /// The accepted state has changed: the next request begins a step.
   void forget() { dt_ = 0; }
+  /// Between steps: give up the memory that only a step needs, for others who want much for a
+  /// moment.
+  void release() {
+    if (dt_ != 0) return;
+    equilibrium_.reset();
+    trial_ = {};
+  }
 
   const SoilOnGrid<dim>& soil() const { return soil_; }
   const Phase& phase() const { return model_.settings.phases[phase_]; }
