@@ -218,6 +218,16 @@ void Surfaces<dim>::accept() {
 }
 
 template <int dim>
+void Surfaces<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
+  for (const auto& contact : contacts_) contact->give(ids, packet);
+}
+
+template <int dim>
+void Surfaces<dim>::take(Packet& packet) {
+  for (const auto& contact : contacts_) contact->take(packet);
+}
+
+template <int dim>
 void Surfaces<dim>::visit_state(StateVisitor& visitor) {
   std::vector<std::int32_t> dropped = dropped_;
   visitor.integers("dropped_walls", std::span<std::int32_t>(dropped));

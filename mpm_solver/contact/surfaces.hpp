@@ -55,6 +55,9 @@ class Surfaces {
                             double reach) const;
 
   void accept();
+  /// Contact::give and Contact::take of all of them.
+  void give(std::span<const std::int64_t> ids, Packet& packet);
+  void take(Packet& packet);
   void visit_state(StateVisitor& visitor);
 
  private:

@@ -35,6 +35,10 @@ struct BackgroundGrid {
   std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
   Basis basis;
   CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
+
+  /// What decides about the rank that has the points of a cell: the centre of the cell, or of the
+  /// first cell of its patch [m].
+  Vector<dim> home(std::int32_t cell) const;
 };
 
 /// Shortest distance between two nodes of a cell [m].

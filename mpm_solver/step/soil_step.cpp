@@ -148,7 +148,7 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
           .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
           .elastic = model_.elastic,
           .moduli = model_.moduli,
-          .first_rank = rank_of(model_.comm) == 0};
+          .comm = model_.comm};
 }
 
 template <int dim>
@@ -283,6 +283,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   report.details = details(cell_n);
   report.proposed_dt = sizes_.proposal().dt;
   state_.remove(outside, {x_n, cell_n}, model_);
+  state_.ranks.follow(points, state_.surfaces);
   return report;
 }
 
