@@ -22,17 +22,18 @@ namespace gabion::mpm {
 template <int dim>
 struct SoilSurface {
   const BackgroundGrid<dim>& grid;
-  const GridNodes<dim>& nodes;               ///< active ones
-  const MaterialPoints<dim>& points;         ///< of this rank
-  const PointWeights<dim>& weights;          ///< of this rank's points
-  std::span<const std::int32_t> occupied{};  ///< 1 for grid cells with a point of any rank
-  double reach = 0;                          ///< how far soil extends beyond its points [m]
-  double cell_size = 0;                      ///< mean [m]
-  double dt = 0;                             ///< of the step [s]
-  double step_force_weight = 1;              ///< of NewmarkBossak; quasi-static: 1
-  std::span<const char> elastic{};           ///< 1 for bodies that never yield
-  std::span<const double> moduli{};          ///< of P waves, of the bodies [Pa]
-  MPI_Comm comm = MPI_COMM_SELF;             ///< of the ranks that share the soil
+  const GridNodes<dim>& nodes;        ///< active ones
+  const MaterialPoints<dim>& points;  ///< of this rank
+  const PointWeights<dim>& weights;   ///< of this rank's points
+  /// 1 for grid cells with a point of any rank; on the first rank, where a contact asks_for_cells
+  std::span<const std::int32_t> occupied{};
+  double reach = 0;                  ///< how far soil extends beyond its points [m]
+  double cell_size = 0;              ///< mean [m]
+  double dt = 0;                     ///< of the step [s]
+  double step_force_weight = 1;      ///< of NewmarkBossak; quasi-static: 1
+  std::span<const char> elastic{};   ///< 1 for bodies that never yield
+  std::span<const double> moduli{};  ///< of P waves, of the bodies [Pa]
+  MPI_Comm comm = MPI_COMM_SELF;     ///< of the ranks that share the soil
 };
 
 /// How a contact stands after the last add_forces.
@@ -67,6 +68,8 @@ class Contact {
   Contact& operator=(Contact&&) = delete;
   virtual ~Contact() = default;
 
+  /// Whether it reads SoilSurface::occupied.
+  virtual bool asks_for_cells() const { return false; }
   /// Grid nodes that the coming step needs here besides those of this rank's material points.
   /// @param soil  without weights and nodes as yet
   virtual std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) {

@@ -56,6 +56,12 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t contact) const {
 }
 
 template <int dim>
+bool Surfaces<dim>::asks_for_cells() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const auto& contact) { return contact->asks_for_cells(); });
+}
+
+template <int dim>
 std::vector<std::int32_t> Surfaces<dim>::find_nodes(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> nodes;
   for (const auto& contact : contacts_) {

@@ -24,7 +24,7 @@ BackgroundGrid<dim>::BackgroundGrid(Mesh<dim> mesh_, Basis basis_)
 
 template <int dim>
 Vector<dim> BackgroundGrid<dim>::home(std::int32_t cell) const {
-  const auto nodes = mesh.cell(patches.size() > 0 ? patches.first_of[cell] : cell);
+  const auto nodes = mesh.cell(first_of_patch(cell));
   Vector<dim> sum = Vector<dim>::Zero();
   for (const std::int32_t node : nodes) sum += mesh.nodes[node];
   return sum / static_cast<double>(nodes.size());

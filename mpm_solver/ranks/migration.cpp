@@ -56,14 +56,13 @@ void take_points(Packet& packet, MaterialPoints<dim>& points) {
 }  // namespace
 
 template <int dim>
-std::int64_t migrate(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                     const Partition<dim>& partition, MaterialPoints<dim>& points,
+std::int64_t migrate(const CellOwners<dim>& owners, MaterialPoints<dim>& points,
                      Surfaces<dim>& surfaces) {
-  const int own = rank_of(comm);
+  const int own = rank_of(owners.comm);
   std::map<int, std::vector<std::int32_t>> to;
   std::vector<std::int32_t> leaving;
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    const int rank = partition.rank_of(grid.home(points.cell[p]));
+    const int rank = owners.of(points.cell[p]);
     if (rank == own) continue;
     to[rank].push_back(p);
     leaving.push_back(p);
@@ -78,19 +77,17 @@ std::int64_t migrate(MPI_Comm comm, const BackgroundGrid<dim>& grid,
   }
   remove_points<dim>(leaving, points);
   const std::size_t num_kept = points.id.size();
-  for (auto& [rank, packet] : send_packets(comm, out)) {
+  for (auto& [rank, packet] : send_packets(owners.comm, out)) {
     take_points(packet, points);
     surfaces.take(packet);
   }
   if (points.id.size() > num_kept) order_points(num_kept, points);
   double moved = static_cast<double>(leaving.size());
-  sum_over_ranks(comm, std::span<double>(&moved, 1));
+  sum_over_ranks(owners.comm, std::span<double>(&moved, 1));
   return static_cast<std::int64_t>(moved);
 }
 
-template std::int64_t migrate<2>(MPI_Comm, const BackgroundGrid<2>&, const Partition<2>&,
-                                 MaterialPoints<2>&, Surfaces<2>&);
-template std::int64_t migrate<3>(MPI_Comm, const BackgroundGrid<3>&, const Partition<3>&,
-                                 MaterialPoints<3>&, Surfaces<3>&);
+template std::int64_t migrate<2>(const CellOwners<2>&, MaterialPoints<2>&, Surfaces<2>&);
+template std::int64_t migrate<3>(const CellOwners<3>&, MaterialPoints<3>&, Surfaces<3>&);
 
 }  // namespace gabion::mpm

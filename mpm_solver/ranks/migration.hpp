@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <cstdint>
 
 #include "mpm_solver/contact/surfaces.hpp"
-#include "mpm_solver/grid/basis.hpp"
-#include "mpm_solver/points/partition.hpp"
+#include "mpm_solver/grid/cell_owners.hpp"
 
 namespace gabion::mpm {
 
@@ -17,8 +14,7 @@ namespace gabion::mpm {
 /// @returns number of points that moved, of all ranks
 /// @note Collective.
 template <int dim>
-std::int64_t migrate(MPI_Comm comm, const BackgroundGrid<dim>& grid,
-                     const Partition<dim>& partition, MaterialPoints<dim>& points,
+std::int64_t migrate(const CellOwners<dim>& owners, MaterialPoints<dim>& points,
                      Surfaces<dim>& surfaces);
 
 }  // namespace gabion::mpm

@@ -34,14 +34,14 @@ void PointRanks<dim>::divide(MaterialPoints<dim>& points, Surfaces<dim>& surface
   std::vector<Vector<dim>> homes;
   for (const std::int32_t cell : points.cell) homes.push_back(grid_.home(cell));
   partition_ = bisect<dim>(comm_, num_ranks(comm_), homes);
-  migrate(comm_, grid_, partition_, points, surfaces);
+  migrate(owners(), points, surfaces);
   allowed_share_ = std::max(large_share, growth * largest_share(points));
 }
 
 template <int dim>
 void PointRanks<dim>::follow(MaterialPoints<dim>& points, Surfaces<dim>& surfaces) {
   if (num_ranks(comm_) == 1) return;
-  const std::int64_t moved = migrate(comm_, grid_, partition_, points, surfaces);
+  const std::int64_t moved = migrate(owners(), points, surfaces);
   num_moved_ += moved;
   const double share = largest_share(points);
   if (share <= allowed_share_) return;

@@ -26,6 +26,7 @@ class PointRanks {
   void follow(MaterialPoints<dim>& points, Surfaces<dim>& surfaces);
 
   const Partition<dim>& partition() const { return partition_; }
+  CellOwners<dim> owners() const { return {comm_, grid_, partition_}; }
   std::int64_t num_divisions() const { return num_divisions_; }  ///< after that of the start
   std::int64_t num_moved() const { return num_moved_; }          ///< points, after the start
   /// Points of the rank that has the most, over their mean; 1 without any.

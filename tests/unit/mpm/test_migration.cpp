@@ -46,8 +46,8 @@ TEST(Migration, a_collapse_in_space_is_the_same_on_any_number_of_ranks) {
                        {"newton", exact_newton},
                        {"linear_solver", {{"method", "mumps"}}},
                        {"bodies",
-                        {body("soil", box({0, 0.2, 0}, {0.4, 0.6, 0.8}, {2, 2, 4}, cells),
-                              cells == std::string("hex8") ? 8 : 4, material, {1.5, 0, 0})}}};
+                        {body("soil", box({0, 0.2, 0}, {0.8, 0.6, 0.4}, {4, 2, 2}, cells),
+                              cells == std::string("hex8") ? 8 : 4, material, {3, 0, 0})}}};
     const auto shared = mpm_solver<3>(json), alone = mpm_solver<3>(json, MPI_COMM_SELF);
     run_steps(*shared, 1, 20);
     run_steps(*alone, 1, 20);
@@ -98,7 +98,8 @@ TEST(Migration, moved_points_keep_all_fields) {
   for (const double shift : {0.3, -1.0}) {
     std::vector<mpm::AxisPlane> planes;
     for (int k = 1; k < size(); ++k) planes.push_back({0, shift < 0 ? 10 : shift * k});
-    mpm::migrate<2>(comm(), grid, mpm::Partition<2>(planes), points, surfaces);
+    const mpm::Partition<2> partition(planes);
+    mpm::migrate<2>({comm(), grid, partition}, points, surfaces);
   }
   EXPECT_EQ(points.size(), rank() == 0 ? alone->points().size() : 0);
   EXPECT_TRUE(rank() != 0 || same_bits<2>(points, alone->points()));
