@@ -40,6 +40,9 @@ class FemSolver final : public Solver {
   bool keeps_state() const override { return true; }
   State save_state() override;
   void load_state(const State& state) override;
+  /// All ranks have the whole state.
+  bool joins_states() const override { return true; }
+  void join_states(std::span<const State> states) override { load_state(states.front()); }
 
   const StructureState& state() const { return state_; }
   /// Start from other displacements and velocities, num_nodes x dim [m, m/s], at time 0.

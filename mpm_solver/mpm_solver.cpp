@@ -69,7 +69,13 @@ void MpmSolver<dim>::write_output(double time) {
 template <int dim>
 void MpmSolver<dim>::load_state(const State& state) {
   step_.forget();
-  state_.load(state, model_.grid.mesh.num_cells());
+  state_.load(state, model_);
+}
+
+template <int dim>
+void MpmSolver<dim>::join_states(std::span<const State> states) {
+  step_.forget();
+  state_.join(states, model_);
 }
 
 template <int dim>

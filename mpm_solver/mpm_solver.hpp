@@ -40,6 +40,8 @@ class MpmSolver final : public Solver {
     return state_.save();
   }
   void load_state(const State& state) override;
+  bool joins_states() const override { return true; }
+  void join_states(std::span<const State> states) override;
 
   const MaterialPoints<dim>& points() const { return state_.points; }
   const Surfaces<dim>& surfaces() const { return state_.surfaces; }

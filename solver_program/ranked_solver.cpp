@@ -115,7 +115,7 @@ State RankedSolver::save_state() {
 }
 
 void RankedSolver::load_state(const State& state) {
-  together([&] { inner_.load_state(scatter_state(comm_, state)); });
+  together([&] { load_gathered(comm_, state, inner_); });
 }
 
 }  // namespace gabion

@@ -35,7 +35,7 @@ class RankedSolver final : public Solver {
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).
   State save_state() override;
-  /// @param state  of all ranks; read on the first one only (scatter_state)
+  /// @param state  of all ranks; read on the first one only (load_gathered)
   void load_state(const State& state) override;
 
  private:

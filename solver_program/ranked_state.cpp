@@ -81,6 +81,39 @@ std::string problem_with(const State& all) {
              : problem_with(all.facts.value("integers", Json()), num_ranks, all.integers);
 }
 
+/// The facts of a gathered state, on all ranks.
+Json checked_facts(MPI_Comm comm, const State& all) {
+  const std::string problem = rank_of(comm) == 0 ? problem_with(all) : "";
+  Json facts = broadcast(comm, problem.empty() ? all.facts : Json(problem));
+  if (facts.is_string()) throw Error("saved state: " + facts.get<std::string>());
+  return facts;
+}
+
+/// The values of each rank, from those of all.
+template <class Value>
+void split(const Json& counts_by_name, const std::map<std::string, std::vector<Value>>& all,
+           std::vector<State>& states, std::map<std::string, std::vector<Value>> State::*values) {
+  for (const auto& [name, counts] : counts_by_name.items()) {
+    auto next = all.at(name).begin();
+    for (std::size_t r = 0; r < states.size(); ++r) {
+      const auto end = next + counts.at(r).template get<std::ptrdiff_t>();
+      (states[r].*values)[name].assign(next, end);
+      next = end;
+    }
+  }
+}
+
+/// The first of these states from the first rank to the others, which have none.
+template <class Value>
+void broadcast_first(MPI_Comm comm, const Json& counts_by_name, State& state,
+                     std::map<std::string, std::vector<Value>> State::*values) {
+  for (const auto& [name, counts] : counts_by_name.items()) {
+    std::vector<Value>& own = (state.*values)[name];
+    own.resize(counts.at(0).template get<std::size_t>());
+    MPI_Bcast(own.data(), static_cast<int>(own.size()), mpi_type<Value>(), 0, comm);
+  }
+}
+
 }  // namespace
 
 State gather_state(MPI_Comm comm, State own) {
@@ -115,9 +148,7 @@ State gather_state(MPI_Comm comm, State own) {
 }
 
 State scatter_state(MPI_Comm comm, const State& all) {
-  const std::string problem = rank_of(comm) == 0 ? problem_with(all) : "";
-  const Json parts = broadcast(comm, problem.empty() ? all.facts : Json(problem));
-  if (parts.is_string()) throw Error("saved state: " + parts.get<std::string>());
+  const Json parts = checked_facts(comm, all);
   const int saved_ranks = parts.at("ranks").get<int>();
   require<ConfigError>(
       saved_ranks == num_ranks(comm),
@@ -136,6 +167,24 @@ State scatter_state(MPI_Comm comm, const State& all) {
                                  counts.get<std::vector<int>>());
   }
   return own;
+}
+
+void load_gathered(MPI_Comm comm, const State& all, Solver& solver) {
+  const Json facts = checked_facts(comm, all);
+  if (facts.at("ranks") == num_ranks(comm) || !solver.joins_states()) {
+    solver.load_state(scatter_state(comm, all));
+    return;
+  }
+  std::vector<State> states(1);
+  if (rank_of(comm) == 0) {
+    states.resize(facts.at("ranks").get<std::size_t>());
+    split(facts.at("reals"), all.reals, states, &State::reals);
+    split(facts.at("integers"), all.integers, states, &State::integers);
+  }
+  for (std::size_t r = 0; r < states.size(); ++r) states[r].facts = facts.at("facts").at(r);
+  broadcast_first(comm, facts.at("reals"), states.front(), &State::reals);
+  broadcast_first(comm, facts.at("integers"), states.front(), &State::integers);
+  solver.join_states(states);
 }
 
 }  // namespace gabion

@@ -3,7 +3,7 @@
 
 #include <mpi.h>
 
-#include "common/run/state.hpp"
+#include "common/run/solver.hpp"
 
 namespace gabion {
 
@@ -18,5 +18,12 @@ State gather_state(MPI_Comm comm, State own);
 /// @throws ConfigError  gathered from another number of ranks; on all ranks, with both numbers
 /// @note Collective.
 State scatter_state(MPI_Comm comm, const State& all);
+
+/// Let the solver go on from what gather_state() made: from its own part, or, where that was made
+/// by another number of ranks, from all parts if it can join them.
+/// @param all  read on the first rank only
+/// @throws ConfigError  another number of ranks, and the solver cannot join states
+/// @note Collective.
+void load_gathered(MPI_Comm comm, const State& all, Solver& solver);
 
 }  // namespace gabion

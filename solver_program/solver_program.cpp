@@ -143,7 +143,7 @@ void drive_alone(const SolverRun& run) {
   }
   std::optional<RestartPoint> start;
   if (checkpoint) {
-    solver->load_state(scatter_state(comm, checkpoint->state_of(program.folder)));
+    load_gathered(comm, checkpoint->state_of(program.folder), *solver);
     start = restart_point(options.restart, *checkpoint);
   }
   interrupt::install();

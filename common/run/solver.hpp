@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -115,6 +116,18 @@ class Solver {
   /// that it would have given there. Forgets the last solution.
   /// @throws Error  the state is not one of this solver
   virtual void load_state(const State&) { throw Error("this solver does not load a state"); }
+
+  /// Whether this solver has join_states().
+  virtual bool joins_states() const { return false; }
+
+  /// Go on from what another number of ranks saved: every later step gives the same values but for
+  /// rounding.
+  /// @param states  of all ranks of the other run on the first rank; elsewhere that of its first
+  /// one
+  /// @note  Collective.
+  virtual void join_states(std::span<const State>) {
+    throw Error("this solver does not join the states of other ranks");
+  }
 
   /// Methods that ran ("linear_solver", ...), counts, and wall seconds by phase, for summary.json.
   virtual Json summary() const = 0;

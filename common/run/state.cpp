@@ -97,4 +97,44 @@ void StateReader::fact(const std::string& name, Json& value) {
   value = state_.facts.at(prefix_ + name);
 }
 
+StateJoiner::StateJoiner(std::span<const State> states, bool gets_all)
+    : states_(states), gets_all_(gets_all) {}
+
+void StateJoiner::reals(const std::string& name, std::span<double> values) {
+  take(states_.front().reals, name, values);
+}
+
+void StateJoiner::integers(const std::string& name, std::span<std::int64_t> values) {
+  take(states_.front().integers, name, values);
+}
+
+void StateJoiner::list(const std::string& name, std::vector<double>& values) {
+  values.clear();
+  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+    const auto& part = entry(state.reals, name);
+    values.insert(values.end(), part.begin(), part.end());
+  }
+}
+
+void StateJoiner::list(const std::string& name, std::vector<std::int64_t>& values) {
+  values.clear();
+  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+    const auto& part = entry(state.integers, name);
+    values.insert(values.end(), part.begin(), part.end());
+  }
+}
+
+void StateJoiner::fact(const std::string& name, Json& value) {
+  StateReader(states_.front()).fact(name, value);
+}
+
+void StateJoiner::share(const std::string& name, double& value) {
+  value = 0;
+  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+    double part = 0;
+    take(state.reals, name, std::span<double>(&part, 1));
+    value += part;
+  }
+}
+
 }  // namespace gabion

@@ -43,6 +43,9 @@ class MatrixSolver final : public Solver {
   bool keeps_state() const override { return true; }
   State save_state() override;
   void load_state(const State& state) override;
+  /// All ranks have the whole state.
+  bool joins_states() const override { return true; }
+  void join_states(std::span<const State> states) override { load_state(states.front()); }
 
   const MatrixStructure<dim>& structure() const { return structure_; }
   const Coordinates& coordinates() const { return coordinates_; }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -61,7 +62,7 @@ void BoundaryPoints<dim>::find_cells(const SoilSurface<dim>& soil) {
 template <int dim>
 std::vector<std::int32_t> BoundaryPoints<dim>::find_nodes(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> nodes;
-  if (!soil.first_rank) return nodes;
+  if (rank_of(soil.comm) != 0) return nodes;
   find_cells(soil);
   for (const Point& b : points_) {
     if (b.cell < 0 || soil.occupied[b.cell] == 0) continue;
@@ -76,7 +77,7 @@ void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
   const Mesh<dim>& mesh = soil.grid.mesh;
   touching_.clear();
   dt_ = soil.dt;
-  if (!soil.first_rank) return;
+  if (rank_of(soil.comm) != 0) return;
   if (!cells_found_) find_cells(soil);
   cells_found_ = false;
   nodes_per_cell_ = mesh.nodes_per_cell();

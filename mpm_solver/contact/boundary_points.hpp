@@ -25,6 +25,7 @@ class BoundaryPoints final : public Contact<dim> {
   /// soil in the step before. The basis functions of such a cell are continued to the point. So a
   /// wall that recedes over a line of the grid does not lose its soil.
   void begin_step(const SoilSurface<dim>& soil) override;
+  bool asks_for_cells() const override { return true; }
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) override;
   bool can_touch() const override { return !touching_.empty(); }
   bool symmetric() const override { return !law_.has_friction(); }

@@ -14,6 +14,7 @@
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/packet.hpp"
 
 namespace gabion::mpm {
 
@@ -21,17 +22,18 @@ namespace gabion::mpm {
 template <int dim>
 struct SoilSurface {
   const BackgroundGrid<dim>& grid;
-  const GridNodes<dim>& nodes;               ///< active ones
-  const MaterialPoints<dim>& points;         ///< of this rank
-  const PointWeights<dim>& weights;          ///< of this rank's points
-  std::span<const std::int32_t> occupied{};  ///< 1 for grid cells with a point of any rank
-  double reach = 0;                          ///< how far soil extends beyond its points [m]
-  double cell_size = 0;                      ///< mean [m]
-  double dt = 0;                             ///< of the step [s]
-  double step_force_weight = 1;              ///< of NewmarkBossak; quasi-static: 1
-  std::span<const char> elastic{};           ///< 1 for bodies that never yield
-  std::span<const double> moduli{};          ///< of P waves, of the bodies [Pa]
-  bool first_rank = true;
+  const GridNodes<dim>& nodes;        ///< active ones
+  const MaterialPoints<dim>& points;  ///< of this rank
+  const PointWeights<dim>& weights;   ///< of this rank's points
+  /// 1 for grid cells with a point of any rank; on the first rank, where a contact asks_for_cells
+  std::span<const std::int32_t> occupied{};
+  double reach = 0;                  ///< how far soil extends beyond its points [m]
+  double cell_size = 0;              ///< mean [m]
+  double dt = 0;                     ///< of the step [s]
+  double step_force_weight = 1;      ///< of NewmarkBossak; quasi-static: 1
+  std::span<const char> elastic{};   ///< 1 for bodies that never yield
+  std::span<const double> moduli{};  ///< of P waves, of the bodies [Pa]
+  MPI_Comm comm = MPI_COMM_SELF;     ///< of the ranks that share the soil
 };
 
 /// How a contact stands after the last add_forces.
@@ -66,6 +68,8 @@ class Contact {
   Contact& operator=(Contact&&) = delete;
   virtual ~Contact() = default;
 
+  /// Whether it reads SoilSurface::occupied.
+  virtual bool asks_for_cells() const { return false; }
   /// Grid nodes that the coming step needs here besides those of this rank's material points.
   /// @param soil  without weights and nodes as yet
   virtual std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) {
@@ -73,6 +77,7 @@ class Contact {
     return {};
   }
   /// Start a step from the accepted state: find the soil that the surface can touch in it.
+  /// Collective over soil.comm.
   virtual void begin_step(const SoilSurface<dim>& soil) = 0;
   /// Whether a force can arise in this step.
   virtual bool can_touch() const = 0;
@@ -133,6 +138,13 @@ class Contact {
   /// @param points  of this rank, accepted
   /// @param reach   how far to look for gaps [m]
   virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const = 0;
+  /// Material points move to another rank: put what this contact remembers of them into the packet,
+  /// and forget it. @param ids  of the points
+  virtual void give(std::span<const std::int64_t> ids, Packet& packet) {
+    static_cast<void>(ids), static_cast<void>(packet);
+  }
+  /// Remember what the contact of another rank gave.
+  virtual void take(Packet& packet) { static_cast<void>(packet); }
   /// Save or load the accepted state. Names begin with `prefix`.
   virtual void visit_state(StateVisitor& visitor, const std::string& prefix) = 0;
 };

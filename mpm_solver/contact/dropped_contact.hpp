@@ -38,8 +38,8 @@ class DroppedContact final : public Contact<dim> {
     return {surface_.positions(), surface_.num_facets()};
   }
   void visit_state(StateVisitor& visitor, const std::string& prefix) override {
-    visitor.real(prefix + "friction", energy_.friction);
-    visitor.real(prefix + "loss", energy_.loss);
+    visitor.share(prefix + "friction", energy_.friction);
+    visitor.share(prefix + "loss", energy_.loss);
   }
 
  private:

@@ -29,7 +29,7 @@ namespace gabion::mpm {
 /// (NewmarkBossak::step_force_weight): contact then takes energy or keeps it, at any stiffness and
 /// dt.
 ///
-/// Each rank carries its own material points.
+/// Each rank carries its own material points, and looks as far ahead as all ranks together would.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
 ///      facets
 template <int dim>
@@ -58,6 +58,8 @@ class FacetContact final : public Contact<dim> {
   void accept() override;
   ContactEnergy energy() const override { return energy_; }
   ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
+  void give(std::span<const std::int64_t> ids, Packet& packet) override;
+  void take(Packet& packet) override;
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
@@ -112,7 +114,7 @@ class FacetContact final : public Contact<dim> {
   };
 
   ContactLaw law_of(const Candidate& c, double part) const;
-  double watched_distance(const SoilSurface<dim>& soil) const;
+  double watched_distance(const SoilSurface<dim>& soil, double fastest) const;
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
   void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
@@ -151,7 +153,7 @@ class FacetContact final : public Contact<dim> {
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   std::vector<ContactMark<dim>> marks_;                 // of the accepted step
   double last_motion_ = 0;                              // surface_motion_ of the accepted step
-  double deepest_ = 0;  // touch of the accepted step, of this rank [m]
+  double deepest_ = 0;  // touch of the accepted step, of all ranks [m]
 
   // the step under way
   std::vector<Candidate> candidates_;
@@ -163,6 +165,7 @@ class FacetContact final : public Contact<dim> {
   std::vector<Touch> opened_;  // places where balls that do not touch keep an offset
   std::vector<double> w_;      // of the touches
   std::vector<SurfaceFeature<dim>> features_;
+  MPI_Comm comm_ = MPI_COMM_SELF;
   double force_weight_ = 1;
   double cell_size_ = 0;
   double dt_ = 0;

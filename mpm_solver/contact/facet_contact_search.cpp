@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
@@ -13,6 +14,21 @@ namespace {
 // Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
 // step has to look again.
 constexpr double watched_share = 0.5;
+
+/// Of the soil of all ranks, once the largest values were found.
+template <int dim>
+struct Extent {
+  static constexpr double none = -std::numeric_limits<double>::infinity();
+
+  double fastest = 0;  // [m/s]
+  double widest = 0;   // volume of a point [m^3]
+  Vector<dim> minus_low = Vector<dim>::Constant(none), high = minus_low;
+
+  std::span<double> values() {
+    static_assert(sizeof(Extent) == (2 + 2 * dim) * sizeof(double));
+    return {&fastest, 2 + 2 * std::size_t{dim}};
+  }
+};
 
 template <int dim>
 double largest_norm(const std::vector<Vector<dim>>& values) {
@@ -24,9 +40,8 @@ double largest_norm(const std::vector<Vector<dim>>& values) {
 }  // namespace
 
 template <int dim>
-double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil) const {
-  return watched_share * soil.cell_size + 2 * soil.dt * largest_norm<dim>(soil.points.v) +
-         2 * last_motion_;
+double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil, double fastest) const {
+  return watched_share * soil.cell_size + 2 * soil.dt * fastest + 2 * last_motion_;
 }
 
 template <int dim>
@@ -34,7 +49,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
   dt_ = soil.dt;
-  watched_ = watched_distance(soil);
+  comm_ = soil.comm;
   candidates_.clear();
   N_.clear();
   grad_N_.clear();
@@ -42,14 +57,19 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   facing_.clear();
   touches_.clear();
   may_touch_ = false;
-  double widest = 0;
   std::vector<Vector<dim>> balls;
+  Extent<dim> all{.fastest = largest_norm<dim>(soil.points.v)};
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
-    widest = std::max(widest, soil.points.V0[p] * soil.points.J[p]);
+    all.widest = std::max(all.widest, soil.points.V0[p] * soil.points.J[p]);
     balls.push_back(soil.points.x[p] + offset_of(soil.points.id[p]));
+    all.minus_low = all.minus_low.cwiseMax(-balls.back());
+    all.high = all.high.cwiseMax(balls.back());
   }
-  const double margin = watched_ + deepest_ + std::pow(widest, 1.0 / dim);
-  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin, balls));
+  max_over_ranks(comm_, all.values());
+  watched_ = watched_distance(soil, all.fastest);
+  const double margin = watched_ + deepest_ + std::pow(all.widest, 1.0 / dim);
+  add_candidates(soil,
+                 FacetHash<dim>(simplices_, start_, margin, balls, {-all.minus_low, all.high}));
 }
 
 template <int dim>

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accepted state of a contact by facets.
 #include <algorithm>
+#include <functional>
 #include <utility>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
 #include "mpm_solver/points/flat.hpp"
 
@@ -26,6 +28,31 @@ void visit_by_id(StateVisitor& visitor, const std::string& name,
   by_id.clear();
   for (std::size_t k = 0; k < ids.size(); ++k) {
     by_id[ids[k]] = Eigen::Map<const Value>(values.data() + k * size);
+  }
+}
+
+// What is known of these points goes into the packet.
+template <typename Value>
+void give_by_id(std::span<const std::int64_t> ids, std::map<std::int64_t, Value>& by_id,
+                const std::function<void(const Value&)>& put, Packet& packet) {
+  std::int64_t count = 0;
+  for (const std::int64_t id : ids) count += by_id.contains(id) ? 1 : 0;
+  packet.put(count);
+  for (const std::int64_t id : ids) {
+    const auto found = by_id.find(id);
+    if (found == by_id.end()) continue;
+    packet.put(id);
+    put(found->second);
+    by_id.erase(found);
+  }
+}
+
+template <typename Value>
+void take_by_id(Packet& packet, std::map<std::int64_t, Value>& by_id,
+                const std::function<Value()>& take) {
+  for (auto count = packet.take<std::int64_t>(); count > 0; --count) {
+    const auto id = packet.take<std::int64_t>();
+    by_id[id] = take();
   }
 }
 
@@ -112,6 +139,7 @@ void FacetContact<dim>::accept() {
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
+  deepest_ = max_over_ranks(comm_, deepest_);
   energy_.add_step(work, stored, slid);
   accept_offsets();
   shape_.clear();
@@ -122,6 +150,37 @@ void FacetContact<dim>::accept() {
   last_motion_ = surface_motion_;
   candidates_.clear();  // they refer to the memory before
   touches_.clear();
+}
+
+template <int dim>
+void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
+  const auto put_memory = [&packet](const std::vector<Memory>& touches) {
+    packet.put(std::ssize(touches));
+    for (const Memory& memory : touches) {
+      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) packet.put(v);
+    }
+  };
+  give_by_id<std::vector<Memory>>(ids, memory_, put_memory, packet);
+  give_by_id<Vector<dim>>(
+      ids, offset_, [&](const auto& value) { packet.put(value); }, packet);
+  give_by_id<Matrix<dim>>(
+      ids, shape_, [&](const auto& value) { packet.put(value); }, packet);
+}
+
+template <int dim>
+void FacetContact<dim>::take(Packet& packet) {
+  const auto take_memory = [&packet] {
+    std::vector<Memory> touches(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
+    for (Memory& memory : touches) {
+      for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip}) {
+        *v = packet.take<Vector<dim>>();
+      }
+    }
+    return touches;
+  };
+  take_by_id<std::vector<Memory>>(packet, memory_, take_memory);
+  take_by_id<Vector<dim>>(packet, offset_, [&] { return packet.take<Vector<dim>>(); });
+  take_by_id<Matrix<dim>>(packet, shape_, [&] { return packet.take<Matrix<dim>>(); });
 }
 
 template <int dim>
@@ -159,7 +218,7 @@ void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visit_marks<dim>(visitor, prefix, marks_);
   const std::pair<const char*, double*> energies[] = {
       {"stored", &energy_.stored}, {"friction", &energy_.friction}, {"loss", &energy_.loss}};
-  for (const auto& [name, value] : energies) visitor.real(prefix + name, *value);
+  for (const auto& [name, value] : energies) visitor.share(prefix + name, *value);
 }
 
 template class FacetContact<2>;

@@ -41,9 +41,26 @@ void FacetHash<dim>::list(std::int32_t simplex, const Box& box, bool in_known_cu
 }
 
 template <int dim>
+typename FacetHash<dim>::Box FacetHash<dim>::everywhere() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {Vector<dim>::Constant(-infinity), Vector<dim>::Constant(infinity)};
+}
+
+template <int dim>
+typename FacetHash<dim>::Box FacetHash<dim>::box_around(std::span<const Vector<dim>> places) {
+  const auto [low, high] = everywhere();
+  Box box{high, low};
+  for (const Vector<dim>& x : places) {
+    box.low = box.low.cwiseMin(x);
+    box.high = box.high.cwiseMax(x);
+  }
+  return box;
+}
+
+template <int dim>
 FacetHash<dim>::FacetHash(std::span<const Simplex<dim>> simplices,
                           std::span<const Vector<dim>> vertices, double margin,
-                          const std::span<const Vector<dim>>* places) {
+                          const std::span<const Vector<dim>>* places, const Box& around) {
   std::vector<Box> boxes;
   double widest = 0;
   for (const Simplex<dim>& simplex : simplices) {
@@ -59,19 +76,13 @@ FacetHash<dim>::FacetHash(std::span<const Simplex<dim>> simplices,
   }
   size_ =
       std::max(2 * margin, widest / static_cast<double>(std::max<std::size_t>(1, boxes.size())));
-  Vector<dim> low = Vector<dim>::Constant(-std::numeric_limits<double>::infinity()), high = -low;
   if (places) {
-    std::swap(low, high);
-    for (const Vector<dim>& x : *places) {
-      low = low.cwiseMin(x);
-      high = high.cwiseMax(x);
-      cubes_.try_emplace(cube_of(x));
-    }
+    for (const Vector<dim>& x : *places) cubes_.try_emplace(cube_of(x));
   }
   for (std::size_t s = 0; s < boxes.size(); ++s) {
     const Box& box = boxes[s];
-    const bool apart =
-        (box.high.array() < low.array()).any() || (box.low.array() > high.array()).any();
+    const bool apart = (box.high.array() < around.low.array()).any() ||
+                       (box.low.array() > around.high.array()).any();
     if (!apart) list(static_cast<std::int32_t>(s), box, places != nullptr);
   }
 }

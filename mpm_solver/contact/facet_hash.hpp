@@ -15,16 +15,25 @@ namespace gabion::mpm {
 template <int dim>
 class FacetHash {
  public:
+  struct Box {
+    Vector<dim> low, high;
+  };
   /// @param margin  the bounding boxes are widened by this much [m], > 0
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin)
-      : FacetHash(simplices, vertices, margin, nullptr) {}
+      : FacetHash(simplices, vertices, margin, nullptr, everywhere()) {}
 
   /// The same, to be asked for these places only [m]: simplices far from all of them are not
   /// listed, and cost no more than a look at their bounding box.
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin, std::span<const Vector<dim>> places)
-      : FacetHash(simplices, vertices, margin, &places) {}
+      : FacetHash(simplices, vertices, margin, places, box_around(places)) {}
+
+  /// The same, as one of several searches. What is near a place does not depend on which of them
+  /// asks. @param around  the places of all searches
+  FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
+            double margin, std::span<const Vector<dim>> places, const Box& around)
+      : FacetHash(simplices, vertices, margin, &places, around) {}
 
   /// Those whose widened bounding box may hold x.
   std::span<const std::int32_t> near(const Vector<dim>& x) const;
@@ -33,11 +42,10 @@ class FacetHash {
   std::size_t num_listed() const { return num_listed_; }
 
  private:
-  struct Box {
-    Vector<dim> low, high;
-  };
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
-            double margin, const std::span<const Vector<dim>>* places);
+            double margin, const std::span<const Vector<dim>>* places, const Box& around);
+  static Box everywhere();
+  static Box box_around(std::span<const Vector<dim>> places);
   void list(std::int32_t simplex, const Box& box, bool in_known_cubes);
   using Cube = std::array<std::int64_t, dim>;
   struct CubeHash {

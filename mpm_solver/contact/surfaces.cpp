@@ -56,6 +56,12 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t contact) const {
 }
 
 template <int dim>
+bool Surfaces<dim>::asks_for_cells() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const auto& contact) { return contact->asks_for_cells(); });
+}
+
+template <int dim>
 std::vector<std::int32_t> Surfaces<dim>::find_nodes(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> nodes;
   for (const auto& contact : contacts_) {
@@ -215,6 +221,16 @@ ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoin
 template <int dim>
 void Surfaces<dim>::accept() {
   for (const auto& contact : contacts_) contact->accept();
+}
+
+template <int dim>
+void Surfaces<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
+  for (const auto& contact : contacts_) contact->give(ids, packet);
+}
+
+template <int dim>
+void Surfaces<dim>::take(Packet& packet) {
+  for (const auto& contact : contacts_) contact->take(packet);
 }
 
 template <int dim>

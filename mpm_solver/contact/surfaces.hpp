@@ -19,6 +19,8 @@ class Surfaces {
   std::vector<InterfaceMesh> interface_meshes() const;
   const ContactSettings<dim>& settings(std::size_t contact) const;
 
+  /// Whether a contact asks for occupied cells.
+  bool asks_for_cells() const;
   /// Grid nodes of all Contact::find_nodes, some of them several times.
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
   /// Drop the rigid walls that are not named: they act no more, for the rest of the run.
@@ -55,6 +57,9 @@ class Surfaces {
                             double reach) const;
 
   void accept();
+  /// Contact::give and Contact::take of all of them.
+  void give(std::span<const std::int64_t> ids, Packet& packet);
+  void take(Packet& packet);
   void visit_state(StateVisitor& visitor);
 
  private:

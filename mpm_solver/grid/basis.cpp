@@ -23,6 +23,14 @@ BackgroundGrid<dim>::BackgroundGrid(Mesh<dim> mesh_, Basis basis_)
 }
 
 template <int dim>
+Vector<dim> BackgroundGrid<dim>::home(std::int32_t cell) const {
+  const auto nodes = mesh.cell(first_of_patch(cell));
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (const std::int32_t node : nodes) sum += mesh.nodes[node];
+  return sum / static_cast<double>(nodes.size());
+}
+
+template <int dim>
 double shortest_edge(const Mesh<dim>& mesh, std::int32_t cell) {
   const auto nodes = mesh.cell(cell);
   double shortest = std::numeric_limits<double>::infinity();

@@ -35,6 +35,14 @@ struct BackgroundGrid {
   std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
   Basis basis;
   CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
+
+  /// The first cell of the cell's patch; without patches the cell itself.
+  std::int32_t first_of_patch(std::int32_t cell) const {
+    return patches.size() > 0 ? patches.first_of[cell] : cell;
+  }
+  /// What decides about the rank that has the points of a cell: the centre of the cell, or of the
+  /// first cell of its patch [m].
+  Vector<dim> home(std::int32_t cell) const;
 };
 
 /// Shortest distance between two nodes of a cell [m].
@@ -79,10 +87,6 @@ struct PointWeights {
   std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
   std::int32_t num_capped = 0;            ///< gimp: points whose domain would be wider than a cell
-  /// Of each group: its number among those with points on several ranks, -1 when it is on one only.
-  /// Filled by share_groups; empty on one rank.
-  std::vector<std::int32_t> shared;
-  std::int32_t num_shared = 0;  ///< on all ranks
 
   /// Room for num_nodes values of each entry; no nodes of groups yet.
   void resize(std::int32_t num_entries, int num_nodes) {

@@ -140,9 +140,11 @@ class PatchBuilder {
     }
     CellPatches patches;
     patches.starts.push_back(0);
+    patches.first_of.resize(patch_.size());
     for (const auto& cells : members) {
       patches.cells.insert(patches.cells.end(), cells.begin(), cells.end());
       patches.starts.push_back(static_cast<std::int32_t>(patches.cells.size()));
+      for (const std::int32_t c : cells) patches.first_of[c] = cells.front();
     }
     return patches;
   }

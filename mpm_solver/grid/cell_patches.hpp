@@ -11,8 +11,9 @@ namespace gabion::mpm {
 
 /// A partition of the cells into patches of neighbours.
 struct CellPatches {
-  std::vector<std::int32_t> starts;  ///< first entry of each patch in `cells`, and their number
-  std::vector<std::int32_t> cells;   ///< of the patches, ascending in each; patches by first cell
+  std::vector<std::int32_t> starts;    ///< first entry of each patch in `cells`, and their number
+  std::vector<std::int32_t> cells;     ///< of the patches, ascending in each; patches by first cell
+  std::vector<std::int32_t> first_of;  ///< first cell of the patch of each cell
 
   std::int32_t size() const {
     return starts.empty() ? 0 : static_cast<std::int32_t>(starts.size()) - 1;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "common/mechanics/elements/cell_facets.hpp"
 
@@ -15,10 +17,10 @@ namespace {
 
 template <int dim>
 constexpr std::size_t bytes_of_fields() {
-  std::size_t sum = sizeof(MaterialPoints<dim>::body_starts);
-  for_each_field<dim>([&sum]<class Values>(const char*, Values MaterialPoints<dim>::*, FieldKind) {
-    sum += sizeof(Values);
-  });
+  std::size_t sum =
+      sizeof(MaterialPoints<dim>::body_starts) + sizeof(MaterialPoints<dim>::body_ids);
+  for_each_field<dim>(
+      [&sum]<class Values>(const char*, Values MaterialPoints<dim>::*) { sum += sizeof(Values); });
   return sum;
 }
 
@@ -153,6 +155,7 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
   const std::int64_t first = total * share.part / share.num_parts;
   const std::int64_t last = total * (share.part + 1) / share.num_parts;
   if (points.body_starts.empty()) points.body_starts.push_back(0);
+  if (points.body_ids.empty()) points.body_ids.push_back(share.first_id);
 
   Vector<dim> corners[max_cell_nodes];
   ShapeValues<dim> shape;
@@ -175,6 +178,7 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
     add_point(point, points);
   }
   points.body_starts.push_back(points.size());
+  points.body_ids.push_back(share.first_id + total);
   return total;
 }
 
@@ -204,12 +208,45 @@ void take_out(std::span<const std::int32_t> which, std::vector<Value>& values) {
 }  // namespace
 
 template <int dim>
+void find_bodies(MaterialPoints<dim>& points) {
+  for (std::size_t b = 0; b < points.body_starts.size(); ++b) {
+    const auto first = std::lower_bound(points.id.begin(), points.id.end(), points.body_ids[b]);
+    points.body_starts[b] = static_cast<std::int32_t>(first - points.id.begin());
+  }
+}
+
+template <int dim>
+void order_points(std::size_t num_ordered, MaterialPoints<dim>& points) {
+  std::vector<std::int32_t> order(points.id.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto before = [&](std::int32_t a, std::int32_t b) { return points.id[a] < points.id[b]; };
+  const auto rest = order.begin() + static_cast<std::ptrdiff_t>(num_ordered);
+  std::sort(rest, order.end(), before);
+  std::inplace_merge(order.begin(), rest, order.end(), before);
+  for_each_field<dim>([&](const char*, auto field) {
+    auto& values = points.*field;
+    if (values.empty()) return;
+    auto ordered = values;
+    for (std::size_t p = 0; p < order.size(); ++p) ordered[p] = values[order[p]];
+    values = std::move(ordered);
+  });
+  find_bodies(points);
+}
+
+template <int dim>
+std::int32_t find_point(const MaterialPoints<dim>& points, std::int64_t id) {
+  const auto found = std::lower_bound(points.id.begin(), points.id.end(), id);
+  if (found == points.id.end() || *found != id) return -1;
+  return static_cast<std::int32_t>(found - points.id.begin());
+}
+
+template <int dim>
 void remove_points(std::span<const std::int32_t> which, MaterialPoints<dim>& points) {
   for (std::int32_t& start : points.body_starts) {
     start -= static_cast<std::int32_t>(std::lower_bound(which.begin(), which.end(), start) -
                                        which.begin());
   }
-  for_each_field<dim>([&](const char*, auto field, FieldKind) { take_out(which, points.*field); });
+  for_each_field<dim>([&](const char*, auto field) { take_out(which, points.*field); });
 }
 
 template bool is_column<2>(const Matrix<2>&);
@@ -220,6 +257,12 @@ template Vector<2> point_domain<2>(const Matrix<2>&, double);
 template Vector<3> point_domain<3>(const Matrix<3>&, double);
 template void add_point<2>(const NewPoint<2>&, MaterialPoints<2>&);
 template void add_point<3>(const NewPoint<3>&, MaterialPoints<3>&);
+template void find_bodies<2>(MaterialPoints<2>&);
+template void find_bodies<3>(MaterialPoints<3>&);
+template void order_points<2>(std::size_t, MaterialPoints<2>&);
+template void order_points<3>(std::size_t, MaterialPoints<3>&);
+template std::int32_t find_point<2>(const MaterialPoints<2>&, std::int64_t);
+template std::int32_t find_point<3>(const MaterialPoints<3>&, std::int64_t);
 template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&);
 template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);

@@ -22,7 +22,8 @@ struct Body {
 };
 
 /// State of the material points of one rank at an accepted time, one entry per point in each array.
-/// Points of one body are contiguous. A point stays with its rank for the whole run.
+/// Ordered by id; points of one body are contiguous. A rank has the points of its part of space
+/// (PointRanks).
 template <int dim>
 struct MaterialPoints {
   std::vector<Vector<dim>> x;               ///< position [m]
@@ -43,39 +44,34 @@ struct MaterialPoints {
   /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
   std::vector<Vector<dim>> half_length;   ///< of the domain along each axis, uncut [m]
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
+  std::vector<std::int64_t> body_ids;  ///< first id of each body, and the number of ids; of a run
 
   std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
   bool has_gradients() const { return !grad_v.empty(); }
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(body_starts.size()) - 1; }
 };
 
-/// Where the values of a field come from.
-enum class FieldKind {
-  laid,   ///< from laying the points out, the same in the whole run
-  moves,  ///< changes with the steps
-};
-
-/// Name each array of MaterialPoints that has an entry a point, once: visit(name, member, kind),
-/// member a pointer to the std::vector.
+/// Name each array of MaterialPoints that has an entry a point, once: visit(name, member), member a
+/// pointer to the std::vector.
 template <int dim, class Visit>
 constexpr void for_each_field(const Visit& visit) {
   using Points = MaterialPoints<dim>;
-  visit("id", &Points::id, FieldKind::laid);
-  visit("m", &Points::m, FieldKind::laid);
-  visit("V0", &Points::V0, FieldKind::laid);
-  visit("depth", &Points::depth, FieldKind::laid);
-  visit("x", &Points::x, FieldKind::moves);
-  visit("u", &Points::u, FieldKind::moves);
-  visit("v", &Points::v, FieldKind::moves);
-  visit("a", &Points::a, FieldKind::moves);
-  visit("grad_v", &Points::grad_v, FieldKind::moves);
-  visit("grad_a", &Points::grad_a, FieldKind::moves);
-  visit("J", &Points::J, FieldKind::moves);
-  visit("energy", &Points::energy, FieldKind::moves);
-  visit("tau", &Points::tau, FieldKind::moves);
-  visit("history", &Points::history, FieldKind::moves);
-  visit("cell", &Points::cell, FieldKind::moves);
-  visit("half_length", &Points::half_length, FieldKind::moves);
+  visit("id", &Points::id);
+  visit("m", &Points::m);
+  visit("V0", &Points::V0);
+  visit("depth", &Points::depth);
+  visit("x", &Points::x);
+  visit("u", &Points::u);
+  visit("v", &Points::v);
+  visit("a", &Points::a);
+  visit("grad_v", &Points::grad_v);
+  visit("grad_a", &Points::grad_a);
+  visit("J", &Points::J);
+  visit("energy", &Points::energy);
+  visit("tau", &Points::tau);
+  visit("history", &Points::history);
+  visit("cell", &Points::cell);
+  visit("half_length", &Points::half_length);
 }
 
 /// The same for the fields of `history`: visit(name, member).
@@ -96,7 +92,8 @@ struct PointLayout {
   bool with_domains = false;  ///< fill half_length
 };
 
-/// Which of a body's points a rank lays: the part-th of num_parts equal contiguous shares.
+/// Which of a body's points a rank lays: the part-th of num_parts equal contiguous shares. They
+/// then go to the ranks that their cells belong to.
 struct PointShare {
   std::int64_t first_id = 0;  ///< number of the body's first point in the whole run
   int part = 0;
@@ -160,6 +157,19 @@ void add_gradients(MaterialPoints<dim>& points);
 template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, const PointShare& share,
                         MaterialPoints<dim>& points);
+
+/// Points ordered by id were replaced by others: find where each body starts.
+template <int dim>
+void find_bodies(MaterialPoints<dim>& points);
+
+/// Order the points by id and find where each body starts.
+/// @param num_ordered  so many at the front are in order already
+template <int dim>
+void order_points(std::size_t num_ordered, MaterialPoints<dim>& points);
+
+/// The place of a point, -1: this rank does not have it.
+template <int dim>
+std::int32_t find_point(const MaterialPoints<dim>& points, std::int64_t id);
 
 /// Take points out. @param which  ascending numbers, each once
 template <int dim>

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/mpm_output.hpp"
 
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
 #include "common/mechanics/ranks/gather.hpp"
 #include "mpm_solver/points/flat.hpp"
 
@@ -25,6 +29,30 @@ std::vector<OutputField> frame_fields(const FrameValues& of) {
           {"volume_ratio", 1, of.J},
           {"volume", 1, of.volume},
           {"body", 1, of.body}};
+}
+
+// Places of the ids in ascending order; empty: they are in order.
+std::vector<std::size_t> order_of(const std::vector<std::int64_t>& ids) {
+  std::vector<std::size_t> order;
+  if (std::is_sorted(ids.begin(), ids.end())) return order;
+  order.resize(ids.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
+  return order;
+}
+
+// As many values a point as there are.
+std::vector<double> ordered(const std::vector<std::size_t>& order, std::vector<double> values) {
+  if (order.empty()) return values;
+  const std::size_t width = values.size() / order.size();
+  std::vector<double> result;
+  result.reserve(values.size());
+  for (const std::size_t p : order) {
+    const double* const of_point = values.data() + p * width;
+    result.insert(result.end(), of_point, of_point + width);
+  }
+  return result;
 }
 
 }  // namespace
@@ -56,15 +84,17 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
     plastic[p] = points.history[p].plastic_strain;
     volume[p] = points.V0[p] * points.J[p];
   }
-  const auto x = gather<double>(comm_, flat(points.x));
-  const auto u = gather<double>(comm_, flat(points.u));
-  const auto v = gather<double>(comm_, flat(points.v));
-  body = gather<double>(comm_, body);
-  pressure = gather<double>(comm_, pressure);
-  plastic = gather<double>(comm_, plastic);
-  volume = gather<double>(comm_, volume);
-  stress = gather<double>(comm_, stress);
-  const auto J = gather<double>(comm_, points.J);
+  const auto order = order_of(gather<std::int64_t>(comm_, points.id));
+  const auto all = [&](Values own) { return ordered(order, gather<double>(comm_, own)); };
+  const auto x = all(flat(points.x));
+  const auto u = all(flat(points.u));
+  const auto v = all(flat(points.v));
+  body = all(body);
+  pressure = all(pressure);
+  plastic = all(plastic);
+  volume = all(volume);
+  stress = all(stress);
+  const auto J = all(points.J);
   if (!series_) return;
   series_->write({.time = time,
                   .dim = dim,

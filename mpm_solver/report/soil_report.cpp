@@ -96,7 +96,8 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   append(totals.front);
   append(state.ledger.values());
   std::vector<double> motion;
-  for (const std::int32_t p : state.probe_points) {
+  for (const std::int64_t id : state.probe_ids) {
+    const std::int32_t p = find_point(state.points, id);
     for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : state.points.u[p][d]);
   }
   sum_over_ranks(model_.comm, std::span<double>(motion));
@@ -130,6 +131,17 @@ Json SoilReport<dim>::small_cuts(const SoilStep<dim>& step) const {
 }
 
 template <int dim>
+Json SoilReport<dim>::ranks(const SoilState<dim>& state, const SoilStep<dim>& step) const {
+  const SharedNodes& shared = step.soil().nodes().shared;
+  const double num_shared = shared.alone() ? 0 : shared.num_shared();
+  return {{"number", num_ranks(model_.comm)},
+          {"largest_share", state.ranks.largest_share(state.points)},
+          {"partitions", state.ranks.num_divisions()},
+          {"moved_points", state.ranks.num_moved()},
+          {"shared_nodes", static_cast<std::int64_t>(max_over_ranks(model_.comm, num_shared))}};
+}
+
+template <int dim>
 Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& step,
                               const PhaseTimes& times) const {
   const MpmSettings<dim>& settings = model_.settings;
@@ -142,28 +154,30 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
   const LinearSolver<dim>& linear = step.linear_solver();
   const NewtonCounts& newton = step.newton_counts();
   log::info("{}", newton.text());
-  return {{"basis", basis_name(model_.grid.basis)},
-          {"locking", locking},
-          {"bodies", settings.bodies.size()},
-          {"points", num_points},
-          {"grid_cells", model_.grid.mesh.num_cells()},
-          {"grid_nodes", model_.grid.mesh.num_nodes_total()},
-          {"frame_bytes",
-           MpmOutput<dim>::frame_bytes(num_points) + ContactOutput<dim>::frame_bytes(settings)},
-          {"capped_domains", static_cast<std::int64_t>(sums[0])},
-          {"phases", settings.phases.size()},
-          {"initial_displacement", step.initial_displacement()},
-          {"small_cuts", small_cuts(step)},
-          {"removed_points", state.removed_points},
-          {"removed_mass", removed_masses(model_, state)},
-          {"linear_solver", linear.method_name()},
-          {"factorisations", linear.factorisations()},
-          {"linear_fallbacks", linear.fallbacks()},
-          {"solutions", newton.solutions()},
-          {"newton_iterations", newton.iterations()},
-          {"newton", newton.json()},
-          {"linear_iterations", step.linear_iterations()},
-          {"wall_seconds", times.seconds()}};
+  Json summary = {{"basis", basis_name(model_.grid.basis)},
+                  {"locking", locking},
+                  {"bodies", settings.bodies.size()},
+                  {"points", num_points},
+                  {"grid_cells", model_.grid.mesh.num_cells()},
+                  {"grid_nodes", model_.grid.mesh.num_nodes_total()},
+                  {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points) +
+                                      ContactOutput<dim>::frame_bytes(settings)},
+                  {"capped_domains", static_cast<std::int64_t>(sums[0])},
+                  {"phases", settings.phases.size()},
+                  {"initial_displacement", step.initial_displacement()},
+                  {"small_cuts", small_cuts(step)},
+                  {"removed_points", state.removed_points},
+                  {"removed_mass", removed_masses(model_, state)},
+                  {"linear_solver", linear.method_name()},
+                  {"factorisations", linear.factorisations()},
+                  {"linear_fallbacks", linear.fallbacks()},
+                  {"solutions", newton.solutions()},
+                  {"newton_iterations", newton.iterations()},
+                  {"newton", newton.json()},
+                  {"linear_iterations", step.linear_iterations()},
+                  {"wall_seconds", times.seconds()}};
+  if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
+  return summary;
 }
 
 template class SoilReport<2>;

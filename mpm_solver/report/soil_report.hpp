@@ -31,6 +31,7 @@ class SoilReport {
 
  private:
   Json small_cuts(const SoilStep<dim>& step) const;
+  Json ranks(const SoilState<dim>& state, const SoilStep<dim>& step) const;
 
   const SoilModel<dim>& model_;
   MpmOutput<dim> output_;

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 #include <variant>
 
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/points/packet.hpp"
 
 namespace gabion::mpm {
 
@@ -40,6 +43,22 @@ std::array<double, max_cell_nodes> normal_slopes(const BackgroundGrid<dim>& grid
   return slopes;
 }
 
+/// What another rank tells.
+struct SoilOfCell {
+  std::int32_t cell = -1;
+  double volume = 0, stiffness = 0;
+};
+
+std::vector<SoilOfCell> take_cells(Packet& packet) {
+  std::vector<SoilOfCell> cells(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
+  for (SoilOfCell& soil : cells) {
+    soil.cell = packet.take<std::int32_t>();
+    soil.volume = packet.take<double>();
+    soil.stiffness = packet.take<double>();
+  }
+  return cells;
+}
+
 struct SharedNodes {
   std::vector<std::int32_t> list;                   // of both cells, each once
   std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
@@ -68,8 +87,9 @@ GhostStiffness<dim>::GhostStiffness(const Mesh<dim>& mesh, const std::vector<Bod
 }
 
 template <int dim>
-void GhostStiffness<dim>::measure_cells(MPI_Comm comm, const MaterialPoints<dim>& points,
+void GhostStiffness<dim>::measure_cells(const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights) {
+  cells_.clear();
   volume_.assign(cell_volumes_.size(), 0);
   stiffness_.assign(cell_volumes_.size(), 0);
   for (const CellGroup& group : weights.groups) {
@@ -78,50 +98,68 @@ void GhostStiffness<dim>::measure_cells(MPI_Comm comm, const MaterialPoints<dim>
       const std::int32_t p = weights.point[e];
       volume += points.V0[p] * points.J[p];
     }
+    if (volume_[group.cell] == 0) cells_.push_back(group.cell);
     volume_[group.cell] += volume;
     stiffness_[group.cell] += young_modulus_[group.body] * volume;
   }
-  sum_over_ranks(comm, std::span<double>(volume_));
-  sum_over_ranks(comm, std::span<double>(stiffness_));
+  std::sort(cells_.begin(), cells_.end());
 }
 
-// The lowest rank with points in each cell.
+// Ranks learn what is in the cells beside their own ones.
 template <int dim>
-std::vector<std::int32_t> GhostStiffness<dim>::lowest_holders(
-    MPI_Comm comm, const PointWeights<dim>& weights) const {
-  std::vector<std::int32_t> holders(cell_volumes_.size(), -num_ranks(comm));
-  for (const CellGroup& group : weights.groups) holders[group.cell] = -rank_of(comm);
-  max_over_ranks(comm, std::span<std::int32_t>(holders));
-  for (std::int32_t& holder : holders) holder = -holder;
-  return holders;
+void GhostStiffness<dim>::exchange_cells(const CellOwners<dim>& owners) {
+  if (num_ranks(owners.comm) == 1) return;
+  const int own = rank_of(owners.comm);
+  std::map<int, std::set<std::int32_t>> beside;
+  for (const std::int32_t c : cells_) {
+    for (const std::int32_t other : owners.grid.locator.neighbours(c)) {
+      if (other < 0) continue;
+      const int rank = owners.of(other);
+      if (rank != own) beside[rank].insert(c);
+    }
+  }
+  Packets out;
+  for (const auto& [rank, cells] : beside) {
+    out[rank].put(std::ssize(cells));
+    for (const std::int32_t c : cells) {
+      out[rank].put(c);
+      out[rank].put(volume_[c]);
+      out[rank].put(stiffness_[c]);
+    }
+  }
+  for (auto& [rank, packet] : send_packets(owners.comm, out)) {
+    for (const SoilOfCell& soil : take_cells(packet)) {
+      volume_[soil.cell] = soil.volume;
+      stiffness_[soil.cell] = soil.stiffness;
+    }
+  }
 }
 
 template <int dim>
-std::vector<std::int32_t> GhostStiffness<dim>::find_facets(MPI_Comm comm,
-                                                           const BackgroundGrid<dim>& grid,
+std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>& owners,
                                                            const MaterialPoints<dim>& points,
                                                            const PointWeights<dim>& weights) {
-  measure_cells(comm, points, weights);
-  const std::vector<std::int32_t> holders = lowest_holders(comm, weights);
-  num_facets_ = 0;
+  measure_cells(points, weights);
+  exchange_cells(owners);
   facets_.clear();
   std::vector<std::int32_t> nodes;
-  for (std::int32_t c = 0; c < grid.mesh.num_cells(); ++c) {
+  for (const std::int32_t c : cells_) {
     if (!is_small(c)) continue;
-    const auto neighbours = grid.locator.neighbours(c);
+    const auto neighbours = owners.grid.locator.neighbours(c);
     for (std::size_t f = 0; f < neighbours.size(); ++f) {
       const std::int32_t other = neighbours[f];
       if (other < 0 || volume_[other] == 0) continue;
       if (other < c && is_small(other)) continue;  // came from the other side
-      ++num_facets_;
-      if (holders[c] != rank_of(comm)) continue;
       facets_.push_back({c, static_cast<int>(f), other});
       for (const std::int32_t cell : {c, other}) {
-        const auto of_cell = grid.mesh.cell(cell);
+        const auto of_cell = owners.grid.mesh.cell(cell);
         nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
       }
     }
   }
+  auto count = static_cast<std::int32_t>(facets_.size());
+  sum_over_ranks(owners.comm, std::span<std::int32_t>(&count, 1));
+  num_facets_ = count;
   return nodes;
 }
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 
 namespace gabion::mpm {
@@ -38,10 +36,12 @@ class GhostStiffness {
   /// @param factor  of Young's modulus, > 0
   GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies, double factor);
 
-  /// Find the facets of this step; a rank has those of the small cuts that hold its points.
+  /// Find the facets of this step; a rank has those of the small cuts that hold its points. Ranks
+  /// tell each other about their cells along the border between them.
+  /// @pre  a cell's points are on the rank that owns it
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
-  std::vector<std::int32_t> find_facets(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+  std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights);
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
@@ -58,14 +58,13 @@ class GhostStiffness {
   bool is_small(std::int32_t cell) const {
     return volume_[cell] > 0 && volume_[cell] < small_cut_fill * cell_volumes_[cell];
   }
-  void measure_cells(MPI_Comm comm, const MaterialPoints<dim>& points,
-                     const PointWeights<dim>& weights);
+  void measure_cells(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
+  void exchange_cells(const CellOwners<dim>& owners);
   struct Facet {
     std::int32_t cell;
     int number;  // of the cell's facets
     std::int32_t neighbour;
   };
-  std::vector<std::int32_t> lowest_holders(MPI_Comm comm, const PointWeights<dim>& weights) const;
   void add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes, const Facet& facet);
 
   double factor_;
@@ -73,7 +72,8 @@ class GhostStiffness {
   std::vector<double> young_modulus_;  // of each body
 
   // of the step under way
-  std::vector<double> volume_;        // of the soil in each cell
+  std::vector<std::int32_t> cells_;   // with points of this rank, ascending
+  std::vector<double> volume_;        // of the soil in each cell that is known here
   std::vector<double> stiffness_;     // its volume times Young's modulus
   std::vector<Facet> facets_;         // of this rank
   std::int64_t num_facets_ = 0;       // of all ranks

@@ -40,8 +40,7 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
                  .weights = parts.weights,
                  .nodes = parts.nodes,
                  .trial = parts.trial},
-                parts.cell_size, parts.same_strain,
-                parts.average_volumes ? std::optional(parts.comm) : std::nullopt, parts.repeats),
+                parts.cell_size, parts.same_strain, parts.average_volumes, parts.repeats),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
   if (parts_.with_inertia) {

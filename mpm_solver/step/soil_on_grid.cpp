@@ -5,12 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "common/base/error.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
-#include "mpm_solver/grid/shared_groups.hpp"
 #include "mpm_solver/grid/transfer.hpp"
+#include "mpm_solver/points/packet.hpp"
 #include "mpm_solver/small_cuts/light_nodes.hpp"
 
 namespace gabion::mpm {
@@ -33,12 +34,18 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
   return fmt::format("side \"{}\" ({} wall)", wall->group, wall->fixed ? "fixed" : "slip");
 }
 
+std::vector<std::int32_t> take_cells(Packet& packet) {
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
+  for (std::int32_t& cell : cells) cell = packet.take<std::int32_t>();
+  return cells;
+}
+
 }  // namespace
 
 template <int dim>
-SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const MaterialPoints<dim>& points,
+SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& state,
                             PhaseTimes& times)
-    : model_(model), points_(points), times_(times) {
+    : model_(model), points_(state.points), ranks_(state.ranks), times_(times) {
   const MpmSettings<dim>& settings = model_.settings;
   for (const Phase& phase : settings.phases) {
     walls_of_phases_.emplace_back(model_.grid.mesh, phase.walls);
@@ -64,12 +71,9 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
   {
     const ScopedTimer timer(times_, "search");
     weigh();
-    if (model_.settings.locking.average_volumes) {
-      share_groups(model_.comm, model_.grid.mesh.num_cells(), weights_);
-    }
     ghost_acts_ = wants_ghost(mapping.phase);
     if (ghost_acts_) {
-      const auto nodes = ghost_->find_facets(model_.comm, model_.grid, points_, weights_);
+      const auto nodes = ghost_->find_facets(ranks_.owners(), points_, weights_);
       mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
     }
     activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);
@@ -119,7 +123,16 @@ template <int dim>
 std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
   std::vector<std::int32_t> occupied(model_.grid.mesh.num_cells(), 0);
   for (const std::int32_t cell : points_.cell) occupied[cell] = 1;
-  sum_over_ranks(model_.comm, std::span<std::int32_t>(occupied));
+  if (num_ranks(model_.comm) == 1) return occupied;
+  Packets to_first;
+  if (rank_of(model_.comm) != 0) {
+    const std::set<std::int32_t> own(points_.cell.begin(), points_.cell.end());
+    to_first[0].put(std::ssize(own));
+    for (const std::int32_t cell : own) to_first[0].put(cell);
+  }
+  for (auto& [rank, packet] : send_packets(model_.comm, to_first)) {
+    for (const std::int32_t cell : take_cells(packet)) occupied[cell] = 1;
+  }
   return occupied;
 }
 

@@ -8,7 +8,7 @@
 
 #include "common/base/timer.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
-#include "mpm_solver/step/soil_model.hpp"
+#include "mpm_solver/step/soil_state.hpp"
 
 namespace gabion::mpm {
 
@@ -20,12 +20,12 @@ struct SmallCutCounts {
 };
 
 /// The soil on the nodes of its grid in the step under way: weights of the points, active nodes
-/// with mass and motion, their walls, and what is done about small cuts. Refers to model, points
+/// with mass and motion, their walls, and what is done about small cuts. Refers to model, state
 /// and times. Functions are collective.
 template <int dim>
 class SoilOnGrid {
  public:
-  SoilOnGrid(const SoilModel<dim>& model, const MaterialPoints<dim>& points, PhaseTimes& times);
+  SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& state, PhaseTimes& times);
 
   /// Evaluate the basis at the points.
   void weigh();
@@ -49,7 +49,7 @@ class SoilOnGrid {
 
   /// Nodal forces of MpmSettings::body_acceleration at a time [s], empty when there is none.
   std::vector<double> body_forces(double time) const;
-  /// 1 for each cell of the grid with a point of any rank, else 0.
+  /// 1 for each cell of the grid with a point of any rank, else 0; on the first rank.
   std::vector<std::int32_t> occupied_cells() const;
   /// @param du  increment of the active nodes [m], num_nodes x dim
   /// @throws ConvergenceError  it would carry a point out of the grid; cause "outside"
@@ -61,6 +61,7 @@ class SoilOnGrid {
 
   const SoilModel<dim>& model_;
   const MaterialPoints<dim>& points_;
+  const PointRanks<dim>& ranks_;
   PhaseTimes& times_;
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;

@@ -51,12 +51,12 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   return points;
 }
 
-// The material point nearest to each probe; -1 on the ranks that do not own it.
+// The material point nearest to each probe; of several as near the one with the least id.
 template <int dim>
-std::vector<std::int32_t> find_probe_points(const SoilModel<dim>& model,
+std::vector<std::int64_t> find_probe_points(const SoilModel<dim>& model,
                                             const MaterialPoints<dim>& points) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::vector<std::int32_t> probe_points;
+  std::vector<std::int64_t> ids;
   for (const auto& probe : model.settings.probes) {
     std::int32_t nearest = -1;
     double distance = infinity;
@@ -72,13 +72,13 @@ std::vector<std::int32_t> find_probe_points(const SoilModel<dim>& model,
       log::warn(
           "mpm.json: at /probes/{}/point: the material point nearest to probe \"{}\" is {:.3g} m "
           "away, more than a cell of the grid ({:.3g} m)",
-          probe_points.size(), probe.name, least, model.cell_size);
+          ids.size(), probe.name, least, model.cell_size);
     }
-    const double id = distance == least ? static_cast<double>(points.id[nearest]) : infinity;
-    const bool owner = nearest >= 0 && id == -max_over_ranks(model.comm, -id);
-    probe_points.push_back(owner ? nearest : -1);
+    const bool is_nearest = nearest >= 0 && distance == least;
+    const double id = is_nearest ? static_cast<double>(points.id[nearest]) : infinity;
+    ids.push_back(static_cast<std::int64_t>(-max_over_ranks(model.comm, -id)));
   }
-  return probe_points;
+  return ids;
 }
 
 template <int dim>
@@ -101,15 +101,29 @@ void locate_points(const SoilModel<dim>& model, MaterialPoints<dim>& points) {
 }
 
 void visit_field(StateVisitor& visitor, const std::string& name, std::vector<double>& values) {
-  visitor.reals(name, values);
+  visitor.list(name, values);
+}
+void visit_field(StateVisitor& visitor, const std::string& name,
+                 std::vector<std::int64_t>& values) {
+  visitor.list(name, values);
 }
 void visit_field(StateVisitor& visitor, const std::string& name,
                  std::vector<std::int32_t>& values) {
-  visitor.integers(name, values);
+  std::vector<std::int64_t> wide(values.begin(), values.end());
+  visitor.list(name, wide);
+  values.assign(wide.begin(), wide.end());
 }
 template <class Tensor>
 void visit_field(StateVisitor& visitor, const std::string& name, std::vector<Tensor>& values) {
-  visitor.reals(name, flat(values));
+  constexpr std::size_t size = Tensor::SizeAtCompileTime;
+  const auto before = flat(values);
+  std::vector<double> numbers(before.begin(), before.end());
+  visitor.list(name, numbers);
+  require(numbers.size() % size == 0,
+          "saved state: \"{}\" has {} values, allowed: {} for each point", name, numbers.size(),
+          size);
+  values.resize(numbers.size() / size);
+  std::copy(numbers.begin(), numbers.end(), flat(values).begin());
 }
 template <int dim>
 void visit_field(StateVisitor& visitor, const std::string& name,
@@ -119,38 +133,40 @@ void visit_field(StateVisitor& visitor, const std::string& name,
         std::vector<Value> values;
         for (const auto& state : history) values.push_back(state.*member);
         visit_field(visitor, name + "." + field, values);
+        history.resize(values.size());
         for (std::size_t p = 0; p < history.size(); ++p) history[p].*member = values[p];
       });
 }
 
-// What is laid follows from the settings, but points that have left the grid are gone.
-template <int dim>
-void visit_points(StateVisitor& visitor, MaterialPoints<dim>& points) {
-  std::vector<std::int64_t> id = points.id;
-  visitor.list("points.id", id);
-  std::vector<std::int32_t> gone;
-  for (std::int32_t p = 0; p < points.size(); ++p) {
-    if (!std::binary_search(id.begin(), id.end(), points.id[p])) gone.push_back(p);
-  }
-  if (!gone.empty()) remove_points<dim>(gone, points);
-  require(id == points.id, "saved state: its material points are those of other ranks or bodies");
-  for_each_field<dim>([&]<class Value>(const char* name,
-                                       std::vector<Value> MaterialPoints<dim>::*field,
-                                       FieldKind kind) {
-    if constexpr (!std::is_same_v<Value, std::int64_t>) {
-      if (kind == FieldKind::moves) {
-        visit_field(visitor, std::string("points.") + name, points.*field);
-      }
-    }
-  });
-}
-
-void require_below(const char* what, std::int32_t first, std::span<const std::int32_t> indices,
-                   std::int32_t end) {
-  for (const std::int32_t index : indices) {
+template <class Index>
+void require_below(const char* what, Index first, std::span<const Index> indices, Index end) {
+  for (const Index index : indices) {
     require(index >= first && index < end, "saved state: {}: found {}, allowed: {} to {}", what,
             index, first, end - 1);
   }
+}
+
+template <int dim>
+void visit_points(StateVisitor& visitor, MaterialPoints<dim>& points) {
+  for_each_field<dim>([&](const char* name, auto field) {
+    visit_field(visitor, std::string("points.") + name, points.*field);
+  });
+}
+
+// What a step may take for granted.
+template <int dim>
+void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
+  const std::size_t count = points.id.size();
+  for_each_field<dim>(
+      [&]<class Value>(const char* name, std::vector<Value> MaterialPoints<dim>::*field) {
+        const std::size_t size = (points.*field).size();
+        const bool optional = name == std::string("half_length") || name == std::string("grad_v") ||
+                              name == std::string("grad_a");
+        require(size == count || (optional && size == 0),
+                "saved state: points.{}: found {} values for {} points", name, size, count);
+      });
+  require_below<std::int64_t>("points.id", 0, points.id, points.body_ids.back());
+  require_below<std::int32_t>("points.cell", 0, points.cell, num_cells);
 }
 
 }  // namespace
@@ -164,9 +180,11 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
       gauges(model.comm, model.settings.gauges, model.cell_size),
       wall_forces(model.wall_groups.size(), Vector<dim>::Zero()),
       rigid_wall_forces(model.settings.rigid_walls.size() * wall_values<dim>, 0.0),
-      probe_points(find_probe_points(model, points)),
+      ranks(model.comm, model.grid),
       removed_masses(model.exit_sides.size(), 0.0) {
   locate_points(model, points);
+  ranks.divide(points, surfaces);
+  probe_ids = find_probe_points(model, points);
   ledger.start(points);
 }
 
@@ -199,13 +217,12 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& 
   require(model.lets_out, "mpm_solver: a point left the grid unseen");
   count_exits(outside, start, model);
   std::string lost;
-  for (std::size_t k = 0; k < probe_points.size(); ++k) {
-    if (std::binary_search(outside.begin(), outside.end(), probe_points[k])) {
+  for (std::size_t k = 0; k < probe_ids.size(); ++k) {
+    const std::int32_t p = find_point(points, probe_ids[k]);
+    if (p >= 0 && std::binary_search(outside.begin(), outside.end(), p)) {
       lost = fmt::format("material point {} of probe \"{}\" has left the background grid",
-                         points.id[probe_points[k]], model.settings.probes[k].name);
+                         probe_ids[k], model.settings.probes[k].name);
     }
-    probe_points[k] -= static_cast<std::int32_t>(
-        std::lower_bound(outside.begin(), outside.end(), probe_points[k]) - outside.begin());
   }
   std::vector<Vector<dim>> inertia(1, Vector<dim>::Zero());
   for (const std::int32_t p : outside) inertia[0] += points.m[p] * points.a[p];
@@ -224,11 +241,12 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& 
 template <int dim>
 void SoilState<dim>::visit(StateVisitor& visitor) {
   visit_points(visitor, points);
+  ranks.visit_state(visitor);
   surfaces.visit_state(visitor);
   ledger.visit_state(visitor);
   visitor.reals("wall_forces", flat(wall_forces));
   visitor.reals("rigid_wall_forces", rigid_wall_forces);
-  visitor.integers("probe_points", std::span<std::int32_t>(probe_points));
+  visitor.integers("probe_ids", std::span<std::int64_t>(probe_ids));
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
   visitor.flag("nearly_linear", nearly_linear);
@@ -246,11 +264,40 @@ State SoilState<dim>::save() {
 }
 
 template <int dim>
-void SoilState<dim>::load(const State& state, std::int32_t num_cells) {
+void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
+  std::string problem;
+  try {
+    visit(visitor);
+    check_points(points, model.grid.mesh.num_cells());
+    order_points(0, points);
+    require(std::ranges::adjacent_find(points.id) == points.id.end(),
+            "saved state: points.id: found an id twice");
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  problem = first_text(model.comm, problem);
+  require(problem.empty(), problem);
+  auto count = static_cast<double>(points.size() + (rank_of(model.comm) == 0 ? removed_points : 0));
+  sum_over_ranks(model.comm, std::span<double>(&count, 1));
+  require(count == static_cast<double>(points.body_ids.back()),
+          "saved state: found {} material points, those that left included, allowed: {}", count,
+          points.body_ids.back());
+}
+
+template <int dim>
+void SoilState<dim>::load(const State& state, const SoilModel<dim>& model) {
   StateReader reader(state);
-  visit(reader);
-  require_below("cell of a material point", 0, points.cell, num_cells);
-  require_below("material point of a probe", -1, probe_points, points.size());
+  take(reader, model);
+  const int parts = ranks.partition().num_parts();
+  require(parts == num_ranks(model.comm),
+          "saved state: found a partition for {} ranks, allowed: {}", parts, num_ranks(model.comm));
+}
+
+template <int dim>
+void SoilState<dim>::join(std::span<const State> states, const SoilModel<dim>& model) {
+  StateJoiner joiner(states, rank_of(model.comm) == 0);
+  take(joiner, model);
+  ranks.divide(points, surfaces);
 }
 
 template struct SoilState<2>;

@@ -8,6 +8,7 @@
 #include "common/mechanics/petsc/krylov_pause.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/gauges/gauges.hpp"
+#include "mpm_solver/ranks/point_ranks.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
 #include "mpm_solver/step/step_control.hpp"
@@ -22,8 +23,11 @@ struct SoilState {
   explicit SoilState(const SoilModel<dim>& model);
 
   State save();
-  /// @param num_cells  of the grid
-  void load(const State& state, std::int32_t num_cells);
+  /// @throws Error  not a state of these settings and this number of ranks; on all ranks
+  /// @note Collective.
+  void load(const State& state, const SoilModel<dim>& model);
+  /// The same from the states of another number of ranks, see Solver::join_states.
+  void join(std::span<const State> states, const SoilModel<dim>& model);
 
   /// Where the points were at the start of a step.
   struct Start {
@@ -43,11 +47,12 @@ struct SoilState {
   Ledger<dim> ledger;
   StepControl control;
   Gauges<dim> gauges;
-  std::vector<Vector<dim>> wall_forces;    ///< on SoilModel::wall_groups [N]
-  std::vector<double> rigid_wall_forces;   ///< Surfaces::forces_on_walls
-  std::vector<std::int32_t> probe_points;  ///< of each probe; -1 on ranks that do not own it
-  std::int64_t removed_points = 0;         ///< of all ranks
-  std::vector<double> removed_masses;      ///< through SoilModel::exit_sides [kg]
+  std::vector<Vector<dim>> wall_forces;   ///< on SoilModel::wall_groups [N]
+  std::vector<double> rigid_wall_forces;  ///< Surfaces::forces_on_walls
+  PointRanks<dim> ranks;
+  std::vector<std::int64_t> probe_ids;  ///< of the material point of each probe
+  std::int64_t removed_points = 0;      ///< of all ranks
+  std::vector<double> removed_masses;   ///< through SoilModel::exit_sides [kg]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   KrylovPause pause;           ///< LinearSolver::pause() after the last step
 
@@ -55,6 +60,7 @@ struct SoilState {
   void count_exits(std::span<const std::int32_t> outside, const Start& start,
                    const SoilModel<dim>& model);
   void visit(StateVisitor& visitor);
+  void take(StateVisitor& visitor, const SoilModel<dim>& model);
 };
 
 }  // namespace gabion::mpm

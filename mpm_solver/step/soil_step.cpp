@@ -51,7 +51,7 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
     : model_(model),
       state_(state),
       times_(times),
-      soil_(model, state.points, times),
+      soil_(model, state, times),
       sizes_(state.control),
       system_(model.comm, model.settings.linear_solver) {
   if (!state_.surfaces.contacts().empty()) {
@@ -148,13 +148,13 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
           .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
           .elastic = model_.elastic,
           .moduli = model_.moduli,
-          .first_rank = rank_of(model_.comm) == 0};
+          .comm = model_.comm};
 }
 
 template <int dim>
 void SoilStep<dim>::map_soil(double dt) {
   std::vector<std::int32_t> other_nodes;
-  if (!state_.surfaces.contacts().empty()) {
+  if (state_.surfaces.asks_for_cells()) {
     occupied_ = soil_.occupied_cells();
     if (num_ranks(model_.comm) > 1) other_nodes = state_.surfaces.find_nodes(surface_of_soil(dt));
   }
@@ -271,7 +271,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    balance.sharing_loss = share_volumes(model_.comm, model_.settings.bodies, model_.grid, points);
+    balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
   }
   state_.gauges.add_step(x_n, points, dt_);
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
@@ -284,6 +284,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   report.details = details(cell_n);
   report.proposed_dt = sizes_.proposal().dt;
   state_.remove(outside, {x_n, cell_n}, model_);
+  state_.ranks.follow(points, state_.surfaces);
   return report;
 }
 

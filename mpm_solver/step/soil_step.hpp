@@ -91,7 +91,7 @@ class SoilStep {
   bool forces_jump_ = false;  // at the start of the step: no acceleration is known
   NewmarkBossak scheme_;
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
-  std::vector<std::int32_t> occupied_;         // 1 for cells of the grid with soil on any rank
+  std::vector<std::int32_t> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
   TrialPoints<dim> trial_;
   std::optional<Equilibrium<dim>> equilibrium_;
   std::vector<double> du_;

@@ -4,19 +4,9 @@
 #include <algorithm>
 #include <variant>
 
-#include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::mpm {
-
-template <int dim>
-AveragedForces<dim>::AveragedForces(MPI_Comm comm, const StressParts<dim>& parts)
-    : comm_(comm), parts_(parts) {
-  for (std::size_t g = 0; g < parts_.weights.shared.size(); ++g) {
-    if (parts_.weights.shared[g] >= 0) shared_.push_back(static_cast<std::int32_t>(g));
-  }
-  shared_groups_.resize(shared_.size());
-}
 
 template <int dim>
 bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
@@ -76,11 +66,11 @@ void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
 
 template <int dim>
 template <class Law>
-bool AveragedForces<dim>::private_groups(const Law& law, std::int32_t first, std::int32_t last,
-                                         const Target& target) {
+bool AveragedForces<dim>::group_forces(const Law& law, std::int32_t first, std::int32_t last,
+                                       const Target& target) {
   const auto& weights = parts_.weights;
   const bool with_K = target.K != nullptr;
-  const std::span averages(own_.data(), last - first);
+  const std::span averages(averages_.data(), last - first);
   for (std::int32_t g = first; g < last; ++g) {
     if (!add_points(g, target.du, averages[g - first], target.worst)) return false;
   }
@@ -97,99 +87,20 @@ bool AveragedForces<dim>::private_groups(const Law& law, std::int32_t first, std
 }
 
 template <int dim>
-bool AveragedForces<dim>::private_forces(const Target& target) {
+bool AveragedForces<dim>::evaluate(const Target& target) {
   const auto& weights = parts_.weights;
-  const auto is_private = [&](std::int32_t g) {
-    return weights.shared.empty() || weights.shared[g] < 0;
-  };
-  own_.resize(groups_at_once);
+  averages_.resize(groups_at_once);
   for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
     const std::int32_t end = weights.body_groups[b + 1];
-    for (std::int32_t first = weights.body_groups[b]; first < end;) {
-      std::int32_t last = first;
-      while (last < end && last - first < groups_at_once && is_private(last)) ++last;
+    for (std::int32_t first = weights.body_groups[b], last = first; first < end; first = last) {
+      last = std::min(first + groups_at_once, end);
       const bool admissible =
-          last == first ||
-          std::visit([&](const auto& law) { return private_groups(law, first, last, target); },
+          std::visit([&](const auto& law) { return group_forces(law, first, last, target); },
                      parts_.bodies[b].material.law);
       if (!admissible) return false;
-      first = std::max(last, first + 1);
     }
   }
   return true;
-}
-
-// Sum the groups' volumes over the ranks. Returns false when a rank's state is inadmissible.
-template <int dim>
-bool AveragedForces<dim>::share_volumes(bool admissible) {
-  sums_.assign(2 * static_cast<std::size_t>(parts_.weights.num_shared) + 1, 0);
-  sums_.back() = admissible ? 0 : 1;
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    double* sums = sums_.data() + 2 * static_cast<std::size_t>(parts_.weights.shared[shared_[s]]);
-    sums[0] = shared_groups_[s].volumes.before;
-    sums[1] = shared_groups_[s].volumes.change;
-  }
-  sum_over_ranks(comm_, std::span<double>(sums_));
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    const double* sums =
-        sums_.data() + 2 * static_cast<std::size_t>(parts_.weights.shared[shared_[s]]);
-    shared_groups_[s].volumes = {sums[0], sums[1]};
-  }
-  return sums_.back() == 0;
-}
-
-// Sum the groups' pressures and volume gradients over the ranks; leaves the latter in sums_.
-template <int dim>
-bool AveragedForces<dim>::share_pressures(bool admissible, bool with_K) {
-  const auto& weights = parts_.weights;
-  const std::size_t width = 1 + (with_K ? CellForces<dim>::max_dofs : 0);
-  sums_.assign(width * weights.num_shared + 1, 0);
-  sums_.back() = admissible ? 0 : 1;
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    double* sums = sums_.data() + width * weights.shared[shared_[s]];
-    sums[0] = shared_groups_[s].pressure;
-    if (with_K) {
-      shared_groups_[s].add_volume_gradient(weights, weights.groups[shared_[s]], sums + 1);
-    }
-  }
-  sum_over_ranks(comm_, std::span<double>(sums_));
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    shared_groups_[s].pressure = sums_[width * weights.shared[shared_[s]]];
-  }
-  return sums_.back() == 0;
-}
-
-template <int dim>
-bool AveragedForces<dim>::shared_forces(std::span<const double> du, BlockMatrix<dim>* K,
-                                        std::span<double> f, std::int32_t& worst) {
-  const auto& weights = parts_.weights;
-  bool admissible = true;
-  for (std::size_t s = 0; admissible && s < shared_.size(); ++s) {
-    admissible = add_points(shared_[s], du, shared_groups_[s], worst);
-  }
-  if (!share_volumes(admissible)) return false;
-  for (std::size_t s = 0; admissible && s < shared_.size(); ++s) {
-    admissible = std::visit(
-        [&](const auto& law) {
-          return add_stresses(law, shared_[s], K != nullptr, std::span(&shared_groups_[s], 1),
-                              worst);
-        },
-        parts_.bodies[weights.groups[shared_[s]].body].material.law);
-  }
-  if (!share_pressures(admissible, K != nullptr)) return false;
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    const std::size_t width = 1 + CellForces<dim>::max_dofs;
-    const double* gradient = K ? sums_.data() + width * weights.shared[shared_[s]] + 1 : nullptr;
-    add_forces(shared_[s], gradient, shared_groups_[s], K, f);
-  }
-  return true;
-}
-
-template <int dim>
-bool AveragedForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
-                                   std::span<double> f, std::int32_t& worst) {
-  const bool shared = parts_.weights.num_shared == 0 || shared_forces(du, K, f, worst);
-  return shared && private_forces({.du = du, .K = K, .f = f, .worst = worst});
 }
 
 template <int dim>
@@ -205,29 +116,13 @@ void AveragedForces<dim>::add_accepted_stresses(std::int32_t g, AveragedGroup<di
 }
 
 template <int dim>
-void AveragedForces<dim>::add_start_forces(std::span<double> f) {
-  const auto& weights = parts_.weights;
-  own_.resize(1);
-  for (std::size_t g = 0; g < weights.groups.size(); ++g) {
-    if (!weights.shared.empty() && weights.shared[g] >= 0) continue;
-    add_accepted_stresses(static_cast<std::int32_t>(g), own_[0]);
-    add_forces(static_cast<std::int32_t>(g), nullptr, own_[0], nullptr, f);
-  }
-  if (weights.num_shared == 0) return;
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    add_accepted_stresses(shared_[s], shared_groups_[s]);
-  }
-  share_volumes(true);
-  share_pressures(true, false);
-  for (std::size_t s = 0; s < shared_.size(); ++s) {
-    add_forces(shared_[s], nullptr, shared_groups_[s], nullptr, f);
-  }
-}
-
-template <int dim>
 std::vector<double> AveragedForces<dim>::start_forces(std::size_t num_values) const {
   std::vector<double> f(num_values, 0.0);
-  AveragedForces(comm_, parts_).add_start_forces(f);
+  AveragedGroup<dim> average;
+  for (std::size_t g = 0; g < parts_.weights.groups.size(); ++g) {
+    add_accepted_stresses(static_cast<std::int32_t>(g), average);
+    add_forces(static_cast<std::int32_t>(g), nullptr, average, nullptr, f);
+  }
   return f;
 }
 

@@ -20,14 +20,13 @@ namespace gabion::mpm {
 ///
 ///     f = sum_p [Q_p + (v_p sum_q p_q - p_p) G_p] grad N
 ///
-/// A group is evaluated in three passes over its points; between them the sums of a group that
-/// several ranks share are added up.
+/// A group is evaluated in three passes over its points.
 /// @see de Souza Neto, Peric, Dutko, Owen (1996) for F-bar; Moran, Ortiz, Shih (1990) for the
 ///      variational form; Coombs, Charlton, Cortis, Augarde (2018) for material points
 template <int dim>
 class AveragedGroup {
  public:
-  /// Sums over the points of all ranks: after the first pass, and after the second.
+  /// Sums over the points: after the first pass, and after the second.
   struct Volumes {
     double before = 0;  ///< sum V [m^3]
     double change = 0;  ///< sum V (J - 1) [m^3]
@@ -49,13 +48,12 @@ class AveragedGroup {
   /// @param P_bar, A  P(H_bar) and dP/dH_bar; A may be null
   Matrix<dim> averaged_gradient(std::size_t k);
   void set_stress(std::size_t k, double V0, const Matrix<dim>& P_bar, const Tangent<dim>* A);
-  /// J_bar' / J_bar by the displacements of the group's nodes, the part of this rank's points:
-  /// num_nodes x dim [1/m].
+  /// J_bar' / J_bar by the displacements of the group's nodes, num_nodes x dim [1/m].
   void add_volume_gradient(const PointWeights<dim>& weights, const CellGroup& group,
                            double* gradient) const;
 
   /// Third pass: add the forces and, unless `gradient` is null, set their derivative.
-  /// @param gradient  that of add_volume_gradient, of all ranks
+  /// @param gradient  that of add_volume_gradient
   void add_forces(const PointWeights<dim>& weights, const CellGroup& group, const double* gradient,
                   CellForces<dim>& sum) const;
 

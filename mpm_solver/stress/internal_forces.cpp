@@ -28,10 +28,9 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 
 template <int dim>
 InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
-                                    double same_strain, std::optional<MPI_Comm> average_over,
-                                    bool repeats)
+                                    double same_strain, bool average_volumes, bool repeats)
     : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain), repeats_(repeats) {
-  if (average_over) averaged_.emplace(*average_over, parts);
+  if (average_volumes) averaged_.emplace(parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
   parts_.trial.resize(parts_.points.size());
   forget();
@@ -195,9 +194,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
                                    std::int32_t& worst) {
   const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
   first_evaluation_ = false;
-  bool known = std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near));
-  if (averaged_ && parts_.weights.num_shared > 0) known = parts_.nodes.shared.all(known);
-  if (known) {
+  if (std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near))) {
     neighbours_matrix_ = K && !std::ranges::equal(du, du_K_);
     if (K) std::copy(K_int_.begin(), K_int_.end(), K->values().begin());
     yielding_.add(parts_.trial.region);
@@ -207,9 +204,10 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   du_known_.clear();
   std::fill(f_int_.begin(), f_int_.end(), 0.0);
   if (K) K->set_zero();
-  if (!(averaged_ ? averaged_->evaluate(du, K, f_int_, worst) : all_forces(du, K, worst))) {
-    return false;
-  }
+  const bool admissible = averaged_
+                              ? averaged_->evaluate({.du = du, .K = K, .f = f_int_, .worst = worst})
+                              : all_forces(du, K, worst);
+  if (!admissible) return false;
   yielding_.add(parts_.trial.region);
   du_known_.assign(du.begin(), du.end());
   if (K && repeats_) {

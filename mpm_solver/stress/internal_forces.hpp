@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,11 +25,10 @@ template <int dim>
 class InternalForces {
  public:
   /// @param same_strain   largest difference of a component of H that the tangent may bridge
-  /// @param average_over  empty, or for F-bar (AveragedForces) the ranks that share the points;
-  ///                      `evaluate` and `finish` are then collective
-  /// @param repeats       several solutions may follow each other: K is kept for the next one
+  /// @param average_volumes  F-bar (AveragedForces)
+  /// @param repeats          several solutions may follow each other: K is kept for the next one
   InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
-                 std::optional<MPI_Comm> average_over = {}, bool repeats = true);
+                 bool average_volumes = false, bool repeats = true);
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible

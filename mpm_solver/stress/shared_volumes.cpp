@@ -2,13 +2,17 @@
 #include "mpm_solver/stress/shared_volumes.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <type_traits>
 #include <variant>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
+#include "mpm_solver/points/packet.hpp"
 
 namespace gabion::mpm {
 
@@ -48,41 +52,78 @@ void add_volumetric_strain(const Law&, double strain, MaterialState<dim>& state)
 template <int dim>
 class GroupVolumes {
  public:
-  GroupVolumes(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points)
-      : points_(points), num_cells_(grid.mesh.num_cells()), group_(num_cells_) {
-    for (std::int32_t c = 0; c < num_cells_; ++c) group_[c] = c;
-    for (std::int32_t k = 0; k < grid.patches.size(); ++k) {
-      const std::int32_t first = grid.patches.starts[k];
-      for (std::int32_t c = first; c < grid.patches.starts[k + 1]; ++c) {
-        group_[grid.patches.cells[c]] = grid.patches.cells[first];
-      }
-    }
-    sums_.assign(2 * static_cast<std::size_t>(num_cells_) * points.num_bodies(), 0.0);
-  }
+  GroupVolumes(const CellOwners<dim>& owners, const MaterialPoints<dim>& points)
+      : owners_(owners),
+        points_(points),
+        num_cells_(owners.grid.mesh.num_cells()),
+        sums_(2 * static_cast<std::size_t>(num_cells_) * points.num_bodies(), 0.0) {}
 
   void add(std::int32_t body, std::int32_t p, double theta) {
-    double* const sums = sums_of(body, p);
+    double* const sums = sums_of(group_of(body, p));
     const double V = points_.V0[p] * points_.J[p];
     sums[0] += V * std::exp(-theta);
     sums[1] -= V * std::expm1(-theta);
   }
-  void sum(MPI_Comm comm) { sum_over_ranks(comm, std::span<double>(sums_)); }
+  /// Groups with points of this rank in cells of others: the owner adds up and answers.
+  void sum() {
+    if (num_ranks(owners_.comm) == 1) return;
+    const auto entered = entered_groups();
+    Packets parts, answers;
+    for (const auto& [rank, groups] : entered) put_sums(groups, parts[rank]);
+    std::map<int, std::vector<std::int64_t>> asked;
+    for (auto& [rank, packet] : send_packets(owners_.comm, parts)) asked[rank] = add_sums(packet);
+    for (const auto& [rank, groups] : asked) put_sums(groups, answers[rank]);
+    for (auto& [rank, packet] : send_packets(owners_.comm, answers)) {
+      for (const std::int64_t group : entered.at(rank)) std::fill_n(sums_of(group), 2, 0.0);
+      add_sums(packet);
+    }
+  }
   /// ln (sum V / sum V exp(-theta)) of the point's group.
   double strain(std::int32_t body, std::int32_t p) {
-    const double* const sums = sums_of(body, p);
+    const double* const sums = sums_of(group_of(body, p));
     return std::log1p(sums[1] / sums[0]);
   }
 
  private:
-  double* sums_of(std::int32_t body, std::int32_t p) {
-    const std::size_t group = static_cast<std::size_t>(body) * num_cells_ + group_[points_.cell[p]];
-    return sums_.data() + 2 * group;
+  std::int64_t group_of(std::int32_t body, std::int32_t p) const {
+    return std::int64_t{body} * num_cells_ + owners_.grid.first_of_patch(points_.cell[p]);
+  }
+  double* sums_of(std::int64_t group) { return sums_.data() + 2 * group; }
+
+  // By the rank that owns them.
+  std::map<int, std::set<std::int64_t>> entered_groups() const {
+    std::map<int, std::set<std::int64_t>> groups;
+    const int own = rank_of(owners_.comm);
+    for (std::int32_t b = 0; b < points_.num_bodies(); ++b) {
+      for (std::int32_t p = points_.body_starts[b]; p < points_.body_starts[b + 1]; ++p) {
+        if (points_.cell[p] < 0) continue;
+        const int rank = owners_.of(points_.cell[p]);
+        if (rank != own) groups[rank].insert(group_of(b, p));
+      }
+    }
+    return groups;
+  }
+  template <class Groups>
+  void put_sums(const Groups& groups, Packet& packet) {
+    packet.put(std::ssize(groups));
+    for (const std::int64_t group : groups) {
+      packet.put(group);
+      for (int k = 0; k < 2; ++k) packet.put(sums_of(group)[k]);
+    }
+  }
+  std::vector<std::int64_t> add_sums(Packet& packet) {
+    std::vector<std::int64_t> groups;
+    for (auto count = packet.take<std::ptrdiff_t>(); count > 0; --count) {
+      groups.push_back(packet.take<std::int64_t>());
+      for (int k = 0; k < 2; ++k) sums_of(groups.back())[k] += packet.take<double>();
+    }
+    return groups;
   }
 
+  const CellOwners<dim>& owners_;
   const MaterialPoints<dim>& points_;
   std::int32_t num_cells_;
-  std::vector<std::int32_t> group_;  // of each cell
-  std::vector<double> sums_;         // of each group: V free of stress, and how much V exceeds it
+  std::vector<double> sums_;  // of each group: V free of stress, and how much V exceeds it
 };
 
 // Change the volume of one point by the strain d. Returns the elastic energy it loses.
@@ -104,9 +145,9 @@ double change_volume(const Law& law, double d, std::int32_t p, MaterialPoints<di
 }  // namespace
 
 template <int dim>
-double share_volumes(MPI_Comm comm, const std::vector<Body<dim>>& bodies,
-                     const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points) {
-  GroupVolumes<dim> volumes(grid, points);
+double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
+                     MaterialPoints<dim>& points) {
+  GroupVolumes<dim> volumes(owners, points);
   std::vector<double> theta(points.size(), 0.0);
   const auto for_each_point = [&](const auto& act) {
     for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
@@ -123,19 +164,19 @@ double share_volumes(MPI_Comm comm, const std::vector<Body<dim>>& bodies,
     theta[p] = volumetric_strain(law, points.history[p]);
     volumes.add(b, p, theta[p]);
   });
-  volumes.sum(comm);
+  volumes.sum();
   double lost = 0;
   for_each_point([&](const auto& law, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
     if (std::abs(d) > same_strain) lost += change_volume(law, d, p, points);
   });
-  sum_over_ranks(comm, std::span<double>(&lost, 1));
+  sum_over_ranks(owners.comm, std::span<double>(&lost, 1));
   return lost;
 }
 
-template double share_volumes<2>(MPI_Comm, const std::vector<Body<2>>&, const BackgroundGrid<2>&,
+template double share_volumes<2>(const CellOwners<2>&, const std::vector<Body<2>>&,
                                  MaterialPoints<2>&);
-template double share_volumes<3>(MPI_Comm, const std::vector<Body<3>>&, const BackgroundGrid<3>&,
+template double share_volumes<3>(const CellOwners<3>&, const std::vector<Body<3>>&,
                                  MaterialPoints<3>&);
 
 }  // namespace gabion::mpm

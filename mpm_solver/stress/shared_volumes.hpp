@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <vector>
 
-#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/cell_owners.hpp"
 
 namespace gabion::mpm {
 
@@ -20,11 +18,13 @@ namespace gabion::mpm {
 /// new strain to its surface. Averaged increments (AveragedForces) keep one strain in a group; only
 /// points that enter it, dilate or forget what they opened are changed here.
 ///
+/// Points may have entered cells of other ranks: these ranks then exchange the sums of such groups.
+///
 /// @pre   the points are located; those outside the grid (cell -1) are left as they are
 /// @returns elastic energy of all ranks' points that is lost by it [J]
 /// @note  Collective.
 template <int dim>
-double share_volumes(MPI_Comm comm, const std::vector<Body<dim>>& bodies,
-                     const BackgroundGrid<dim>& grid, MaterialPoints<dim>& points);
+double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
+                     MaterialPoints<dim>& points);
 
 }  // namespace gabion::mpm

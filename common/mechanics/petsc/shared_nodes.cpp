@@ -186,6 +186,14 @@ std::int64_t SharedNodes::num_of_all() const {
   return graph_->num_of_all;
 }
 
+std::int32_t SharedNodes::num_shared() const {
+  std::vector<char> is_shared(graph_->owners.size(), 0);
+  for (const Neighbour& neighbour : graph_->neighbours) {
+    for (const std::int32_t i : neighbour.shared) is_shared[i] = 1;
+  }
+  return static_cast<std::int32_t>(std::count(is_shared.begin(), is_shared.end(), 1));
+}
+
 // Parts are added in the order of the ranks: each holder gets the same bits.
 void SharedNodes::sum(std::span<double> values, int components) const {
   if (alone()) return;

@@ -72,8 +72,7 @@ testing::AssertionResult same_bits(const mpm::MaterialPoints<dim>& a,
                                    const mpm::MaterialPoints<dim>& b) {
   std::string differing;
   mpm::for_each_field<dim>([&]<class Value>(const char* name,
-                                            std::vector<Value> mpm::MaterialPoints<dim>::*field,
-                                            mpm::FieldKind) {
+                                            std::vector<Value> mpm::MaterialPoints<dim>::*field) {
     const std::vector<Value>&x = a.*field, &y = b.*field;
     const bool same = x.size() == y.size() &&
                       (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(Value)) == 0);

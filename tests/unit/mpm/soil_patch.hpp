@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 #include "mpm_solver/grid/transfer.hpp"
 #include "tests/support/mpi_main.hpp"
@@ -45,6 +46,7 @@ struct SoilPatch {
   mpm::MaterialPoints<dim> points;
   mpm::PointWeights<dim> weights;
   mpm::GridNodes<dim> nodes;
+  mpm::Partition<dim> whole;  ///< one rank has all
   Random random;
 
   explicit SoilPatch(CellType type, int cells = 3, mpm::Basis basis = mpm::Basis::linear)
@@ -84,6 +86,7 @@ struct SoilPatch {
     activate_nodes<dim>(comm(), grid, weights, {}, nodes);
     points_to_grid(points, weights, nodes);
   }
+  mpm::CellOwners<dim> owners() const { return {comm(), grid, whole}; }
   const Vector<dim>& node(std::int32_t active) const {
     return grid.mesh.nodes[nodes.grid_node[active]];
   }

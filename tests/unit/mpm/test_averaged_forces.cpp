@@ -40,7 +40,7 @@ struct AveragedSoil {
                                       .weights = soil.weights,
                                       .nodes = soil.nodes,
                                       .trial = trial};
-    internal.emplace(parts, 0.5, 0, averaged ? std::optional(comm()) : std::nullopt);
+    internal.emplace(parts, 0.5, 0, averaged);
     std::vector<std::int32_t> offsets = {0}, nodes;
     for (const auto& group : soil.weights.groups) {
       for (const std::int32_t node : soil.weights.nodes_of(group)) {

@@ -52,7 +52,7 @@ struct Balance {
                            .occupied = occupied});
     }
     if (ghost) {
-      ghost->find_facets(comm(), soil.grid, soil.points, soil.weights);
+      ghost->find_facets(soil.owners(), soil.points, soil.weights);
       ghost->begin_step(soil.grid, soil.nodes);
     }
     const Vector<dim> gravity = Vector<dim>::Constant(-3.0);

@@ -60,7 +60,7 @@ struct UnevenSoil {
     points.tau[p] = stress.tau;
     points.energy[p] = stress.energy;
   }
-  double share() { return mpm::share_volumes<dim>(comm(), soil.bodies, soil.grid, soil.points); }
+  double share() { return mpm::share_volumes<dim>(soil.owners(), soil.bodies, soil.points); }
   /// First cell of the patch, else the cell.
   std::int32_t group_of(std::int32_t p) const {
     const auto& patches = soil.grid.patches;

@@ -25,7 +25,7 @@ struct CutSoil {
   void begin() {
     soil.to_grid();
     ghost.emplace(soil.grid.mesh, soil.bodies, factor);
-    ghost->find_facets(comm(), soil.grid, soil.points, soil.weights);
+    ghost->find_facets(soil.owners(), soil.points, soil.weights);
     ghost->begin_step(soil.grid, soil.nodes);
     std::vector<std::int32_t> offsets{0}, nodes;
     ghost->append_cells(offsets, nodes);

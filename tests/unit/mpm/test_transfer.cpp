@@ -215,7 +215,7 @@ TEST(MaterialPoints, every_field_loses_the_points_that_are_removed) {
   EXPECT_EQ(soil.points.body_starts, (std::vector<std::int32_t>{0, 3}));
   EXPECT_EQ(soil.points.x[1], before.x[2]);
   EXPECT_EQ(soil.points.half_length[2], before.half_length[5]);
-  mpm::for_each_field<2>([&](const char* field, auto member, mpm::FieldKind) {
+  mpm::for_each_field<2>([&](const char* field, auto member) {
     EXPECT_EQ((soil.points.*member).size(), 3u) << field;
   });
 }

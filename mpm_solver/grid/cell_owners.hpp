@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/points/partition.hpp"
+
+namespace gabion::mpm {
+
+/// Which rank has the material points of a cell: any rank can tell. Refers to grid and partition.
+template <int dim>
+struct CellOwners {
+  MPI_Comm comm;
+  const BackgroundGrid<dim>& grid;
+  const Partition<dim>& partition;
+
+  int of(std::int32_t cell) const { return partition.rank_of(grid.home(cell)); }
+};
+
+}  // namespace gabion::mpm
