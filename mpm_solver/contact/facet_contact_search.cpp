@@ -41,6 +41,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   nodes_.clear();
   facing_.clear();
   touches_.clear();
+  substeps_.reset();
   may_touch_ = false;
   double widest = 0;
   std::vector<Vector<dim>> balls;

@@ -141,7 +141,12 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
   const auto num_points = static_cast<std::int64_t>(sums[1]);
   const LinearSolver<dim>& linear = step.linear_solver();
   const NewtonCounts& newton = step.newton_counts();
-  log::info("{}", newton.text());
+  const SubstepCounts& explicit_steps = step.substep_counts();
+  if (any_implicit(settings.phases)) log::info("{}", newton.text());
+  if (any_explicit(settings.phases)) {
+    log::info("explicit: {} substeps in {} solutions", explicit_steps.substeps,
+              explicit_steps.solutions);
+  }
   return {{"basis", basis_name(model_.grid.basis)},
           {"locking", locking},
           {"bodies", settings.bodies.size()},
@@ -162,6 +167,11 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
           {"solutions", newton.solutions()},
           {"newton_iterations", newton.iterations()},
           {"newton", newton.json()},
+          {"explicit",
+           {{"solutions", explicit_steps.solutions},
+            {"substeps", explicit_steps.substeps},
+            {"most_in_a_step", explicit_steps.largest},
+            {"smallest_substep", explicit_steps.smallest}}},
           {"linear_iterations", step.linear_iterations()},
           {"wall_seconds", times.seconds()}};
 }
