@@ -122,7 +122,8 @@ NodalMotion<dim> ExplicitStep<dim>::nodal_motion() const {
   return motion;
 }
 
-// Kinetic energy after the step is that of the points: T(Q v) + I . (Q v + W I / 2).
+// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M: of the
+// walls' stop d = Q v - v and of the impulse I, of which the forces gave I . (Q v + W I / 2).
 template <int dim>
 StepBalance<dim> ExplicitStep<dim>::balance() const {
   const auto& found = motion_->result();
@@ -130,23 +131,25 @@ StepBalance<dim> ExplicitStep<dim>::balance() const {
   StepBalance<dim> step;
   std::vector<double> held = found.wall_force, free = found.wall_force;
   walls_->project(free);
+  std::vector<double> stop(v_start.size()), mapped(v_start.size());  // M d, S d
+  for (std::size_t k = 0; k < stop.size(); ++k) {
+    stop[k] = nodes_->m[k / dim] * (v_start[k] - nodes_->v[k / dim][k % dim]);
+  }
+  motion_->inertia().apply(stop, mapped);
   double gained = 0;
   for (std::int32_t i = 0; i < nodes_->size(); ++i) {
     if (!nodes_->shared.owns(i)) continue;
-    const double mass = nodes_->m[i];
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
-      const double before = 0.5 * mass * nodes_->v[i][d] * nodes_->v[i][d];
-      const double stopped = 0.5 * mass * v_start[k] * v_start[k];
-      step.kinetic_before += before;
-      step.wall_loss += before - stopped;
+      const double v = nodes_->v[i][d], d_v = v_start[k] - v;
+      step.kinetic_before += 0.5 * nodes_->m[i] * v * v;
+      step.wall_loss += found.impulse[k] * (d_v - mapped[k]) - stop[k] * (v + 0.5 * mapped[k]);
       gained += found.impulse[k] * 0.5 * (v_start[k] + found.v[k]);
-      step.kinetic_after += stopped;
-      step.wall_kick[d] += mass * (v_start[k] - nodes_->v[i][d]);
+      step.wall_kick[d] += stop[k];
       step.wall_force[d] -= held[k] - free[k];
     }
   }
-  step.kinetic_after += gained;
+  step.kinetic_after = step.kinetic_before - step.wall_loss + gained;
   step.body_work = found.body_work;
   step.boundary_work = found.contact_work + found.wall_work;
   step.time_damping = found.body_work + step.boundary_work - found.internal_work - gained;
