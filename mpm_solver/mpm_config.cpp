@@ -252,12 +252,16 @@ void require_implicit_for_its_keys(const ConfigReader& in, const MpmSettings<dim
 }
 
 // The limits that measure an implicit step have no meaning without one.
-StepControlSettings read_limits(ConfigReader in, const std::vector<Phase>& phases) {
-  for (const char* key : {"time_error", "newton_target"}) {
-    if (any_implicit(phases) || !in.has(key)) continue;
-    in.fail(key, "has no meaning where all phases are explicit");
+StepControlSettings read_limits(const ConfigReader& in, const std::vector<Phase>& phases) {
+  StepControlSettings limits = read_step_control(in);
+  if (any_implicit(phases)) return limits;
+  for (const auto& [key, limit] :
+       {std::pair("time_error", &StepControlSettings::time_error),
+        std::pair("newton_target", &StepControlSettings::newton_target)}) {
+    if (in.has(key) && limits.*limit) in.fail(key, "has no meaning where all phases are explicit");
+    (limits.*limit).reset();
   }
-  return read_step_control(std::move(in));
+  return limits;
 }
 
 // Refuse phases whose ends no step of the raster reaches.
