@@ -111,7 +111,10 @@ KeyTable scheme_keys() {
   scheme.sentence.back() = ';';
   scheme.sentence += " `explicit`: central differences, in as many substeps as stability asks for.";
   table.keys.push_back(
-      key::number("courant", "", "Largest substep by the stable one, cell size by wave speed.")
+      key::number(
+          "courant", "",
+          "Largest substep by cell size over wave speed; above 1 only where that is known to be "
+          "stable.")
           .in({.low = 0, .high = 2, .low_open = true, .allowed = "a number in (0, 2]"})
           .or_else(default_courant)
           .when("scheme", {"explicit"}));

@@ -68,7 +68,7 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   for (const auto& contact : parts_.surfaces.contacts()) contact->add_stiffness_sums(row_sums);
   shared.sum(row_sums, 1);
   result_.contact_rate = std::max(result_.contact_rate, inertia_.largest_rate(row_sums));
-  return squared_courant(dt, soil_dt, result_.contact_rate) <= 1;
+  return squared_courant(dt, soil_dt, result_.contact_rate) <= std::pow(parts_.largest_courant, 2);
 }
 
 // Of the soil at result_.du.

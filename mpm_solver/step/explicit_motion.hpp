@@ -33,6 +33,7 @@ class ExplicitMotion {
     double dt;  ///< of the step [s]
     bool average_volumes;
     MPI_Comm comm;
+    double largest_courant;  ///< that contacts may lead to, see squared_courant
     /// Body force at a share of the step, num_nodes x dim [N].
     std::function<std::vector<double>(double share)> body_force;
   };

@@ -61,6 +61,7 @@ void ExplicitStep<dim>::begin(const StepRequest& request, const Start& start) {
       .dt = dt_,
       .average_volumes = model_.settings.locking.average_volumes,
       .comm = model_.comm,
+      .largest_courant = std::max(1.0, courant_),
       .body_force = [this, gravity, start](double share) {
         return body_forces<dim>(*nodes_, gravity(share), start.f_body_start, start.f_body, share);
       }});

@@ -32,7 +32,7 @@ class StableStep {
   std::vector<double> wave_speed_;  // of each body [m/s]
 };
 
-/// What dt may be multiplied with until a substep of this length is at its limit, squared.
+/// How long a substep is by the longest stable one, squared.
 inline double squared_courant(double dt, double soil_dt, double contact_rate) {
   return dt * dt * (1 / (soil_dt * soil_dt) + contact_rate / 2);
 }
