@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -214,6 +215,55 @@ void warn_of_points_on_averaged_splines(const ConfigReader& in, const MpmSetting
   }
 }
 
+// What explicit steps cannot do.
+template <int dim>
+void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  for (const Phase& phase : settings.phases) {
+    if (!phase.is_explicit()) continue;
+    if (method_in(settings.small_cuts, settings.basis, true) == SmallCutMethod::ghost) {
+      in.fail("small_cuts", "found \"ghost\", allowed with explicit steps: none, mass_cutoff");
+    }
+    if (settings.tpic) {
+      in.fail("transfer", "found \"tpic\", allowed with explicit steps: flip");
+    }
+    const auto require_facets = [&](const std::string& key, const ContactSettings<dim>& surface) {
+      if (std::holds_alternative<FacetSettings>(surface.method)) return;
+      in.fail(key, "found \"boundary_points\", allowed with explicit steps: facets");
+    };
+    for (std::size_t k = 0; k < settings.interfaces.size(); ++k) {
+      require_facets(fmt::format("interfaces/{}/method", k), settings.interfaces[k]);
+    }
+    for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
+      require_facets(fmt::format("rigid_walls/{}/method", k), settings.rigid_walls[k].boundary);
+    }
+  }
+}
+
+// Refuse settings of a system of equations that no phase solves.
+template <int dim>
+void require_implicit_for_its_keys(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  if (any_implicit(settings.phases)) return;
+  const char* reason = "has no meaning where all phases are explicit";
+  const auto& stresses = settings.initial_stress;
+  const bool stressed = std::any_of(stresses.begin(), stresses.end(),
+                                    [](const auto& stress) { return stress.has_value(); });
+  if (in.has("newton")) in.fail("newton", reason);
+  if (in.has("linear_solver") && !stressed) in.fail("linear_solver", reason);
+}
+
+// The limits that measure an implicit step have no meaning without one.
+StepControlSettings read_limits(const ConfigReader& in, const std::vector<Phase>& phases) {
+  StepControlSettings limits = read_step_control(in);
+  if (any_implicit(phases)) return limits;
+  for (const auto& [key, limit] :
+       {std::pair("time_error", &StepControlSettings::time_error),
+        std::pair("newton_target", &StepControlSettings::newton_target)}) {
+    if (in.has(key) && limits.*limit) in.fail(key, "has no meaning where all phases are explicit");
+    (limits.*limit).reset();
+  }
+  return limits;
+}
+
 // Refuse phases whose ends no step of the raster reaches.
 void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
                        const TimeSettings& time) {
@@ -245,7 +295,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.small_cuts = read_small_cuts(in.object("small_cuts"), settings);
   settings.newton = read_newton_settings(in.object("newton"));
   if (auto item = in.optional_object("step_control")) {
-    settings.step_control = read_step_control(*item);
+    settings.step_control = read_limits(*item, settings.phases);
   }
   settings.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   double modulus = 0;
@@ -257,6 +307,8 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
+  check_explicit(in, settings);
+  require_implicit_for_its_keys(in, settings);
   warn_of_points_on_averaged_splines(in, settings);
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);

@@ -104,16 +104,19 @@ std::vector<Key> model_keys() {
 }
 
 std::vector<Key> surface_and_solver_keys() {
-  return {
-      key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
-      key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
-      key::objects("probes", probe_keys(), "Reported places.").or_empty(),
-      key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
-          .or_empty(),
-      key::object("newton", newton_keys(MpmSettings<2>{}.newton), "Newton's method.").or_empty(),
-      key::object("linear_solver", linear_solver_keys(), "Linear systems.").or_empty(),
-      key::object("step_control", step_control_keys(), "Limits of dt; none: no limit acts.")
-          .or_none()};
+  return {key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
+          key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
+          key::objects("probes", probe_keys(), "Reported places.").or_empty(),
+          key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
+              .or_empty(),
+          key::object("newton", newton_keys(MpmSettings<2>{}.newton), "Newton's method.")
+              .or_empty()
+              .only("where a phase is implicit"),
+          key::object("linear_solver", linear_solver_keys(), "Linear systems.")
+              .or_empty()
+              .only("where a phase is implicit or a body has initial stress"),
+          key::object("step_control", step_control_keys(), "Limits of dt; none: no limit acts.")
+              .or_none()};
 }
 
 }  // namespace

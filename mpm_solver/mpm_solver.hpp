@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// The soil: implicit material point method in updated Lagrangian form (docs/theory/soil.md).
+/// The soil: material point method, implicit or explicit, in updated Lagrangian form (docs/theory/soil.md).
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
 class MpmSolver final : public Solver {

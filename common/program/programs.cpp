@@ -22,7 +22,7 @@ const std::vector<ProgramEntry>& solver_programs() {
       {.name = "mpm_solver",
        .prefix = "mpm",
        .participant = "soil",
-       .about = "Implicit material point method for the soil.",
+       .about = "Material point method for the soil.",
        .file = "mpm.json",
        .folder = "mpm",
        .sends_force = true},

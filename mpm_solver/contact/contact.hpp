@@ -93,6 +93,23 @@ class Contact {
   /// -df/du to K (may be null).
   virtual void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) = 0;
 
+  // Substeps of an explicit step: begin_substeps, then for each one set_share, add_forces with the
+  // motion since the start of the step, add_substep; at last add_forces with the motion of the
+  // whole step. Forces on the structure and their resultant are then means over the substeps.
+
+  virtual void begin_substeps() {}
+  /// Where the surface is at this share of the step, on its way to set_displacement's place.
+  virtual void set_share(double) {}
+  /// The forces of the last add_forces acted over this share of the step.
+  /// @param move  of the soil in that time [m], num_nodes x dim
+  virtual void add_substep(std::span<const double> move, double share) {
+    static_cast<void>(move);
+    static_cast<void>(share);
+  }
+  /// Add the row sums of the stiffness of the last add_forces, sum_j |K_ij|, its places counted one
+  /// by one: num_nodes [N/m].
+  virtual void add_stiffness_sums(std::span<double>) const {}
+
   // All of the following are those of the last add_forces.
 
   /// Nodal forces of the soil on the structure, num_vertices x dim [N].

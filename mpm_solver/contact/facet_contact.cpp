@@ -38,7 +38,8 @@ FacetContact<dim>::FacetContact(const ContactSettings<dim>& settings, const Face
       surface_(settings.surface),
       simplices_(simplices(surface_)),
       start_(surface_.vertices),
-      end_(surface_.vertices) {}
+      end_(surface_.vertices),
+      target_(surface_.vertices) {}
 
 template <int dim>
 ContactLaw FacetContact<dim>::law_of(const Candidate& c, double part) const {
@@ -57,6 +58,8 @@ void FacetContact<dim>::set_displacement(std::span<const double> displacement) {
     end_[v] = surface_.vertices[v] + Eigen::Map<const Vector<dim>>(displacement.data() + v * dim);
     surface_motion_ = std::max(surface_motion_, (end_[v] - start_[v]).norm());
   }
+  target_ = end_;
+  share_ = 1;
 }
 
 template <int dim>
@@ -308,20 +311,26 @@ void FacetContact<dim>::add_step_force_change(std::span<double> f) const {
 }
 
 template <int dim>
-std::vector<double> FacetContact<dim>::forces_on_structure() const {
-  std::vector<double> forces(start_.size() * dim, 0.0);
-  for (const Touch& touch : touches_) {
-    const Simplex<dim>& simplex = simplices_[touch.feature.simplex];
-    for (int k = 0; k < dim; ++k) {
-      Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{simplex[k]} * dim) -=
-          touch.feature.weights[k] * touch.force;
-    }
+void FacetContact<dim>::add_vertex_forces(const Touch& touch, double share,
+                                          std::span<double> forces) const {
+  const Simplex<dim>& simplex = simplices_[touch.feature.simplex];
+  for (int k = 0; k < dim; ++k) {
+    Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{simplex[k]} * dim) -=
+        share * touch.feature.weights[k] * touch.force;
   }
+}
+
+template <int dim>
+std::vector<double> FacetContact<dim>::forces_on_structure() const {
+  if (substeps_) return substeps_->forces;
+  std::vector<double> forces(start_.size() * dim, 0.0);
+  for (const Touch& touch : touches_) add_vertex_forces(touch, 1, forces);
   return forces;
 }
 
 template <int dim>
 typename Contact<dim>::Resultant FacetContact<dim>::resultant() const {
+  if (substeps_) return substeps_->resultant;
   typename Contact<dim>::Resultant sum;
   for (const Touch& touch : touches_) sum.add(touch.feature.x, -touch.force);
   return sum;

@@ -48,6 +48,11 @@ class FacetContact final : public Contact<dim> {
   bool is_step_force() const override { return true; }
   void add_step_force_change(std::span<double> f) const override;
 
+  void begin_substeps() override;
+  void set_share(double share) override;
+  void add_substep(std::span<const double> move, double share) override;
+  void add_stiffness_sums(std::span<double> sums) const override;
+
   std::vector<double> forces_on_structure() const override;
   typename Contact<dim>::Resultant resultant() const override;
   double work_on_soil(std::span<const double> du) const override;
@@ -113,7 +118,15 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
 
+  /// Means and sums over the substeps of an explicit step.
+  struct Substeps {
+    std::vector<double> forces;  // on the vertices [N]
+    typename Contact<dim>::Resultant resultant;
+    double normal_work = 0, tangential_work = 0;  // of soil and surface on the contact [J]
+  };
+
   ContactLaw law_of(const Candidate& c, double part) const;
+  void add_vertex_forces(const Touch& touch, double share, std::span<double> forces) const;
   double watched_distance(const SoilSurface<dim>& soil, double fastest) const;
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
@@ -148,6 +161,7 @@ class FacetContact final : public Contact<dim> {
   ContactSurface<dim> surface_;
   std::vector<Simplex<dim>> simplices_;
   std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
+  std::vector<Vector<dim>> target_;       // at the end of the step
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
   std::map<std::int64_t, Vector<dim>> offset_;          // of balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
@@ -172,7 +186,10 @@ class FacetContact final : public Contact<dim> {
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
   bool may_touch_ = false;
-  ContactEnergy energy_;  // accepted
+  double share_ = 1;                  // of the step at which end_ is
+  std::optional<Substeps> substeps_;  // none: the step has none
+  ContactEnergy energy_;              // accepted
+  double stored_slip_ = 0;            // part of its energy in tangential springs
 };
 
 }  // namespace gabion::mpm

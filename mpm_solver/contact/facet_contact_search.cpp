@@ -56,6 +56,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   nodes_.clear();
   facing_.clear();
   touches_.clear();
+  substeps_.reset();
   may_touch_ = false;
   std::vector<Vector<dim>> balls;
   Extent<dim> all{.fastest = largest_norm<dim>(soil.points.v)};

@@ -119,7 +119,7 @@ void FacetContact<dim>::accept_offsets() {
 
 template <int dim>
 void FacetContact<dim>::accept() {
-  double work = 0, stored = 0, slid = 0;
+  double work = 0, stored = 0, stored_slip = 0, slid = 0;
   memory_.clear();
   marks_.clear();
   deepest_ = 0;
@@ -133,14 +133,19 @@ void FacetContact<dim>::accept() {
     if (law.mode == ContactMode::contact) {
       memory.slip = -pull / (touch.area * law.tangential_penalty);
       slid -= pull.dot(touch.slip - memory.slip);
-      stored += 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
+      stored_slip += 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
     }
     stored += touch.area * law.stored(touch.stored_depth);
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
   deepest_ = max_over_ranks(comm_, deepest_);
-  energy_.add_step(work, stored, slid);
+  if (substeps_) {
+    work = substeps_->normal_work + substeps_->tangential_work;
+    slid = substeps_->tangential_work - (stored_slip - stored_slip_);
+  }
+  energy_.add_step(work, stored + stored_slip, slid);
+  stored_slip_ = stored_slip;
   accept_offsets();
   shape_.clear();
   for (const Candidate& c : candidates_) {
@@ -216,8 +221,10 @@ void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visit_by_id(visitor, prefix + "offset", offset_);
   visit_by_id(visitor, prefix + "shape", shape_);
   visit_marks<dim>(visitor, prefix, marks_);
-  const std::pair<const char*, double*> energies[] = {
-      {"stored", &energy_.stored}, {"friction", &energy_.friction}, {"loss", &energy_.loss}};
+  const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
+                                                      {"friction", &energy_.friction},
+                                                      {"loss", &energy_.loss},
+                                                      {"stored_slip", &stored_slip_}};
   for (const auto& [name, value] : energies) visitor.share(prefix + name, *value);
 }
 

@@ -104,6 +104,11 @@ void update_gradients(const NodalMotion<dim>& motion, const PointWeights<dim>& w
 }  // namespace
 
 template <int dim>
+double weightless_mass(const GridNodes<dim>& nodes) {
+  return weightless * total_mass(nodes) / static_cast<double>(nodes.num_of_all());
+}
+
+template <int dim>
 void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                     GridNodes<dim>& nodes) {
   std::int32_t active[max_group_nodes<dim>];
@@ -130,7 +135,7 @@ void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& 
   nodes.shared.sum(flat(nodes.v), dim);
   nodes.shared.sum(flat(nodes.a), dim);
 
-  const double limit = weightless * total_mass(nodes) / static_cast<double>(nodes.num_of_all());
+  const double limit = weightless_mass(nodes);
   bool any_weightless = false;
   for (std::size_t i = 0; i < nodes.m.size(); ++i) {
     if (nodes.m[i] > limit) {
@@ -201,6 +206,8 @@ void grid_to_points(const GridNodes<dim>& nodes, const NodalMotion<dim>& motion,
   }
 }
 
+template double weightless_mass<2>(const GridNodes<2>&);
+template double weightless_mass<3>(const GridNodes<3>&);
 template void points_to_grid<2>(const MaterialPoints<2>&, const PointWeights<2>&, GridNodes<2>&);
 template void points_to_grid<3>(const MaterialPoints<3>&, const PointWeights<3>&, GridNodes<3>&);
 template std::vector<double> point_forces<2>(const MaterialPoints<2>&, const PointWeights<2>&,

@@ -25,6 +25,11 @@ template <int dim>
 void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                     GridNodes<dim>& nodes);
 
+/// Mass of a node [kg] up to which its mapped velocity would be a quotient of rounding errors.
+/// @note Collective.
+template <int dim>
+double weightless_mass(const GridNodes<dim>& nodes);
+
 /// Nodal forces of an acceleration of each material point, f_i = sum_p N_ip m_p b_p.
 /// @param b  [m/s^2], num_points
 /// @returns  num_nodes x dim [N]

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace gabion::mpm {
 
@@ -100,8 +101,38 @@ Key gravity_ramp_key(const std::string& sentence) {
   return key::object("gravity_ramp", load_ramp_keys(), sentence).or_none();
 }
 
+constexpr double default_courant = 0.9;
+
+// The schemes of Newmark's family, and substeps without a system of equations.
+KeyTable scheme_keys() {
+  KeyTable table = newmark_keys("bossak");
+  Key& scheme = table.keys.front();
+  scheme.words.push_back("explicit");
+  scheme.sentence.back() = ';';
+  scheme.sentence += " `explicit`: central differences, in as many substeps as stability asks for.";
+  table.keys.push_back(
+      key::number(
+          "courant", "",
+          "Largest substep by cell size over wave speed; above 1 only where that is known to be "
+          "stable.")
+          .in({.low = 0, .high = 2, .low_open = true, .allowed = "a number in (0, 2]"})
+          .or_else(default_courant)
+          .when("scheme", {"explicit"}));
+  return table;
+}
+
 Key scheme_key() {
-  return key::object("time_integration", newmark_keys("bossak"), "Scheme where there is inertia.");
+  return key::object("time_integration", scheme_keys(), "Scheme where there is inertia.");
+}
+
+void read_scheme(ConfigReader in, Phase& phase) {
+  phase.courant.reset();
+  if (in.choice("scheme") == "explicit") {
+    phase.courant = in.number("courant");
+    in.finish();
+  } else {
+    phase.scheme = read_newmark_bossak(std::move(in));
+  }
 }
 
 /// What a phase does not name.
@@ -144,7 +175,7 @@ void read_overrides(ConfigReader& in, int dim, Phase& phase) {
   phase.rigid_walls.reset();
   if (in.has("rigid_walls")) phase.rigid_walls = in.texts_or("rigid_walls", {});
   if (auto scheme = in.optional_object("time_integration")) {
-    phase.scheme = read_newmark_bossak(*scheme);
+    read_scheme(*scheme, phase);
   }
   read_ramp(in, phase);
 }
@@ -162,13 +193,23 @@ Phase read_base(ConfigReader& in, int dim) {
   if (quasi_static) {
     require_inertia(in, base);
   } else {
-    base.scheme = read_newmark_bossak(in.object("time_integration"));
+    read_scheme(in.object("time_integration"), base);
   }
   read_ramp(in, base);
   return base;
 }
 
 }  // namespace
+
+bool any_implicit(const std::vector<Phase>& phases) {
+  return std::any_of(phases.begin(), phases.end(),
+                     [](const Phase& phase) { return !phase.is_explicit(); });
+}
+
+bool any_explicit(const std::vector<Phase>& phases) {
+  return std::any_of(phases.begin(), phases.end(),
+                     [](const Phase& phase) { return phase.is_explicit(); });
+}
 
 std::vector<Key> phases_keys() {
   return {analysis_key().or_else("dynamic"),

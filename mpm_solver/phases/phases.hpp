@@ -28,13 +28,20 @@ struct Phase {
   double dt = 0;        ///< [s] largest step of the phase; 0: whatever the owner of time says
   bool dynamic = true;  ///< false: quasi-static, inertia is left out
   NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
+  /// Explicit: largest substep by the stable one (StableStep). Not set: implicit, by `scheme`.
+  std::optional<double> courant;
   std::vector<WallSettings> walls;
   std::vector<OutflowSide> outflows;
   /// Names of the rigid walls that act. read_phases() leaves it empty where a phase does not name
   /// them; resolve_rigid_walls() fills it.
   std::optional<std::vector<std::string>> rigid_walls;
   LoadRamp gravity_ramp;
+
+  bool is_explicit() const { return dynamic && courant.has_value(); }
 };
+
+bool any_implicit(const std::vector<Phase>& phases);
+bool any_explicit(const std::vector<Phase>& phases);
 
 /// Keys of the root that read_phases() reads.
 std::vector<Key> phases_keys();

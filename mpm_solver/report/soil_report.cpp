@@ -29,6 +29,13 @@ Json removed_masses(const SoilModel<dim>& model, const SoilState<dim>& state) {
   return masses;
 }
 
+Json explicit_json(const SubstepCounts& counts) {
+  return {{"solutions", counts.solutions},
+          {"substeps", counts.substeps},
+          {"most_in_a_step", counts.largest},
+          {"smallest_substep", counts.smallest}};
+}
+
 }  // namespace
 
 template <int dim>
@@ -153,7 +160,11 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
   const auto num_points = static_cast<std::int64_t>(sums[1]);
   const LinearSolver<dim>& linear = step.linear_solver();
   const NewtonCounts& newton = step.newton_counts();
-  log::info("{}", newton.text());
+  if (any_implicit(settings.phases)) log::info("{}", newton.text());
+  if (any_explicit(settings.phases)) {
+    log::info("explicit: {} substeps in {} solutions", step.substep_counts().substeps,
+              step.substep_counts().solutions);
+  }
   Json summary = {{"basis", basis_name(model_.grid.basis)},
                   {"locking", locking},
                   {"bodies", settings.bodies.size()},
@@ -174,6 +185,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"solutions", newton.solutions()},
                   {"newton_iterations", newton.iterations()},
                   {"newton", newton.json()},
+                  {"explicit", explicit_json(step.substep_counts())},
                   {"linear_iterations", step.linear_iterations()},
                   {"wall_seconds", times.seconds()}};
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);

@@ -106,6 +106,8 @@ void add_nodal_terms(const Equilibrium<dim>& equilibrium, Nodal du, const NodalM
   }
 }
 
+}  // namespace
+
 template <int dim>
 void sum_parts(MPI_Comm comm, StepBalance<dim>& step) {
   double* const scalars[] = {&step.kinetic_before, &step.kinetic_after, &step.wall_loss,
@@ -124,8 +126,6 @@ void sum_parts(MPI_Comm comm, StepBalance<dim>& step) {
     next += dim;
   }
 }
-
-}  // namespace
 
 template <int dim>
 StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
@@ -289,6 +289,8 @@ void Ledger<dim>::visit_state(StateVisitor& visitor) {
   for (const auto& [name, value] : sums) visitor.real(std::string("ledger.") + name, *value);
 }
 
+template void sum_parts<2>(MPI_Comm, StepBalance<2>&);
+template void sum_parts<3>(MPI_Comm, StepBalance<3>&);
 template StepBalance<2> step_balance<2>(const Equilibrium<2>&, std::span<const double>,
                                         const NodalMotion<2>&);
 template StepBalance<3> step_balance<3>(const Equilibrium<3>&, std::span<const double>,

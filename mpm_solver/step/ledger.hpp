@@ -36,6 +36,10 @@ struct StepBalance {
   Vector<dim> wall_step_force_start = Vector<dim>::Zero();
 };
 
+/// Replace the parts of this rank by their sums. @note Collective.
+template <int dim>
+void sum_parts(MPI_Comm comm, StepBalance<dim>& step);
+
 /// @param equilibrium  with the stresses of exactly this du (InternalForces::finish)
 /// @pre   the points have not moved yet
 /// @note  Collective.

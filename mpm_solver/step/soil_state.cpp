@@ -250,6 +250,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
   visitor.flag("nearly_linear", nearly_linear);
+  visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);
   control.visit_state(visitor);
   gauges.visit_state(visitor);

@@ -54,6 +54,7 @@ struct SoilState {
   std::int64_t removed_points = 0;      ///< of all ranks
   std::vector<double> removed_masses;   ///< through SoilModel::exit_sides [kg]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
+  double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]
   KrylovPause pause;           ///< LinearSolver::pause() after the last step
 
  private:

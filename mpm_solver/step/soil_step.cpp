@@ -32,7 +32,8 @@ constexpr double coupled_share = 0.01;
 constexpr double same_strain_share = 0.01 * coupled_share;
 
 // Newmark's method with these parameters asks for no acceleration at the start of a step:
-// du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it.
+// du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it;
+// and for the ledger of explicit steps: the impulse of a mean force is dt F.
 constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
 
 // Over all ranks [m].
@@ -53,7 +54,8 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
       times_(times),
       soil_(model, state, times),
       sizes_(state.control),
-      system_(model.comm, model.settings.linear_solver) {
+      system_(model.comm, model.settings.linear_solver),
+      explicit_(model, state, times) {
   if (!state_.surfaces.contacts().empty()) {
     reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
   }
@@ -102,13 +104,16 @@ void SoilStep<dim>::enter_phase(double time) {
   const std::size_t before = phase_;
   phase_ = phase_at(phases, time);
   if (phase_ != before) {
-    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, phases.size(),
-              phase().dynamic ? "dynamic" : "quasi-static", phase().walls.size());
+    const char* kind = phase().is_explicit() ? "explicit"
+                       : phase().dynamic     ? "dynamic"
+                                             : "quasi-static";
+    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, phases.size(), kind,
+              phase().walls.size());
   }
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
   with_inertia_ = phase().dynamic;
   forces_jump_ = begins(phase(), time) && (phase_ > 0 || model_.stressed);
-  scheme_ = forces_jump_ ? starting_scheme : phase().scheme;
+  scheme_ = forces_jump_ || phase().is_explicit() ? starting_scheme : phase().scheme;
 }
 
 // Everything of a step that does not depend on the interface values.
@@ -122,10 +127,30 @@ void SoilStep<dim>::begin(const StepRequest& request) {
   map_soil(request.dt);
   f_body_ = soil_.body_forces(end);
   f_body_start_.clear();
-  if (scheme_.force_memory() != 0) f_body_start_ = soil_.body_forces(request.time);
+  if (scheme_.force_memory() != 0 || phase().is_explicit()) {
+    f_body_start_ = soil_.body_forces(request.time);
+  }
+  if (phase().is_explicit()) {
+    begin_explicit(request);
+    return;
+  }
   const LoadRamp& ramp = phase().gravity_ramp;
   const Vector<dim>& gravity = model_.settings.gravity;
   make_equilibrium(ramp.at(request.time) * gravity, ramp.at(end) * gravity, request.dt);
+}
+
+template <int dim>
+void SoilStep<dim>::begin_explicit(const StepRequest& request) {
+  equilibrium_.reset();
+  if (!state_.surfaces.contacts().empty()) {
+    state_.surfaces.begin_step(surface_of_soil(request.dt));
+  }
+  explicit_.begin(request, {.phase = phase(),
+                            .soil = soil_,
+                            .walls = soil_.walls(phase_),
+                            .trial = trial_,
+                            .f_body_start = f_body_start_,
+                            .f_body = f_body_});
 }
 
 template <int dim>
@@ -219,6 +244,22 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
 }
 
 template <int dim>
+StepReport SoilStep<dim>::solve_implicit(const StepRequest& request, bool begins) {
+  const NewtonReport newton = solve_balance(request, begins);
+  StepReport report;
+  report.newton_iterations = newton.iterations;
+  report.linear_iterations = newton.linear_iterations;
+  return report;
+}
+
+template <int dim>
+StepReport SoilStep<dim>::solve_explicit(const StepRequest& request) {
+  explicit_.solve(request);
+  du_ = explicit_.du();
+  return {};
+}
+
+template <int dim>
 StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValues& received) {
   try {
     const bool begins = dt_ != request.dt;
@@ -228,15 +269,13 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
     }
     state_.surfaces.receive(received);
     state_.surfaces.move_walls(request.time + request.dt);
-    const NewtonReport newton = solve_balance(request, begins);
+    StepReport report =
+        phase().is_explicit() ? solve_explicit(request) : solve_implicit(request, begins);
     if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
     if (state_.surfaces.look_ahead()) {
       state_.surfaces.refuse_misses(
           largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du_)));
     }
-    StepReport report;
-    report.newton_iterations = newton.iterations;
-    report.linear_iterations = newton.linear_iterations;
     state_.surfaces.report(report);
     return report;
   } catch (const ConvergenceError& error) {
@@ -252,17 +291,22 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   MaterialPoints<dim>& points = state_.points;
   state_.wall_forces = forces_on_walls();
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
-  equilibrium_->internal_forces().finish(du_);
+  const bool implicit = equilibrium_.has_value();
+  if (implicit) equilibrium_->internal_forces().finish(du_);
   const double time = request.time + request.dt;
   const auto& phases = model_.settings.phases;
-  const NodalMotion<dim> motion = nodal_motion<dim>(*equilibrium_, du_);
+  const NodalMotion<dim> motion =
+      implicit ? nodal_motion<dim>(*equilibrium_, du_) : explicit_.nodal_motion();
   sizes_.accept(measure(motion), largest_step(phases[phase_at(phases, time)], time));
-  StepBalance<dim> balance = step_balance(*equilibrium_, std::span<const double>(du_), motion);
+  StepBalance<dim> balance = implicit
+                                 ? step_balance(*equilibrium_, std::span<const double>(du_), motion)
+                                 : explicit_.balance();
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   std::vector<Vector<dim>> x_n;
   if (model_.lets_out || !model_.settings.gauges.empty()) x_n = points.x;
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
+  if (!implicit) explicit_.finish_points(points);
   if (!with_inertia_) {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
@@ -277,7 +321,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.ledger.add_step(balance, scheme_, dt_, dissipated, points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
-  state_.nearly_linear = first_iterations_ <= 1;
+  state_.nearly_linear = implicit && first_iterations_ <= 1;
+  state_.contact_rate = implicit ? 0 : explicit_.contact_rate();
   state_.pause = system_.solver().pause();
   dt_ = 0;
   AcceptReport report;
@@ -300,7 +345,7 @@ StepMeasures SoilStep<dim>::measure(const NodalMotion<dim>& motion) const {
   const std::span<const double> du(du_);
   StepMeasures step;
   step.dt = dt_;
-  if (limits.time_error && with_inertia_ && !forces_jump_) {
+  if (limits.time_error && with_inertia_ && !forces_jump_ && equilibrium_) {
     const StepError error = step_error(*equilibrium_, motion);
     step.error = error.displacement;
     const double fall = std::sqrt(model_.settings.gravity.norm() * model_.cell_size);
@@ -325,7 +370,7 @@ template <int dim>
 std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls() const {
   const auto& groups = model_.wall_groups;
   std::vector<Vector<dim>> sums(groups.size(), Vector<dim>::Zero());
-  const auto forces = equilibrium_->wall_forces();
+  const auto forces = equilibrium_ ? equilibrium_->wall_forces() : explicit_.wall_forces();
   for (std::size_t w = 0; w < forces.size(); ++w) {
     const auto place = std::find(groups.begin(), groups.end(), phase().walls[w].group);
     sums[static_cast<std::size_t>(place - groups.begin())] += forces[w];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "mpm_solver/step/explicit_step.hpp"
 #include "mpm_solver/step/linear_system.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
 #include "mpm_solver/step/soil_state.hpp"
@@ -52,6 +53,7 @@ class SoilStep {
 
   const SoilOnGrid<dim>& soil() const { return soil_; }
   const Phase& phase() const { return model_.settings.phases[phase_]; }
+  const SubstepCounts& substep_counts() const { return explicit_.counts(); }
   const NewtonCounts& newton_counts() const { return sizes_.newton_counts(); }
   const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
   std::int64_t linear_iterations() const { return linear_iterations_; }
@@ -62,11 +64,14 @@ class SoilStep {
 
  private:
   void begin(const StepRequest& request);
+  void begin_explicit(const StepRequest& request);
   void enter_phase(double time);
   SoilSurface<dim> surface_of_soil(double dt) const;
   void map_soil(double dt);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
   LinearRegime regime() const;
+  StepReport solve_implicit(const StepRequest& request, bool begins);
+  StepReport solve_explicit(const StepRequest& request);
   NewtonReport solve_balance(const StepRequest& request, bool begins);
   StepMeasures measure(const NodalMotion<dim>& motion) const;
   std::vector<Vector<dim>> forces_on_walls() const;
@@ -93,7 +98,8 @@ class SoilStep {
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   std::vector<std::int32_t> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
   TrialPoints<dim> trial_;
-  std::optional<Equilibrium<dim>> equilibrium_;
+  std::optional<Equilibrium<dim>> equilibrium_;  // of an implicit step
+  ExplicitStep<dim> explicit_;
   std::vector<double> du_;
 };
 

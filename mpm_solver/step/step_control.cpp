@@ -23,17 +23,20 @@ KeyTable step_control_keys() {
                         const std::string& sentence) {
     return key::number(name, "", sentence).in(range).or_null().or_else(fallback);
   };
-  return {"step_control",
-          "Limits from which the soil proposes the next dt; null: that limit does not act.",
-          {limit("time_error", share, 1e-3,
-                 "Estimated error of the displacement in a step over the longest one so far."),
-           limit("advective", share, 0.3,
-                 "Largest displacement of a material point in a step over the cell size."),
-           limit("strain", share, 0.02, "Largest strain increment of a material point in a step."),
-           limit("newton_target", at_least(1), 8, "Newton iterations beyond which dt shrinks."),
-           limit("approach", share, 0.1,
-                 "How far a surface may go into the soil in a step, beyond its gap, over the cell "
-                 "size.")}};
+  return {
+      "step_control",
+      "Limits from which the soil proposes the next dt; null: that limit does not act.",
+      {limit("time_error", share, 1e-3,
+             "Estimated error of the displacement in an implicit step over the longest one so far.")
+           .only("where a phase is implicit"),
+       limit("advective", share, 0.3,
+             "Largest displacement of a material point in a step over the cell size."),
+       limit("strain", share, 0.02, "Largest strain increment of a material point in a step."),
+       limit("newton_target", at_least(1), 8, "Newton iterations beyond which dt shrinks.")
+           .only("where a phase is implicit"),
+       limit("approach", share, 0.1,
+             "How far a surface may go into the soil in a step, beyond its gap, over the cell "
+             "size.")}};
 }
 
 StepControlSettings read_step_control(ConfigReader in) {

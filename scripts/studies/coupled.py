@@ -16,6 +16,8 @@ STEP_SIZES = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2.5e-5]  # [s], finest last
 TIME_ERRORS = [8e-3, 4e-3, 2e-3, 1e-3]
 LIMITS = ("time_error", "advective", "strain", "newton_target", "approach")
 FIXED_STEPS = "mpm.json:/step_control=" + json.dumps(dict.fromkeys(LIMITS))
+EXPLICIT = 'mpm.json:/time_integration={"scheme": "explicit"}'
+EXPLICIT_STEPS = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5]  # [s] of the coupling
 REST = 0.1  # [s] at the end of a run that count as rest
 
 
@@ -40,12 +42,19 @@ def speed(runner: Runner) -> None:
     runner.report(["", "steps", "a step [ms]", *parts], rows)
 
 
+MARKS = {"fixed steps": "o", "steps by their error": "s", "explicit": "^",
+         "explicit, steps by their limits": "*"}
+
+
 def error_vs_time(runner: Runner) -> None:
-    """The answer of granular_obstacle over the step size, and with steps by their error, beside the run time."""
+    """The answer of granular_obstacle over the step size, implicit and explicit, beside the run time."""
     series = {
         "fixed steps": {f"dt {1e3 * dt:g} ms": [FIXED_STEPS, *step_size(dt)] for dt in STEP_SIZES},
         "steps by their error": {f"time_error {e:g}": [f"mpm.json:/step_control/time_error={e:g}"]
                                  for e in TIME_ERRORS},
+        "explicit": {f"explicit, dt {1e3 * dt:g} ms": [EXPLICIT, FIXED_STEPS, *step_size(dt)]
+                     for dt in EXPLICIT_STEPS},
+        "explicit, steps by their limits": {"explicit, limits": [EXPLICIT]},
     }
     runs = {kind: {name: runner.run(folder_of(name), SCENE, settings) for name, settings in of_kind.items()}
             for kind, of_kind in series.items()}
@@ -65,12 +74,12 @@ def error_vs_time(runner: Runner) -> None:
                                 relative_rms(run.impulse(), reference.impulse())]
             rows.append([*row, *errors.get(name, [run.seconds(), "", ""])])
         seconds, of_a, of_impulse = np.array(list(errors.values())).T
-        mark = "o" if kind == "fixed steps" else "s"
+        mark = MARKS[kind]
         axes.loglog(seconds, of_a, f"{mark}-", label=f"displacement of A, {kind}")
         axes.loglog(seconds, of_impulse, f"{mark}--", label=f"impulse on the structure, {kind}")
         for name, (x, *y) in errors.items():
-            axes.annotate(name.split()[1], (x, max(y)), textcoords="offset points", xytext=(0, 8), ha="center",
-                          fontsize=9)
+            axes.annotate(name.removeprefix("explicit, ").removeprefix("dt ").removeprefix("time_error "),
+                          (x, max(y)), textcoords="offset points", xytext=(0, 8), ha="center", fontsize=9)
     head = ["", "steps", "cuts", "peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "impulse [N s/m]",
             "run time [s]", "error of A", "error of impulse"]
     runner.report(head, rows)

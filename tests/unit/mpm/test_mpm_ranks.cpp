@@ -9,6 +9,7 @@ namespace {
 struct RankCase {
   std::string basis, cells, locking = "none", small_cuts = "none", contact = "boundary_points";
   int steps = 10;
+  bool explicit_steps = false;
 };
 
 void expect_same_fields(const mpm::MpmSolver<2>& shared, const mpm::MpmSolver<2>& alone) {
@@ -27,15 +28,19 @@ void expect_same_fields(const mpm::MpmSolver<2>& shared, const mpm::MpmSolver<2>
 /// The same steps on all ranks together and on each rank alone.
 void check_ranks(const RankCase& given) {
   SCOPED_TRACE(given.basis + " " + given.cells + " " + given.locking + " " + given.small_cuts +
-               " " + given.contact);
+               " " + given.contact + (given.explicit_steps ? " explicit" : ""));
   Json json = pushed();
   json["grid"] = box({0, 0}, {2, 1}, {8, 4}, given.cells);
   json["basis"] = given.basis;
   json["locking"] = {{"method", given.locking}};
   json["small_cuts"] = {{"method", given.small_cuts}};
   json["interfaces"][0]["method"] = given.contact;
-  json["newton"] = exact_newton;
-  json["linear_solver"] = {{"method", "mumps"}};
+  if (given.explicit_steps) {
+    json["time_integration"] = {{"scheme", "explicit"}, {"courant", 0.1}};
+  } else {
+    json["newton"] = exact_newton;
+    json["linear_solver"] = {{"method", "mumps"}};
+  }
   json["interfaces"][0]["friction"] = 0.4;
   json["probes"] = {{{"name", "A"}, {"point", {1.5, 0.5}}}};
   json["gauges"] = {{{"name", "middle"}, {"corners", {{1.0, 0.0}, {1.1, 1.0}}}},
@@ -89,6 +94,14 @@ TEST(MpmRanks, number_of_ranks_does_not_change_averaged_volumes) {
   check_ranks({.basis = "linear", .cells = "tri3", .locking = "fbar"});
   check_ranks({.basis = "linear", .cells = "quad4", .locking = "fbar"});
   check_ranks({.basis = "gimp", .cells = "quad4", .locking = "fbar"});
+}
+
+TEST(MpmRanks, number_of_ranks_does_not_change_explicit_steps) {
+  for (const std::string locking : {"none", "fbar"}) {
+    check_ranks({"linear", "tri3", locking, "none", "facets", 10, true});
+    check_ranks({"gimp", "quad4", locking, "none", "facets", 10, true});
+    check_ranks({"bspline", "quad4", locking, "mass_cutoff", "facets", 10, true});
+  }
 }
 
 }  // namespace

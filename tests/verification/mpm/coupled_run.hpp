@@ -28,6 +28,8 @@ class Witness : public Solver {
   explicit Witness(Solver& solver) : solver_(solver) {}
   std::vector<InterfaceMesh> interfaces() const override { return solver_.interfaces(); }
   std::vector<std::string> probe_names() const override { return solver_.probe_names(); }
+  bool takes_force_kinds() const override { return solver_.takes_force_kinds(); }
+  void set_force_kinds(const ForceKinds& kinds) override { solver_.set_force_kinds(kinds); }
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override {
     const StepReport report = solver_.solve_step(request, received, sent);

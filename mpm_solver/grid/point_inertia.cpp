@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/grid/point_inertia.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "mpm_solver/grid/transfer.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+PointInertia<dim>::PointInertia(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                                const GridNodes<dim>& nodes)
+    : points_(points), weights_(weights), nodes_(nodes), weightless_(weightless_mass(nodes)) {
+  any_weightless_ =
+      std::any_of(nodes.m.begin(), nodes.m.end(), [&](double m) { return m <= weightless_; });
+  std::vector<double> mass = nodes.m;
+  std::int32_t active[max_group_nodes<dim>];
+  const auto for_each_value = [&](const auto& visit) {
+    for (const CellGroup& group : weights.groups) {
+      nodes.list_active(weights.nodes_of(group), active);
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        const double m = points.m[weights.point[e]];
+        const std::uint8_t* local = weights.local_of(e);
+        for (int i = 0; i < weights.num_nodes(e); ++i) {
+          const std::int32_t node = active[local[i]];
+          visit(node, is_weightless(node) ? m : weights.N_of(e)[i] * m);
+        }
+      }
+    }
+  };
+  if (!nodes.shared.all(!any_weightless_)) {
+    std::vector<double> reach(mass.size(), 0);
+    for_each_value([&](std::int32_t node, double m) { reach[node] += m; });
+    nodes.shared.sum(reach, 1);
+    for (std::int32_t i = 0; i < nodes.size(); ++i) {
+      if (is_weightless(i)) mass[i] = reach[i];
+    }
+  }
+  rho_.reserve(weights.N.size());
+  for_each_value([&](std::int32_t node, double m) { rho_.push_back(m / mass[node]); });
+}
+
+template <int dim>
+void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double> dv) const {
+  std::fill(dv.begin(), dv.end(), 0.0);
+  std::array<double, max_group_nodes<dim> * dim> in, out;
+  std::int32_t active[max_group_nodes<dim>];
+  const double* rho = rho_.data();
+  for (const CellGroup& group : weights_.groups) {
+    const auto grid_nodes = weights_.nodes_of(group);
+    nodes_.list_active(grid_nodes, active);
+    nodes_.gather(grid_nodes, impulse, in.data());
+    std::fill_n(out.begin(), grid_nodes.size() * dim, 0.0);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const int n = weights_.num_nodes(e);
+      const std::uint8_t* local = weights_.local_of(e);
+      Vector<dim> dv_p = Vector<dim>::Zero();
+      for (int i = 0; i < n; ++i) {
+        dv_p += rho[i] * Eigen::Map<const Vector<dim>>(&in[local[i] * dim]);
+      }
+      dv_p /= points_.m[weights_.point[e]];
+      for (int i = 0; i < n; ++i) Eigen::Map<Vector<dim>>(&out[local[i] * dim]) += rho[i] * dv_p;
+      rho += n;
+    }
+    for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
+      for (int d = 0; d < dim; ++d) dv[std::size_t(active[i]) * dim + d] += out[i * dim + d];
+    }
+  }
+  nodes_.shared.sum(dv, dim);
+}
+
+template <int dim>
+double PointInertia<dim>::largest_rate(std::span<const double> row_sums) const {
+  double largest = 0;
+  const double* rho = rho_.data();
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights_.groups) {
+    nodes_.list_active(weights_.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::uint8_t* local = weights_.local_of(e);
+      double sum = 0;
+      for (int i = 0; i < weights_.num_nodes(e); ++i) sum += *rho++ * row_sums[active[local[i]]];
+      largest = std::max(largest, sum / points_.m[weights_.point[e]]);
+    }
+  }
+  return nodes_.shared.largest(largest);
+}
+
+template <int dim>
+void PointInertia<dim>::kick_from_weightless(std::span<const double> impulse, double share,
+                                             MaterialPoints<dim>& points) const {
+  if (!any_weightless_) return;
+  const double* rho = rho_.data();
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights_.groups) {
+    nodes_.list_active(weights_.nodes_of(group), active);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights_.point[e];
+      for (int i = 0; i < weights_.num_nodes(e); ++i, ++rho) {
+        const std::int32_t node = active[weights_.local_of(e)[i]];
+        if (!is_weightless(node)) continue;
+        const Eigen::Map<const Vector<dim>> I(impulse.data() + std::ptrdiff_t{node} * dim);
+        points.v[p] += share * *rho / points.m[p] * I;
+      }
+    }
+  }
+}
+
+template class PointInertia<2>;
+template class PointInertia<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/explicit_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+#include "mpm_solver/step/stable_step.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
+    : parts_(parts),
+      inertia_(parts.stress.points, parts.stress.weights, parts.stress.nodes),
+      internal_(parts.stress, parts.cell_size, 0, parts.average_volumes),
+      may_touch_(!parts.surfaces.contacts().empty()) {
+  const GridNodes<dim>& nodes = parts_.stress.nodes;
+  for (const Vector<dim>& v : nodes.v) v_start_.insert(v_start_.end(), v.begin(), v.end());
+  parts_.walls.impose(v_start_, 1 / parts_.dt);
+  start_.body = parts_.body_force(0);
+  start_.internal = internal_.start_forces();
+  nodes.shared.sum(start_.internal, dim);
+  set_acceleration(start_);
+  F_.resize(v_start_.size());
+  A_F_.resize(v_start_.size());
+}
+
+// A = Q W Q f.
+template <int dim>
+void ExplicitMotion<dim>::respond(std::span<const double> f, std::vector<double>& A) const {
+  std::vector<double> free(f.begin(), f.end());
+  parts_.walls.project(free);
+  A.resize(f.size());
+  inertia_.apply(free, A);
+  parts_.walls.project(A);
+}
+
+template <int dim>
+void ExplicitMotion<dim>::set_acceleration(Forces& forces) const {
+  std::vector<double> f = forces.body;
+  for (std::size_t k = 0; k < f.size(); ++k) f[k] -= forces.internal[k];
+  respond(f, forces.A);
+}
+
+// The contacts at u, the end of a substep as it would be without them; sets F, A(F), touches_.
+// @returns false: too stiff for dt
+template <int dim>
+bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, double dt,
+                                      double soil_dt) {
+  if (!may_touch_) return true;
+  const SharedNodes& shared = parts_.stress.nodes.shared;
+  std::fill(F_.begin(), F_.end(), 0.0);
+  bool own = false;
+  for (const auto& contact : parts_.surfaces.contacts()) {
+    contact->set_share(share);
+    contact->add_forces(u, F_, nullptr);
+    own |= contact->counts().closed > 0;
+  }
+  touches_ = !shared.all(!own);
+  if (!touches_) return true;
+  shared.sum(F_, dim);
+  respond(F_, A_F_);
+  std::vector<double> row_sums(F_.size() / dim, 0.0);
+  for (const auto& contact : parts_.surfaces.contacts()) contact->add_stiffness_sums(row_sums);
+  shared.sum(row_sums, 1);
+  result_.contact_rate = std::max(result_.contact_rate, inertia_.largest_rate(row_sums));
+  return squared_courant(dt, soil_dt, result_.contact_rate) <= std::pow(parts_.largest_courant, 2);
+}
+
+// Of the soil at result_.du.
+template <int dim>
+typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share) {
+  const SharedNodes& shared = parts_.stress.nodes.shared;
+  std::int32_t worst = -1;
+  const bool admissible = internal_.evaluate(result_.du, nullptr, worst);
+  if (!shared.all(admissible)) {
+    const std::string own =
+        worst < 0 ? ""
+                  : fmt::format("material point {} would be squeezed below {} of its volume",
+                                parts_.stress.points.id[worst], min_J_ratio);
+    throw ConvergenceError("explicit step: " + shared.first_text(own), "inadmissible");
+  }
+  Forces forces{.body = parts_.body_force(share), .internal = internal_.forces(), .A = {}};
+  shared.sum(forces.internal, dim);
+  set_acceleration(forces);
+  return forces;
+}
+
+template <int dim>
+void ExplicitMotion<dim>::add_works(std::span<const double> move, const Forces& before,
+                                    const Forces& after, double dt) {
+  const GridNodes<dim>& nodes = parts_.stress.nodes;
+  std::vector<double> total(move.size()), held;
+  for (std::int32_t i = 0; i < nodes.size(); ++i) {
+    const bool counts = nodes.shared.owns(i);
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = static_cast<std::size_t>(i) * dim + d;
+      const double body = 0.5 * (before.body[k] + after.body[k]);
+      const double internal = 0.5 * (before.internal[k] + after.internal[k]);
+      const double contact = touches_ ? F_[k] : 0;
+      total[k] = body - internal + contact;
+      raw_[k] += dt * total[k];
+      if (!counts) continue;
+      result_.body_work += move[k] * body;
+      result_.internal_work += move[k] * internal;
+      result_.contact_work += move[k] * contact;
+      result_.body_impulse[d] += dt * body;
+      result_.contact_impulse[d] += dt * contact;
+    }
+  }
+  if (!parts_.walls.move()) return;
+  held = total;
+  parts_.walls.project(held);
+  for (std::int32_t i = 0; i < nodes.size(); ++i) {
+    for (int d = 0; d < dim && nodes.shared.owns(i); ++d) {
+      const std::size_t k = static_cast<std::size_t>(i) * dim + d;
+      result_.wall_work -= move[k] * (total[k] - held[k]);
+    }
+  }
+}
+
+template <int dim>
+bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
+  const double dt = parts_.dt / count;
+  const std::size_t n = v_start_.size();
+  result_ = {};
+  result_.du.assign(n, 0.0);
+  result_.v = v_start_;
+  raw_.assign(n, 0.0);
+  for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
+  Forces before = start_;
+  std::vector<double> star(n), move(n);
+  for (int k = 1; k <= count; ++k) {
+    const double share = static_cast<double>(k) / count;
+    for (std::size_t i = 0; i < n; ++i) {
+      star[i] = result_.du[i] + dt * (result_.v[i] + 0.5 * dt * before.A[i]);
+    }
+    touches_ = false;
+    if (!add_contact(star, share, dt, soil_dt)) return false;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double end = touches_ ? star[i] + 0.5 * dt * dt * A_F_[i] : star[i];
+      move[i] = end - result_.du[i];
+      result_.du[i] = end;
+    }
+    if (touches_) {
+      for (const auto& contact : parts_.surfaces.contacts()) contact->add_substep(move, 1. / count);
+    }
+    Forces after = forces_at(share);
+    for (std::size_t i = 0; i < n; ++i) {
+      result_.v[i] += 0.5 * dt * (before.A[i] + after.A[i]) + (touches_ ? dt * A_F_[i] : 0);
+    }
+    add_works(move, before, after, dt);
+    before = std::move(after);
+  }
+  finish(before);
+  return true;
+}
+
+template <int dim>
+void ExplicitMotion<dim>::finish(const Forces& last) {
+  const GridNodes<dim>& nodes = parts_.stress.nodes;
+  double sum = 0;
+  for (const double v : result_.v) sum += v;
+  if (!nodes.shared.all(std::isfinite(sum))) {
+    throw ConvergenceError("explicit step: velocities are not finite", "not_finite");
+  }
+  // Where the places of contact are at the end, for what the surfaces remember.
+  for (const auto& contact : parts_.surfaces.contacts()) {
+    contact->add_forces(result_.du, F_, nullptr);
+  }
+  result_.impulse = raw_;
+  parts_.walls.project(result_.impulse);
+  result_.wall_force = raw_;
+  for (double& f : result_.wall_force) f /= parts_.dt;
+  result_.a.assign(raw_.size(), 0.0);
+  for (std::size_t k = 0; k < raw_.size(); ++k) {
+    const auto i = static_cast<std::int32_t>(k / dim);
+    if (inertia_.is_weightless(i)) continue;
+    result_.a[k] = (last.body[k] - last.internal[k]) / nodes.m[i];
+  }
+  parts_.walls.project(result_.a);
+}
+
+template class ExplicitMotion<2>;
+template class ExplicitMotion<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/grid/point_inertia.hpp"
+#include "mpm_solver/stress/internal_forces.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// The explicit solution of one step: `count` equal substeps of central differences on the nodes
+/// of the step, whose weights stay (docs/theory/soil.md, (S29) to (S31)),
+///
+///     u* = u + dt v + dt^2/2 A(f) ,  u' = u* + dt^2/2 A(F(u*)) ,  f = f_body - f_int(u)
+///     v' = v + dt/2 [A(f) + A(f')] + dt A(F(u*)) ,  A(f) = Q W Q f
+///
+/// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
+/// surfaces move evenly over the step. One evaluation of the stresses a substep. Refers to its
+/// parts; valid for one step.
+template <int dim>
+class ExplicitMotion {
+ public:
+  struct Parts {
+    StressParts<dim> stress;
+    const WallConditions<dim>& walls;
+    Surfaces<dim>& surfaces;
+    double cell_size;
+    double dt;  ///< of the step [s]
+    bool average_volumes;
+    double largest_courant;  ///< that contacts may lead to, see squared_courant
+    /// Body force at a share of the step, num_nodes x dim [N].
+    std::function<std::vector<double>(double share)> body_force;
+  };
+  explicit ExplicitMotion(const Parts& parts);
+
+  /// What the substeps did, summed over them; works of the nodes that this rank owns, fields
+  /// num_nodes x dim.
+  struct Result {
+    std::vector<double> du;          ///< in the step [m]
+    std::vector<double> v;           ///< mapped back from the points, at the end [m/s]
+    std::vector<double> impulse;     ///< that reaches the nodes [N s]
+    std::vector<double> a;           ///< at the end, f / m [m/s^2]
+    std::vector<double> wall_force;  ///< mean force that the walls take [N], before they act
+    double internal_work = 0, body_work = 0, contact_work = 0, wall_work = 0;  // [J]
+    Vector<dim> body_impulse = Vector<dim>::Zero();                            // [N s]
+    Vector<dim> contact_impulse = Vector<dim>::Zero();                         // [N s]
+    double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]
+  };
+
+  /// Solve the step for the present place of the surfaces.
+  /// @param soil_dt  StableStep::of_soil [s]
+  /// @returns false where a contact became too stiff for a substep of this length: only
+  ///          contact_rate has a meaning then
+  /// @throws ConvergenceError  a point would be squeezed below min_J_ratio; values are not finite
+  /// @note Collective.
+  bool solve(int count, double soil_dt);
+
+  const Result& result() const { return result_; }
+  /// Mapped velocity with the walls, num_nodes x dim [m/s].
+  const std::vector<double>& start_velocity() const { return v_start_; }
+  const PointInertia<dim>& inertia() const { return inertia_; }
+
+ private:
+  /// At one end of a substep.
+  struct Forces {
+    std::vector<double> body, internal;  // [N]
+    std::vector<double> A;               // [m/s^2]
+  };
+  void respond(std::span<const double> f, std::vector<double>& A) const;
+  void set_acceleration(Forces& forces) const;
+  bool add_contact(std::span<const double> u, double share, double dt, double soil_dt);
+  Forces forces_at(double share);
+  void add_works(std::span<const double> move, const Forces& before, const Forces& after,
+                 double dt);
+  void finish(const Forces& last);
+
+  Parts parts_;
+  PointInertia<dim> inertia_;
+  InternalForces<dim> internal_;
+  std::vector<double> v_start_;
+  Forces start_;
+  bool may_touch_ = false;
+  bool touches_ = false;         // in the substep under way, on any rank
+  std::vector<double> F_, A_F_;  // of the contacts
+  std::vector<double> raw_;      // impulse of all forces but those of walls
+  Result result_;
+};
+
+}  // namespace gabion::mpm

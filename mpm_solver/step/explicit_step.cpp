@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/explicit_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/log.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/points/flat.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// A step that needs more is a mistake in the settings or in the solution.
+constexpr double most_substeps = 1e5;
+
+// A quotient of times that differs from a whole number by this is one.
+constexpr double rounding = 1e-9;
+
+// Changes of the substep by less are not worth a line in the log.
+constexpr double notable_change = 0.2;
+
+// Weight and other body forces at a share of the step.
+template <int dim>
+std::vector<double> body_forces(const GridNodes<dim>& nodes, const Vector<dim>& gravity,
+                                std::span<const double> f_start, std::span<const double> f_end,
+                                double share) {
+  std::vector<double> f(nodes.m.size() * dim);
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    f[k] = nodes.m[k / dim] * gravity[static_cast<Eigen::Index>(k % dim)];
+    if (!f_end.empty()) f[k] += (1 - share) * f_start[k] + share * f_end[k];
+  }
+  return f;
+}
+
+}  // namespace
+
+template <int dim>
+void ExplicitStep<dim>::begin(const StepRequest& request, const Start& start) {
+  const ScopedTimer timer(times_, "substeps");
+  nodes_ = &start.soil.nodes();
+  walls_ = &start.walls;
+  dt_ = request.dt;
+  courant_ = *start.phase.courant;
+  const LoadRamp ramp = start.phase.gravity_ramp;
+  const auto gravity = [this, ramp, request](double share) -> Vector<dim> {
+    return ramp.at(request.time + share * request.dt) * model_.settings.gravity;
+  };
+  motion_.emplace(typename ExplicitMotion<dim>::Parts{
+      .stress = {.bodies = model_.settings.bodies,
+                 .points = state_.points,
+                 .weights = start.soil.weights(),
+                 .nodes = *nodes_,
+                 .trial = start.trial},
+      .walls = *walls_,
+      .surfaces = state_.surfaces,
+      .cell_size = model_.cell_size,
+      .dt = dt_,
+      .average_volumes = model_.settings.locking.average_volumes,
+      .largest_courant = std::max(1.0, courant_),
+      .body_force = [this, gravity, start](double share) {
+        return body_forces<dim>(*nodes_, gravity(share), start.f_body_start, start.f_body, share);
+      }});
+  soil_dt_ = stable_.of_soil(state_.points);
+  count_ = count_for(dt_, state_.contact_rate);
+}
+
+template <int dim>
+int ExplicitStep<dim>::count_for(double dt, double contact_rate) const {
+  const double count = std::sqrt(squared_courant(dt, soil_dt_, contact_rate)) / courant_;
+  if (!(count <= most_substeps)) {
+    throw ConvergenceError(
+        fmt::format("explicit step of {:.4g} s: {:.3g} substeps would be stable, allowed: {:g}", dt,
+                    count, most_substeps),
+        "substeps");
+  }
+  return std::max(1, static_cast<int>(std::ceil(count * (1 - rounding))));
+}
+
+template <int dim>
+void ExplicitStep<dim>::solve(const StepRequest& request) {
+  const ScopedTimer timer(times_, "substeps");
+  while (!motion_->solve(count_, soil_dt_)) {
+    counts_.substeps += count_;
+    count_ = std::max(count_ + 1, count_for(dt_, motion_->result().contact_rate));
+  }
+  ++counts_.solutions;
+  counts_.substeps += count_;
+  counts_.largest = std::max(counts_.largest, count_);
+  const double dt = dt_ / count_;
+  if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;
+  log_count(request);
+}
+
+template <int dim>
+void ExplicitStep<dim>::log_count(const StepRequest& request) {
+  const double dt = dt_ / count_;
+  if (std::abs(dt - logged_dt_) <= notable_change * logged_dt_) return;
+  logged_dt_ = dt;
+  log::info("{:.6g} s: explicit: {} {} of {:.3g} s", request.time, count_,
+            count_ == 1 ? "substep" : "substeps", dt);
+}
+
+template <int dim>
+NodalMotion<dim> ExplicitStep<dim>::nodal_motion() const {
+  const auto& found = motion_->result();
+  const auto& v_start = motion_->start_velocity();
+  NodalMotion<dim> motion;
+  for (std::int32_t i = 0; i < nodes_->size(); ++i) {
+    const auto at = [i](const std::vector<double>& field) {
+      return Vector<dim>(Eigen::Map<const Vector<dim>>(field.data() + std::ptrdiff_t{i} * dim));
+    };
+    motion.du.push_back(at(found.du));
+    motion.v_new.push_back(motion_->inertia().is_weightless(i)
+                               ? at(found.v)
+                               : Vector<dim>(at(v_start) + at(found.impulse) / nodes_->m[i]));
+    motion.a_new.push_back(at(found.a));
+  }
+  return motion;
+}
+
+// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M: of the
+// walls' stop d = Q v - v and of the impulse I, of which the forces gave I . (Q v + W I / 2).
+template <int dim>
+StepBalance<dim> ExplicitStep<dim>::balance() const {
+  const auto& found = motion_->result();
+  const auto& v_start = motion_->start_velocity();
+  StepBalance<dim> step;
+  std::vector<double> held = found.wall_force, free = found.wall_force;
+  walls_->project(free);
+  std::vector<double> stop(v_start.size()), mapped(v_start.size());  // M d, S d
+  for (std::size_t k = 0; k < stop.size(); ++k) {
+    stop[k] = nodes_->m[k / dim] * (v_start[k] - nodes_->v[k / dim][k % dim]);
+  }
+  motion_->inertia().apply(stop, mapped);
+  double gained = 0;
+  for (std::int32_t i = 0; i < nodes_->size(); ++i) {
+    if (!nodes_->shared.owns(i)) continue;
+    for (int d = 0; d < dim; ++d) {
+      const std::size_t k = static_cast<std::size_t>(i) * dim + d;
+      const double v = nodes_->v[i][d], d_v = v_start[k] - v;
+      step.kinetic_before += 0.5 * nodes_->m[i] * v * v;
+      step.wall_loss += found.impulse[k] * (d_v - mapped[k]) - stop[k] * (v + 0.5 * mapped[k]);
+      gained += found.impulse[k] * 0.5 * (v_start[k] + found.v[k]);
+      step.wall_kick[d] += stop[k];
+      step.wall_force[d] -= held[k] - free[k];
+    }
+  }
+  step.kinetic_after = step.kinetic_before - step.wall_loss + gained;
+  step.body_work = found.body_work;
+  step.boundary_work = found.contact_work + found.wall_work;
+  step.time_damping = found.body_work + step.boundary_work - found.internal_work - gained;
+  step.body_force = found.body_impulse / dt_;
+  step.step_force = found.contact_impulse / dt_;
+  sum_parts(model_.comm, step);
+  return step;
+}
+
+template <int dim>
+std::vector<Vector<dim>> ExplicitStep<dim>::wall_forces() const {
+  std::vector<Vector<dim>> forces = walls_->forces(motion_->result().wall_force, nodes_->shared);
+  nodes_->shared.total(flat(forces));
+  return forces;
+}
+
+template <int dim>
+void ExplicitStep<dim>::finish_points(MaterialPoints<dim>& points) const {
+  motion_->inertia().kick_from_weightless(motion_->result().impulse, 1 - model_.settings.pic_share,
+                                          points);
+}
+
+template class ExplicitStep<2>;
+template class ExplicitStep<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "mpm_solver/step/soil_model.hpp"
+
+namespace gabion::mpm {
+
+/// Largest stable substep of an explicit step. Central differences need dt <= 2 / omega for the
+/// highest frequency omega; a contact whose force is constant in a substep needs dt <= sqrt(2) /
+/// omega_c. Together
+///
+///     dt^2 (1 / dt_0^2 + rate_c / 2) <= 1 ,  dt_0 = min_p h_eff / c ,
+///     h_eff = 2 / sqrt(n lambda_max(sum_i g_i (x) g_i)) ,  g_i = grad N_i in the middle of the
+///     cell
+///
+/// h_eff / c is 2 / omega of a cell of n nodes of equal mass, and no grid of such cells has a
+/// higher frequency; for a rectangle h_eff is its shorter side. rate_c bounds omega_c^2.
+/// @see Irons and Treharne (1971)
+template <int dim>
+class StableStep {
+ public:
+  explicit StableStep(const SoilModel<dim>& model);
+
+  /// dt_0 of this state [s]. @note Collective.
+  double of_soil(const MaterialPoints<dim>& points) const;
+
+ private:
+  const SoilModel<dim>& model_;
+  std::vector<double> size_;        // h_eff of each cell [m]
+  std::vector<double> wave_speed_;  // of each body [m/s]
+};
+
+/// How long a substep is by the longest stable one, squared.
+inline double squared_courant(double dt, double soil_dt, double contact_rate) {
+  return dt * dt * (1 / (soil_dt * soil_dt) + contact_rate / 2);
+}
+
+/// h_eff of a cell [m].
+template <int dim>
+double effective_size(const Mesh<dim>& mesh, std::int32_t cell);
+
+}  // namespace gabion::mpm
