@@ -80,8 +80,16 @@ class Alone(RestartCase):
     def test_soil_on_two_ranks(self) -> None:
         self.write_scene({"mpm": soil_alone()})
         self.in_two_parts("mpm_solver", "mpm", 0.5, ranks={"mpm_solver": 2})
-        ended = self.launch_into("third", "--restart", str(self.folder / "first"), code=2, programs=("mpm_solver",))
-        self.assert_says(ended.text, "found 1 MPI ranks, allowed: 2")
+        self.goes_on_with(1, "mpm_solver")
+
+    def goes_on_with(self, ranks: int, program: str) -> None:
+        """On another number of ranks: the same probes but for rounding."""
+        self.launch_into("third", "--restart", str(self.folder / "first"), programs=(program,), ranks={program: ranks})
+        second, third = (rows_without_seconds(self.folder / run / "probes.csv") for run in ("second", "third"))
+        self.assertEqual(len(second), len(third))
+        for expected, found in zip(second[1:], third[1:], strict=True):
+            for name, a, b in zip(second[0], expected, found, strict=True):
+                self.assertAlmostEqual(float(a), float(b), delta=1e-6 * (1e-3 + abs(float(a))), msg=name)
 
     def test_structure(self) -> None:
         for linear in ({"method": "lu"}, {"method": "mumps"}, {"method": "cg"},
@@ -90,6 +98,11 @@ class Alone(RestartCase):
             with self.subTest(linear):
                 self.write_scene({"fem": structure_alone(linear)})
                 self.in_two_parts("fem_solver", "fem", 0.3)
+
+    def test_structure_on_more_ranks(self) -> None:
+        self.write_scene({"fem": structure_alone({"method": "mumps"})})
+        self.in_two_parts("fem_solver", "fem", 0.3)
+        self.goes_on_with(2, "fem_solver")
 
     def test_last_checkpoint_after_kill(self) -> None:
         files = {"mpm": soil_alone()}

@@ -54,6 +54,35 @@ TEST(State, gives_every_part_back) {
   EXPECT_TRUE(flag_back);
 }
 
+TEST(State, one_rank_joins_lists_and_shares_of_all) {
+  std::vector<State> states(2);
+  for (int rank = 0; rank < 2; ++rank) {
+    StateWriter writer(states[rank]);
+    std::vector<std::int64_t> list(rank + 1, 10 * rank);
+    std::vector<double> values = {1.5 + rank};
+    double equal = 7, share = 1 + rank;
+    writer.list("list", list);
+    writer.list("values", values);
+    writer.real("equal", equal);
+    writer.share("share", share);
+  }
+  for (const bool gets_all : {true, false}) {
+    StateJoiner joiner(states, gets_all);
+    std::vector<std::int64_t> list = {99};
+    std::vector<double> values;
+    double equal = 0, share = 99;
+    joiner.list("list", list);
+    joiner.list("values", values);
+    joiner.real("equal", equal);
+    joiner.share("share", share);
+    EXPECT_EQ(list,
+              gets_all ? (std::vector<std::int64_t>{0, 10, 10}) : std::vector<std::int64_t>());
+    EXPECT_EQ(values, gets_all ? (std::vector<double>{1.5, 2.5}) : std::vector<double>());
+    EXPECT_EQ(equal, 7);
+    EXPECT_EQ(share, gets_all ? 3 : 0);
+  }
+}
+
 TEST(State, missing_parts_and_other_sizes_are_errors) {
   State state;
   StateWriter writer(state);

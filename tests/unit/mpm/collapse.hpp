@@ -11,6 +11,7 @@ struct Collapse {
   std::string basis = "linear", cells = "quad4", locking = "none";
   bool with_plate = false;  ///< which the front runs into, met by facets
   std::string law = "mohr_coulomb";
+  std::string small_cuts = "auto";
 };
 
 inline Json collapse_scene(const Collapse& given) {
@@ -23,6 +24,7 @@ inline Json collapse_scene(const Collapse& given) {
                {"grid", box({0, 0}, {2.4, 1.2}, {12, 6}, given.cells)},
                {"basis", given.basis},
                {"locking", {{"method", given.locking}}},
+               {"small_cuts", {{"method", given.small_cuts}}},
                {"walls", walls},
                {"gravity", {0, -9.81}},
                {"newton", exact_newton},
@@ -40,6 +42,21 @@ inline Json collapse_scene(const Collapse& given) {
                            {"method", "facets"},
                            {"friction", 0.3}}};
   }
+  return json;
+}
+
+/// The same soil, long and low, that slides over a floor of facets: the points that touch go from
+/// rank to rank, with their elastic slip.
+inline Json sliding_scene(const Collapse& given) {
+  Json json = collapse_scene(given);
+  json["walls"] = Json::array();
+  json["probes"][0]["point"] = {0.7, 0.3};
+  json["bodies"][0]["mesh"] = box({0.2, 0.2}, {0.8, 0.5}, {6, 3}, given.cells);
+  json["bodies"][1]["mesh"] = box({0.8, 0.2}, {1.4, 0.5}, {6, 3}, given.cells);
+  json["interfaces"] = {{{"name", "floor"},
+                         {"surface", {{"polyline", {{2.3, 0.2}, {0.1, 0.2}}}, {"spacing", 0.1}}},
+                         {"method", "facets"},
+                         {"friction", 0.3}}};
   return json;
 }
 

@@ -14,9 +14,10 @@ constexpr int half = 20, all = 40;
 /// The same ranks: every bit, the partition included. On several ranks MUMPS adds in the order of
 /// messages, so the steps are solved by conjugate gradients there.
 TEST(RestartOnRanks, the_same_number_gives_the_same_bits) {
-  for (const bool with_plate : {false, true}) {
-    Json json = collapse_scene({.basis = "gimp", .with_plate = with_plate, .law = "neo_hookean"});
-    json["linear_solver"] = {{"method", with_plate ? "gmres" : "cg"}};
+  for (const bool slides : {false, true}) {
+    const Collapse soil = {.basis = "gimp", .law = "neo_hookean"};
+    Json json = slides ? sliding_scene(soil) : collapse_scene(soil);
+    json["linear_solver"] = {{"method", slides ? "gmres" : "cg"}};
     const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
                second = mpm_solver<2>(json);
     run_steps(*straight, 1, all);
@@ -36,8 +37,8 @@ TEST(RestartOnRanks, the_same_number_gives_the_same_bits) {
 
 /// From all ranks to one each, and from one to all.
 TEST(RestartOnRanks, another_number_gives_the_same_values) {
-  for (const bool with_plate : {false, true}) {
-    const Json json = collapse_scene({.with_plate = with_plate});
+  for (const bool slides : {false, true}) {
+    const Json json = slides ? sliding_scene({}) : collapse_scene({});
     const auto alone = mpm_solver<2>(json, MPI_COMM_SELF), shared = mpm_solver<2>(json);
     run_steps(*alone, 1, half);
     run_steps(*shared, 1, half);

@@ -10,6 +10,7 @@
 #include "protocol/serve.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
+#include "solver_program/ranked_state.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/mpi_main.hpp"
 
@@ -203,6 +204,33 @@ TEST(RankedSolver, every_rank_gets_its_part_of_a_state_back) {
   Script loading(requests);
   follow(loading, recorder);
   EXPECT_EQ(recorder.part, part);
+}
+
+/// The first rank gets the states of all, the others that of the first one: from one rank to all,
+/// and from all to one.
+TEST(RankedSolver, states_of_another_number_of_ranks_are_joined) {
+  class Joining : public Recorder {
+   public:
+    std::vector<State> states;
+    bool joins_states() const override { return true; }
+    void join_states(std::span<const State> given) override {
+      states.assign(given.begin(), given.end());
+    }
+  } joining;
+  const State own = Recorder().save_state();
+  const State from_one = gather_state(MPI_COMM_SELF, own), from_all = gather_state(comm(), own);
+  if (size() == 1) return;
+  load_gathered(comm(), from_one, joining);
+  ASSERT_EQ(joining.states.size(), 1u);
+  EXPECT_EQ(joining.states[0].reals.at("part"), (std::vector<double>{1.0 / 3, 0}));
+  if (rank() == 0) {
+    load_gathered(MPI_COMM_SELF, from_all, joining);
+    ASSERT_EQ(joining.states.size(), static_cast<std::size_t>(size()));
+    EXPECT_EQ(joining.states.back().reals.at("part"), (std::vector<double>{1.0 / 3, size() - 1.0}));
+  }
+  Recorder recorder;
+  expect_error<ConfigError>([&] { load_gathered(comm(), from_one, recorder); },
+                            {"found " + std::to_string(size()) + " MPI ranks, allowed: 1"});
 }
 
 TEST(RankedSolver, a_lost_coupler_releases_the_others) {
