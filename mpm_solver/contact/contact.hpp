@@ -38,7 +38,7 @@ struct SoilSurface {
 
 /// How a contact stands after the last add_forces.
 struct ContactCounts {
-  int closed = 0;          ///< places that carry force
+  int closed = 0;          ///< places that carry force, or carried it in a substep
   int sliding = 0;         ///< of them, those at the friction limit
   double penetration = 0;  ///< largest [m]
 };

@@ -351,6 +351,7 @@ ContactCounts FacetContact<dim>::counts() const {
     result.sliding += touch.traction.sliding;
     result.penetration = std::max(result.penetration, -touch.gap);
   }
+  if (substeps_) result.closed = std::max(result.closed, substeps_->closed);
   return result;
 }
 

@@ -123,6 +123,7 @@ class FacetContact final : public Contact<dim> {
     std::vector<double> forces;  // on the vertices [N]
     typename Contact<dim>::Resultant resultant;
     double normal_work = 0, tangential_work = 0;  // of soil and surface on the contact [J]
+    int closed = 0;                               // places that carried force, most of a substep
   };
 
   ContactLaw law_of(const Candidate& c, double part) const;

@@ -31,6 +31,7 @@ void FacetContact<dim>::set_share(double share) {
 
 template <int dim>
 void FacetContact<dim>::add_substep(std::span<const double> move, double share) {
+  substeps_->closed = std::max(substeps_->closed, static_cast<int>(touches_.size()));
   for (const Touch& touch : touches_) {
     const Candidate& c = candidates_[touch.candidate];
     const double* w = weights_of(touch);

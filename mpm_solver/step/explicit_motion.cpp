@@ -53,12 +53,11 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   if (!may_touch_) return true;
   const SharedNodes& shared = parts_.stress.nodes.shared;
   std::fill(F_.begin(), F_.end(), 0.0);
-  bool own = false;
   for (const auto& contact : parts_.surfaces.contacts()) {
     contact->set_share(share);
     contact->add_forces(u, F_, nullptr);
-    own |= contact->counts().closed > 0;
   }
+  const bool own = std::any_of(F_.begin(), F_.end(), [](double f) { return f != 0; });
   touches_ = !shared.all(!own);
   if (!touches_) return true;
   shared.sum(F_, dim);

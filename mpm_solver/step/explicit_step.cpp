@@ -65,7 +65,7 @@ void ExplicitStep<dim>::begin(const StepRequest& request, const Start& start) {
         return body_forces<dim>(*nodes_, gravity(share), start.f_body_start, start.f_body, share);
       }});
   soil_dt_ = stable_.of_soil(state_.points);
-  count_ = count_for(dt_, state_.contact_rate);
+  count_ = first_count_ = count_for(dt_, state_.contact_rate);
 }
 
 template <int dim>
@@ -83,6 +83,7 @@ int ExplicitStep<dim>::count_for(double dt, double contact_rate) const {
 template <int dim>
 void ExplicitStep<dim>::solve(const StepRequest& request) {
   const ScopedTimer timer(times_, "substeps");
+  if (request.iteration == 0) count_ = first_count_;
   while (!motion_->solve(count_, soil_dt_)) {
     counts_.substeps += count_;
     count_ = std::max(count_ + 1, count_for(dt_, motion_->result().contact_rate));

@@ -40,7 +40,8 @@ class ExplicitStep {
     std::span<const double> f_body_start, f_body;  ///< besides gravity, at both ends; empty: none
   };
   void begin(const StepRequest& request, const Start& start);
-  /// Solve for the present place of the surfaces. @throws ConvergenceError
+  /// Solve for the present place of the surfaces; iterations after the first one keep at least the
+  /// number of substeps of the one before. @throws ConvergenceError
   void solve(const StepRequest& request);
 
   // Of the last solution.
@@ -73,7 +74,8 @@ class ExplicitStep {
   double courant_ = 1;
   double soil_dt_ = 0;
   double dt_ = 0;
-  int count_ = 0;
+  int first_count_ = 0;  // of substeps, that follows from the accepted state
+  int count_ = 0;        // of the last solution
 };
 
 }  // namespace gabion::mpm
