@@ -33,7 +33,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
         {.first_id = total, .part = rank_of(model.comm), .num_parts = num_ranks(model.comm)},
         points);
   }
-  for_each_field<dim>([&](const char*, auto field, FieldKind) { (points.*field).shrink_to_fit(); });
+  for_each_field<dim>([&](const char*, auto field) { (points.*field).shrink_to_fit(); });
   if (settings.tpic) add_gradients(points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
