@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -270,6 +269,7 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
   try {
     visit(visitor);
     check_points(points, model.grid.mesh.num_cells());
+    require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),
             "saved state: points.id: found an id twice");

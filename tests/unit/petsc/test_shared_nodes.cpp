@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "common/mechanics/petsc/shared_nodes.hpp"
@@ -45,6 +46,8 @@ TEST(SharedNodes, the_lowest_holder_owns_a_node_and_each_has_one_number) {
   shared.total(numbers);
   shared.total(owners);
   EXPECT_EQ(shared.num_of_all(), 10 * test::size() + 5 + 1);
+  EXPECT_EQ(shared.num_shared(),
+            std::ranges::count_if(ids, [](auto id) { return holders(id) > 1; }));
   for (std::int64_t k = 0; k < num_ids; ++k) EXPECT_EQ(numbers[k], k < shared.num_of_all() ? 1 : 0);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     EXPECT_EQ(shared.numbers()[i], owners[ids[i]]) << "the same number on each holder";
