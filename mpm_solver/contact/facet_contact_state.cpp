@@ -133,7 +133,9 @@ void FacetContact<dim>::accept() {
     if (law.mode == ContactMode::contact) {
       memory.slip = -pull / (touch.area * law.tangential_penalty);
       slid -= pull.dot(touch.slip - memory.slip);
-      stored_slip += 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
+      const double in_slip = 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
+      stored += in_slip;
+      stored_slip += in_slip;
     }
     stored += touch.area * law.stored(touch.stored_depth);
     work -= touch.force.dot(touch.relative);
@@ -144,7 +146,7 @@ void FacetContact<dim>::accept() {
     work = substeps_->normal_work + substeps_->tangential_work;
     slid = substeps_->tangential_work - (stored_slip - stored_slip_);
   }
-  energy_.add_step(work, stored + stored_slip, slid);
+  energy_.add_step(work, stored, slid);
   stored_slip_ = stored_slip;
   accept_offsets();
   shape_.clear();
