@@ -148,6 +148,15 @@ def coupled(coupling: dict | None = None, **files: dict) -> Callable[[], Scene]:
     return scene
 
 
+def coupled_explicit() -> Scene:
+    made = meeting()
+    interface = made["mpm"]["interfaces"][0]
+    made["mpm"]["bodies"][0]["velocity"] = [1.5, 0]
+    made["mpm"] |= scheme("explicit", courant=0.1) | {
+        "interfaces": [{"name": interface["name"], "surface": interface["surface"], "friction": 0.3}]}
+    return made
+
+
 def coupled_3d() -> Scene:
     made = meeting()
     wall = box([0.25, 0, 0], [0.27, 0.05, 0.06], [2, 5, 3], "hex8")
@@ -184,6 +193,9 @@ CASES = [
          (0.006, 0.02), TOUCHED),
     Case("bspline, FLIP with a share of PIC, generalized alpha", only_soil(spline_soil, 0.03), (0.006, 0.02),
          ("points_changed_cell", 1)),
+    Case("gimp, F-bar, explicit steps",
+         only_soil(lambda: soil(basis="gimp", locking={"method": "fbar"}, **scheme("explicit", courant=0.1)), 0.03),
+         (0.005, 0.025), TOUCHED),
     Case("triangles with patches, reused matrices", only_soil(triangles, 0.02), (0.008,)),
     Case("two bodies of different laws", only_soil(two_bodies, 0.02), (0.01,)),
     Case("soil in 3D", only_soil(soil_3d, 0.01), (0.004,)),
@@ -218,5 +230,6 @@ CASES = [
     Case("coupled, Bossak and lumped mass",
          coupled(mpm=scheme("bossak", alpha=-0.3), fem=scheme("bossak", alpha=-0.3) | {"mass": "lumped"}), (0.011,),
          TOUCHED),
+    Case("coupled, explicit steps of the soil", coupled_explicit, (0.011,), TOUCHED),
     Case("coupled in 3D", coupled_3d, (0.008, 0.014), TOUCHED),
 ]
