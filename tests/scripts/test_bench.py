@@ -200,14 +200,17 @@ class Studies(ScriptCase):
             return list(csv.reader(file))[1:]
 
     def test_error_vs_time(self) -> None:
-        rows = self.table(error_vs_time, {"dt_1_ms": 1.2, "time_error_0.004": 1.1, "time_error_0.008": 0.7})
+        rows = self.table(error_vs_time, {"dt_1_ms": 1.2, "time_error_0.004": 1.1, "time_error_0.008": 0.7,
+                                          "explicit_dt_0.5_ms": 1.4, "explicit_limits": 0.8})
         sizes = ["1", "0.5", "0.2", "0.1", "0.05", "0.025"]
         names = [f"dt {size} ms" for size in sizes] + [f"time_error {e}" for e in ("0.008", "0.004", "0.002", "0.001")]
+        names += [*(f"explicit, dt {size} ms" for size in sizes[:5]), "explicit, limits"]
         self.assertEqual([row[0] for row in rows], names)
         for errors in (8, 9):
             self.assertEqual(rows[5][errors], "")
             found = [float(row[errors]) for row in rows[:5] + rows[6:]]
-            np.testing.assert_allclose(found, [0.2, 0, 0, 0, 0, 0.3, 0.1, 0, 0], atol=1e-12)
+            exact = [0.2, 0, 0, 0, 0, 0.3, 0.1, 0, 0, 0, 0.4, 0, 0, 0, 0.2]
+            np.testing.assert_allclose(found, exact, atol=1e-12)
         self.assertAlmostEqual(float(rows[0][3]), 1.2 * 2e3 * made_up.AMPLITUDE, places=2)  # 1 - cos: twice
         self.assertAlmostEqual(float(rows[7][5]), 1.1 * made_up.FORCE, places=9)
 
