@@ -203,6 +203,8 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64
 
 template <int block_size>
 std::span<double> LinearSolver<block_size>::make_room(const BlockMatrix<block_size>& K) {
+  // A rank may be alone with its new pattern, and what was set up is given up by all together.
+  if (impl_->num_ranks > 1) return {};
   impl_->main.release();
   impl_->rescue.release();
   return impl_->matrix.make_room(K);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
@@ -19,7 +20,7 @@ PetscMatrix<block_size>::PetscMatrix(MPI_Comm comm) : comm_(comm) {
 
 template <int block_size>
 std::span<double> PetscMatrix<block_size>::make_room(const BlockMatrix<block_size>& K) {
-  if (size_ > 1) return {};
+  require(size_ == 1, "PetscMatrix::make_room: found {} ranks, allowed: 1", size_);
   pattern_id_ = K.pattern_id();
   shared_ = {};
   shared_id_ = shared_.id();

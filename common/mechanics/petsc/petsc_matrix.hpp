@@ -18,7 +18,7 @@ class PetscMatrix {
   explicit PetscMatrix(MPI_Comm comm);
 
   /// A new matrix with the pattern of K, and the memory of its values, where K may keep its own:
-  /// `set` then has nothing to copy. Empty on several ranks, which exchange blocks.
+  /// `set` then has nothing to copy. @pre one rank; several exchange blocks
   std::span<double> make_room(const BlockMatrix<block_size>& K);
 
   /// Take a copy of K; on several ranks the sum over the ranks.

@@ -172,12 +172,17 @@ TEST(LinearSolver, ranks_may_hold_different_patterns) {
   EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
 }
 
-TEST(LinearSolver, new_values_and_new_patterns_are_seen) {
+/// Values in the solver's own matrix, where it has room.
+BlockMatrix<2> matrix_in(LinearSolver<2>& solver) {
+  return BlockMatrix<2>([&solver](const BlockMatrix<2>& K) { return solver.make_room(K); });
+}
+
+void expect_news_are_seen(bool in_solver) {
   for (const char* method : {"bicgstab", "gmres", "lu", "mumps"})
     for (const char* preconditioner : {"jacobi", "ilu"}) {
       SCOPED_TRACE(std::string(method) + " " + preconditioner);
       LinearSolver<2> solver(test::comm(), 2, settings_of(method, preconditioner));
-      BlockMatrix<2> K;
+      BlockMatrix<2> K = in_solver ? matrix_in(solver) : BlockMatrix<2>();
       for (const unsigned seed : {1u, 2u, 3u}) {
         const auto system = random_system<2>(30 + 7 * seed, 60, 3, 0.2, seed);
         K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
@@ -198,6 +203,33 @@ TEST(LinearSolver, new_values_and_new_patterns_are_seen) {
       EXPECT_EQ(solver.factorisations(), 9);
       EXPECT_EQ(solver.fallbacks(), 0);
     }
+}
+
+TEST(LinearSolver, new_values_and_new_patterns_are_seen) {
+  expect_news_are_seen(false);
+}
+TEST(LinearSolver, values_may_lie_in_the_solvers_matrix) {
+  expect_news_are_seen(true);
+}
+
+/// The other ranks are not asked for room then.
+TEST(LinearSolver, one_rank_alone_may_have_a_new_pattern) {
+  const auto system = random_system<2>(31, 40, 3, 0.2, 6);
+  LinearSolver<2> solver(test::comm(), 2, settings_of("mumps", "auto"));
+  BlockMatrix<2> K = matrix_in(solver);
+  const Eigen::VectorXd b = load(system.dense.rows());
+  const Eigen::VectorXd expected = system.dense.partialPivLu().solve(b);
+  for (const bool again : {false, true}) {
+    std::vector<std::int32_t> offsets = system.offsets, nodes = system.cell_nodes;
+    if (again && test::rank() == test::size() - 1) {  // a cell of all nodes, without values
+      for (std::int32_t i = 0; i < system.num_nodes; ++i) nodes.push_back(i);
+      offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+    }
+    K.set_pattern(system.num_nodes, offsets, nodes);
+    system.assemble(K, test::rank(), test::size());
+    solver.set_matrix(K);
+    EXPECT_LT((solve(solver, b) - expected).norm(), 1e-9 * expected.norm());
+  }
 }
 
 TEST(LinearSolver, factor_serves_many_right_hand_sides) {
