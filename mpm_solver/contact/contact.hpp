@@ -14,7 +14,7 @@
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 
 namespace gabion::mpm {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "common/mechanics/ranks/sum.hpp"
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 
 namespace gabion::mpm {
 

@@ -11,7 +11,7 @@
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/ranks/sum.hpp"
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 
 namespace gabion::mpm {
 

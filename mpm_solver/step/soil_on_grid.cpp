@@ -11,7 +11,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/grid/transfer.hpp"
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "mpm_solver/small_cuts/light_nodes.hpp"
 
 namespace gabion::mpm {

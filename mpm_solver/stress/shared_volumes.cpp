@@ -12,7 +12,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 
 namespace gabion::mpm {
 

@@ -142,37 +142,57 @@ void PetscMatrix<block_size>::create_shared(const BlockMatrix<block_size>& K) {
   check_petsc(MatCreateBAIJ(comm_, block_size, local, local, global, global, 0, inside.data(), 0,
                             outside.data(), matrix_.receive()),
               "MatCreateBAIJ");
-  check_petsc(MatSetOption(matrix_.get(), MAT_ROW_ORIENTED, PETSC_FALSE), "MatSetOption");
+  for (const auto& [option, value] :
+       {std::pair(MAT_ROW_ORIENTED, PETSC_FALSE), std::pair(MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE)}) {
+    check_petsc(MatSetOption(matrix_.get(), option, value), "MatSetOption");
+  }
 }
 
+// Rows of other ranks go to these in packets, not through PETSc: it adds them as they arrive.
 template <int block_size>
 void PetscMatrix<block_size>::insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks) {
   constexpr std::size_t width = block_size * block_size;
+  Packets out;
+  std::vector<PetscInt> columns;
   for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
-    // Rows of other ranks travel only when they hold something, except to make a new pattern.
-    const auto begin = static_cast<std::size_t>(K.row_starts()[i]) * width;
-    const auto end = static_cast<std::size_t>(K.row_starts()[i + 1]) * width;
-    const auto row = K.values().subspan(begin, end - begin);
-    if (owners_[i] != rank_ && !all_blocks &&
-        std::all_of(row.begin(), row.end(), [](double v) { return v == 0; }))
-      continue;
-    insert_row(K, i);
+    const std::int32_t begin = K.row_starts()[i], end = K.row_starts()[i + 1];
+    const auto values = K.values().subspan(begin * width, (end - begin) * width);
+    columns.clear();
+    for (std::int32_t s = begin; s < end; ++s) columns.push_back(numbers_[K.columns()[s]]);
+    if (owners_[i] == rank_) {
+      add_row(numbers_[i], columns, values);
+    } else if (all_blocks ||
+               std::any_of(values.begin(), values.end(), [](double v) { return v != 0; })) {
+      Packet& packet = out[owners_[i]];
+      packet.put(numbers_[i]);
+      packet.put(end - begin);
+      packet.put_all(std::span<const PetscInt>(columns));
+      packet.put_all(values);
+    }
+  }
+  for (auto& [rank, packet] : send_packets(comm_, out)) add_rows(packet);
+}
+
+template <int block_size>
+void PetscMatrix<block_size>::add_rows(Packet& packet) {
+  std::vector<PetscInt> columns;
+  std::vector<double> values;
+  while (!packet.empty()) {
+    const auto row = packet.take<PetscInt>();
+    columns.resize(packet.take<std::int32_t>());
+    packet.take_all(columns);
+    values.resize(columns.size() * block_size * block_size);
+    packet.take_all(values);
+    add_row(row, columns, values);
   }
 }
 
 template <int block_size>
-void PetscMatrix<block_size>::insert_row(const BlockMatrix<block_size>& K, std::int32_t i) {
-  const std::int32_t begin = K.row_starts()[i], end = K.row_starts()[i + 1];
-  std::vector<PetscInt> columns;
-  for (std::int32_t s = begin; s < end; ++s) columns.push_back(numbers_[K.columns()[s]]);
-  // PETSc 3.18 mixes up the columns of several column-major blocks that go to another rank.
-  const std::int32_t at_once = owners_[i] == rank_ ? end - begin : 1;
-  for (std::int32_t s = begin; s < end; s += at_once)
-    check_petsc(
-        MatSetValuesBlocked(
-            matrix_.get(), 1, &numbers_[i], at_once, columns.data() + (s - begin),
-            K.values().data() + static_cast<std::size_t>(s) * block_size * block_size, ADD_VALUES),
-        "MatSetValuesBlocked");
+void PetscMatrix<block_size>::add_row(PetscInt row, std::span<const PetscInt> columns,
+                                      std::span<const double> values) {
+  check_petsc(MatSetValuesBlocked(matrix_.get(), 1, &row, static_cast<PetscInt>(columns.size()),
+                                  columns.data(), values.data(), ADD_VALUES),
+              "MatSetValuesBlocked");
 }
 
 template <int block_size>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
 #include "common/mechanics/petsc/shared_nodes.hpp"
 
@@ -50,7 +51,8 @@ class PetscMatrix {
   std::span<double> value_array(std::size_t size) const;
   std::vector<PetscInt> count_blocks(const BlockMatrix<block_size>& K) const;
   void insert_blocks(const BlockMatrix<block_size>& K, bool all_blocks);
-  void insert_row(const BlockMatrix<block_size>& K, std::int32_t i);
+  void add_rows(Packet& packet);
+  void add_row(PetscInt row, std::span<const PetscInt> columns, std::span<const double> values);
   void copy_values(const BlockMatrix<block_size>& K);
   void assemble();
 

@@ -12,7 +12,7 @@
 
 #include "common/base/require.hpp"
 
-namespace gabion::mpm {
+namespace gabion {
 
 /// Numbers on their way to another rank: taken in the order in which they were put.
 class Packet {
@@ -26,15 +26,28 @@ class Packet {
     const char* const first = reinterpret_cast<const char*>(numbers_of(value));
     bytes_.insert(bytes_.end(), first, first + size_of<Value>());
   }
+  template <class Number>
+  void put_all(std::span<const Number> numbers) {
+    const char* const first = reinterpret_cast<const char*>(numbers.data());
+    bytes_.insert(bytes_.end(), first, first + numbers.size_bytes());
+  }
   template <class Value>
   Value take() {
     constexpr std::size_t size = size_of<Value>();
-    require(next_ + size <= bytes_.size(), "mpm_solver: a message of another rank is too short");
+    require(next_ + size <= bytes_.size(), "a message of another rank is too short");
     Value value;
     std::memcpy(numbers_of(value), bytes_.data() + next_, size);
     next_ += size;
     return value;
   }
+  template <class Number>
+  void take_all(std::vector<Number>& numbers) {
+    const std::size_t size = numbers.size() * sizeof(Number);
+    require(next_ + size <= bytes_.size(), "a message of another rank is too short");
+    if (size > 0) std::memcpy(numbers.data(), bytes_.data() + next_, size);
+    next_ += size;
+  }
+  bool empty() const { return next_ == bytes_.size(); }
   std::span<const char> bytes() const { return bytes_; }
 
  private:
@@ -67,4 +80,4 @@ using Packets = std::map<int, Packet>;
 /// @note Collective.
 Packets send_packets(MPI_Comm comm, const Packets& out);
 
-}  // namespace gabion::mpm
+}  // namespace gabion

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/points/packet.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 
 #include <petscsys.h>
 
@@ -9,7 +9,7 @@
 
 #include "common/mechanics/petsc/petsc_session.hpp"
 
-namespace gabion::mpm {
+namespace gabion {
 
 namespace {
 
@@ -22,7 +22,7 @@ std::map<int, std::int64_t> sizes_of_incoming(MPI_Comm comm, const Packets& out)
   for (const auto& [rank, packet] : out) {
     const auto size = std::ssize(packet.bytes());
     require(size <= std::numeric_limits<int>::max(),
-            "mpm_solver: found a message of " + std::to_string(size) +
+            "found a message of " + std::to_string(size) +
                 " bytes to another rank, allowed: below 2 GiB");
     to.push_back(rank);
     sizes.push_back(size);
@@ -63,4 +63,4 @@ Packets send_packets(MPI_Comm comm, const Packets& out) {
   return in;
 }
 
-}  // namespace gabion::mpm
+}  // namespace gabion
