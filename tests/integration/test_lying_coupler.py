@@ -135,7 +135,7 @@ class Liar(IntegrationCase):
         self.assertEqual(probes.tobytes(), self.coupler.ask("load", saved.arrays, state=saved.fields["state"])
                          .arrays["probes"].tobytes())
         name, value, words = {
-            "mpm_solver": ("integer:points.cell", 160, "cell of a material point: found 160, allowed: 0 to 159"),
+            "mpm_solver": ("integer:points.cell", 160, "saved state: points.cell: found 160, allowed: 0 to 159"),
             "fem_solver": ("integer:rescue", 77, 'saved state: "rescue" is no method of solution')}[program]
         saved.arrays[name][-1] = value
         self.expect_end(words, lambda: self.coupler.request("load", saved.arrays, state=saved.fields["state"]))
