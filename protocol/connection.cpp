@@ -5,6 +5,7 @@
 
 #include <random>
 #include <span>
+#include <utility>
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
@@ -148,11 +149,12 @@ Message Connection::next_request(Frames* frames) {
   require<ProtocolError>(failure_.empty(), "the coupling has failed before: " + failure_);
   heartbeat_->set_phase("waiting", false);
   const Stopwatch waited;
+  Attention::Seconds look = attention_.before(last_request_);
   std::optional<Request> request;
   while (!request) {
     // Judged before the look at the queue: what came counts.
     const bool was_silent = coupler_->silence(deadlines_.silence).has_value();
-    request = receive_request(slice_milliseconds);
+    request = receive_request(slice_milliseconds, std::exchange(look, {}));
     if (!request) request = look_after_coupler(was_silent);
     if (!request && waited.seconds() > deadlines_.idle) {
       fail(fmt::format("{} is alive but has asked nothing for {:.1f} s (limit {} s, {}); {}",
@@ -160,13 +162,16 @@ Message Connection::next_request(Frames* frames) {
                        deadline_option("idle_deadline"), coupler_->last_words()));
     }
   }
+  attention_.note(last_request_, Attention::Seconds(waited.seconds()));
+  last_request_ = request->message.type;
   if (frames) *frames = std::move(request->frames);
   return std::move(request->message);
 }
 
 /// Signs of life are noted and left out.
-std::optional<Connection::Request> Connection::receive_request(int milliseconds) {
-  auto frames = socket_->receive(milliseconds);
+std::optional<Connection::Request> Connection::receive_request(int milliseconds,
+                                                               Attention::Seconds look) {
+  auto frames = socket_->receive(milliseconds, look);
   if (!frames) return std::nullopt;
   Message message;
   try {

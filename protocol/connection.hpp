@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/run/solver.hpp"
+#include "protocol/attention.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/heartbeat.hpp"
 #include "protocol/message.hpp"
@@ -91,7 +92,7 @@ class Connection final : public RequestSource {
     Frames frames;
   };
   Message await_answer_to_hello();
-  std::optional<Request> receive_request(int milliseconds);
+  std::optional<Request> receive_request(int milliseconds, Attention::Seconds look = {});
   std::optional<Request> look_after_coupler(bool was_silent);
   bool waits_for_last_checkpoint();
   std::optional<Request> last_words();
@@ -109,6 +110,8 @@ class Connection final : public RequestSource {
   Deadlines deadlines_;
   Json run_ = Json::object();
   std::uint64_t last_sequence_ = 0;
+  std::string last_request_;  // its type
+  Attention attention_;       // to the request after it
   std::string failure_;
   Stopwatch since_health_check_;
   std::optional<Stopwatch> since_signal_;        // while the coupler may still ask for the state

@@ -18,14 +18,10 @@ namespace gabion {
 
 namespace {
 
-/// A thread that sleeps takes 50 to 100 us to wake; a solver's answer often comes sooner than that.
-constexpr auto attentive = std::chrono::milliseconds(2);
-
-/// First part of a message that comes within the attentive time; the processor goes to whoever else
-/// wants it. @returns whether one came.
-bool receive_attentively(zmq::socket_t& socket, zmq::message_t& part, int milliseconds) {
-  const std::chrono::milliseconds patience(milliseconds);
-  const auto until = std::chrono::steady_clock::now() + std::min(attentive, patience);
+/// First part of a message that is there or comes within this time; the processor goes to whoever
+/// else wants it. @returns whether one came.
+bool look_for(zmq::socket_t& socket, zmq::message_t& part, std::chrono::duration<double> time) {
+  const auto until = std::chrono::steady_clock::now() + time;
   do {
     if (socket.recv(part, zmq::recv_flags::dontwait)) return true;
     std::this_thread::yield();
@@ -145,11 +141,13 @@ bool Socket::send(const std::vector<std::string_view>& frames) {
   return true;
 }
 
-std::optional<std::vector<std::string>> Socket::receive(int milliseconds) {
+std::optional<std::vector<std::string>> Socket::receive(int milliseconds,
+                                                        std::chrono::duration<double> look) {
   zmq::socket_t& socket = implementation_->socket;
   try {
     zmq::message_t part;
-    if (!receive_attentively(socket, part, milliseconds)) {
+    const std::chrono::milliseconds patience(milliseconds);
+    if (!look_for(socket, part, std::min<std::chrono::duration<double>>(look, patience))) {
       if (milliseconds == 0) return std::nullopt;
       zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
       if (zmq::poll(&item, 1, std::chrono::milliseconds(milliseconds)) == 0) return std::nullopt;

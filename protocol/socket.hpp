@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,7 +43,9 @@ class Socket {
 
   /// One message, or nothing after `milliseconds` or when a signal came.
   /// Of more than `max_frames` frames only the first ones are kept.
-  std::optional<std::vector<std::string>> receive(int milliseconds);
+  /// @param look  time before sleep in which the processor is kept (Attention)
+  std::optional<std::vector<std::string>> receive(int milliseconds,
+                                                  std::chrono::duration<double> look = {});
 
   /// A participant's, until its first message comes: why the coupler does not let it in.
   struct Refusal {

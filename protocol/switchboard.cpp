@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
@@ -98,6 +99,7 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
     request.sequence = ++to.last_sequence;
     to.watch->asked(describe(request));
     to.asked = true;
+    to.question = participant + " " + request.type;
     bool sent = false;
     {
       const std::lock_guard lock(socket_mutex_);
@@ -119,12 +121,16 @@ Message Switchboard::wait_reply(const std::string& participant, std::uint64_t se
   return guarded([&] {
     const Peer& awaited = peer(participant);
     const Stopwatch waited;
+    Attention::Seconds look = attention_.before(awaited.question);
     std::optional<Stopwatch> late;
     Stopwatch since_log;
     for (;;) {
-      if (auto reply = take_reply(participant, sequence)) return std::move(*reply);
+      if (auto reply = take_reply(participant, sequence)) {
+        attention_.note(awaited.question, Attention::Seconds(waited.seconds()));
+        return std::move(*reply);
+      }
       if (!late && waited.seconds() > deadlines_.answer) late.emplace();  // before the look
-      const bool came = listen(&awaited);
+      const bool came = listen(&awaited, std::exchange(look, {}));
       refuse_late_arrivals();
       if (!awaited.inbox.empty()) continue;
       const PeerWatch& watch = *awaited.watch;
@@ -181,13 +187,13 @@ void Switchboard::set_phase(const std::string& phase) {
 }
 
 /// Take what has come, waiting for the first message at most so long. Whether anything came.
-bool Switchboard::pump(int milliseconds) {
+bool Switchboard::pump(int milliseconds, Attention::Seconds look) {
   bool came = false;
   for (;;) {
     std::optional<std::vector<std::string>> frames;
     {
       const std::lock_guard lock(socket_mutex_);
-      frames = socket_.receive(came ? 0 : milliseconds);
+      frames = socket_.receive(came ? 0 : milliseconds, look);
       beat_when_due();
     }
     if (!frames) return came;
@@ -261,10 +267,10 @@ void Switchboard::refuse_late_arrivals() {
 /// Wait a slice for what comes, then look after all participants. Silence is judged before the look
 /// at the queue, deaths and signals after it; none of them matters while the awaited one has
 /// answered. @returns whether anything came
-bool Switchboard::listen(const Peer* awaited) {
+bool Switchboard::listen(const Peer* awaited, Attention::Seconds look) {
   const auto has_answered = [awaited] { return awaited && !awaited->inbox.empty(); };
   const bool was_silent = is_somebody_silent();
-  const bool came = pump(slice_milliseconds);
+  const bool came = pump(slice_milliseconds, look);
   const bool ends = signal_ends_wait();
   const double elapsed = since_health_check_.seconds();
   if (has_answered() || (elapsed < health_check_period && !ends)) return came;

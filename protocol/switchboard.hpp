@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "protocol/attention.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/message.hpp"
 #include "protocol/peer_watch.hpp"
@@ -93,13 +94,14 @@ class Switchboard {
     bool sends_heartbeat = true;
     bool released = false;  // it has said "finished": its end is no failure any more
     bool asked = false;     // a request is open: one answer may come
+    std::string question;   // kind of the last request
     std::unique_ptr<PeerWatch> watch;
     std::deque<Message> inbox;
     std::uint64_t last_sequence = 0;
   };
 
-  bool listen(const Peer* awaited);
-  bool pump(int milliseconds);
+  bool listen(const Peer* awaited, Attention::Seconds look = {});
+  bool pump(int milliseconds, Attention::Seconds look = {});
   void dispatch(const std::vector<std::string>& frames);
   void release(const std::string& participant);
   void heartbeat_came(const std::string& route, const Message& message);
@@ -122,6 +124,7 @@ class Switchboard {
   std::map<std::string, Peer> peers_;
   std::vector<Arrival> arrivals_;
   std::string failure_;
+  Attention attention_;
   bool signals_end_waits_ = true;
   bool logs_waits_ = false;
   std::optional<Stopwatch> since_signal_;

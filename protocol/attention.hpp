@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+
+namespace gabion {
+
+/// Whether to look for a message again and again, or to sleep until it comes. A thread that sleeps
+/// takes 50 to 100 us to wake, one that looks takes a processor from whoever computes. So short
+/// waits look, long ones sleep; waits of one kind (what was asked, and whom) are about as long as
+/// those before.
+class Attention {
+ public:
+  using Seconds = std::chrono::duration<double>;
+
+  /// How long to look before sleep.
+  Seconds before(const std::string& kind) const {
+    const auto known = means_.find(kind);
+    return known == means_.end() || known->second <= short_wait ? longest_look : Seconds(0);
+  }
+  /// A wait of this kind is over.
+  void note(const std::string& kind, Seconds wait) {
+    const auto [known, is_new] = means_.emplace(kind, wait);
+    if (!is_new) known->second += share_of_last * (wait - known->second);
+  }
+
+ private:
+  static constexpr Seconds short_wait{1e-3};
+  static constexpr Seconds longest_look{2e-3};
+  static constexpr double share_of_last = 0.25;
+  std::map<std::string, Seconds> means_;
+};
+
+}  // namespace gabion

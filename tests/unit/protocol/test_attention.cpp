@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "protocol/attention.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gabion {
+namespace {
+
+using Seconds = Attention::Seconds;
+
+TEST(Attention, LooksForWhatItDoesNotKnow) {
+  EXPECT_GT(Attention().before("soil solve_step"), Seconds(0));
+}
+
+TEST(Attention, SleepsThroughLongWaits) {
+  Attention attention;
+  attention.note("soil solve_step", Seconds(5e-3));
+  EXPECT_EQ(attention.before("soil solve_step"), Seconds(0));
+  EXPECT_GT(attention.before("soil accept_step"), Seconds(0));
+}
+
+TEST(Attention, LooksForWhatComesSoon) {
+  Attention attention;
+  attention.note("solve_step", Seconds(5e-4));
+  EXPECT_GT(attention.before("solve_step"), Seconds(5e-4));
+}
+
+TEST(Attention, LearnsThatWaitsBecameShortOrLong) {
+  Attention attention;
+  for (int k = 0; k < 20; ++k) attention.note("solve_step", Seconds(5e-3));
+  EXPECT_EQ(attention.before("solve_step"), Seconds(0));
+  for (int k = 0; k < 20; ++k) attention.note("solve_step", Seconds(1e-4));
+  EXPECT_GT(attention.before("solve_step"), Seconds(0));
+  for (int k = 0; k < 20; ++k) attention.note("solve_step", Seconds(5e-3));
+  EXPECT_EQ(attention.before("solve_step"), Seconds(0));
+}
+
+}  // namespace
+}  // namespace gabion
