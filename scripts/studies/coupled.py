@@ -120,6 +120,31 @@ def acceleration(runner: Runner) -> None:
     runner.report(head, rows)
 
 
+FORCE_LIMITS = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1]  # [N], root mean square of a component
+
+
+def tolerance(runner: Runner) -> None:
+    """The answer of granular_obstacle over the limit of the coupling's force residual."""
+    runs = {limit: runner.run(folder_of(f"force {limit:g} N"), SCENE,
+                              [f"coupler.json:/coupling/convergence/force/absolute={limit:g}"])
+            for limit in FORCE_LIMITS}
+    reference = runs[FORCE_LIMITS[0]]
+    rows = []
+    for limit, run in runs.items():
+        iterations = run.iterations_in_contact()
+        errors = ["", ""] if run is reference else [relative_rms(run.displacement(), reference.displacement()),
+                                                    relative_rms(run.impulse(), reference.impulse())]
+        rows.append([f"{limit:g}", float(iterations.mean()), int(iterations.max()), run.cuts(), 1e3 * run.peak()[0],
+                     1e3 * run.displacement().mean_of_last(REST), run.force().mean_of_last(REST),
+                     float(run.impulse().values[-1]), run.seconds(), *errors])
+    head = ["limit [N]", "iterations", "most", "cuts", "peak of A [mm]", "rest [mm]", "force at rest [N/m]",
+            "impulse [N s/m]", "run time [s]", "error of A", "error of impulse"]
+    runner.report(head, rows)
+    runner.remark(f"limit: root mean square over the components of the nodal forces; errors: root mean square over "
+                  f"the run, relative to {FORCE_LIMITS[0]:g} N; iterations: mean of the steps in contact; rest: mean "
+                  f"of the last {REST} s")
+
+
 def mesh_convergence(runner: Runner) -> None:
     """A's displacement and the impulse for two grids and the monolithic model."""
     runs = {
@@ -155,4 +180,5 @@ def _impulse_or_none(run: Measured):
         return None
 
 
-STUDIES = {study.__name__: study for study in (speed, error_vs_time, acceleration, mesh_convergence)}
+STUDIES = {study.__name__: study for study in (speed, error_vs_time, acceleration, tolerance,
+                                               mesh_convergence)}

@@ -20,7 +20,7 @@ import measured
 from plotting.results import Results, ResultsError
 from studies import codes, coupling, instructions
 from studies.columns import COLLAPSE, FACTORS, columns, compare
-from studies.coupled import LIMITS, STUDIES, acceleration, error_vs_time, speed
+from studies.coupled import FORCE_LIMITS, LIMITS, STUDIES, acceleration, error_vs_time, speed, tolerance
 from studies.measures import Curve, Measured, relative_rms
 from studies.outcome import beyond, largest_rise, outcome, verdict
 from studies.run_out import height_law, run_out, run_out_law
@@ -213,6 +213,15 @@ class Studies(ScriptCase):
             np.testing.assert_allclose(found, exact, atol=1e-12)
         self.assertAlmostEqual(float(rows[0][3]), 1.2 * 2e3 * made_up.AMPLITUDE, places=2)  # 1 - cos: twice
         self.assertAlmostEqual(float(rows[7][5]), 1.1 * made_up.FORCE, places=9)
+
+    def test_tolerance(self) -> None:
+        rows = self.table(tolerance, {"force_0.01_N": 1.1, "force_0.1_N": 0.7})
+        self.assertEqual([float(row[0]) for row in rows], FORCE_LIMITS)
+        for errors in (9, 10):
+            self.assertEqual(rows[0][errors], "")
+            found = [float(row[errors]) for row in rows[1:]]
+            np.testing.assert_allclose(found, [0, 0, 0, 0.1, 0, 0.3], atol=1e-12)
+        self.assertAlmostEqual(float(rows[-1][6]), 0.7 * made_up.FORCE, places=9)
 
     def test_fixed_steps_switch_every_limit_off(self) -> None:
         schema = json.loads((ROOT / "docs" / "keys" / "mpm.schema.json").read_text())
