@@ -141,10 +141,12 @@ template <int dim>
 Json SoilReport<dim>::ranks(const SoilState<dim>& state, const SoilStep<dim>& step) const {
   const SharedNodes& shared = step.soil().nodes().shared;
   const double num_shared = shared.alone() ? 0 : shared.num_shared();
+  const double num_neighbours = shared.alone() ? 0 : shared.num_neighbours();
   return {{"number", num_ranks(model_.comm)},
           {"largest_share", state.ranks.largest_share(state.points)},
           {"partitions", state.ranks.num_divisions()},
           {"moved_points", state.ranks.num_moved()},
+          {"neighbours", static_cast<int>(max_over_ranks(model_.comm, num_neighbours))},
           {"shared_nodes", static_cast<std::int64_t>(max_over_ranks(model_.comm, num_shared))}};
 }
 
