@@ -34,6 +34,7 @@ class LinearSystem {
     shared_ = nodes.shared;
   }
   BlockMatrix<dim>& K() { return K_; }
+  const BlockMatrix<dim>& K() const { return K_; }
   /// K x = r. @returns number of linear iterations
   std::int64_t solve(std::span<const double> r, std::span<double> x) {
     solver_.set_matrix(K_, shared_);

@@ -32,9 +32,9 @@ class Soil:
 
 
 SOILS = {
-    "plane, 20,000 points": Soil("quad4, gimp, F-bar", 2, 4e-4, 0.16, 1.4),
-    "plane, 80,000 points": Soil("quad4, gimp, F-bar", 4, 2.5e-4, 0.16, 1.7),
-    "space, 64,000 points": Soil("hex8, gimp, F-bar", 2, 1e-3, 0.16, 1.7),
+    "plane, 20,000 points": Soil("quad4, gimp, F-bar", 2, 5e-4, 0.12, 1.4),
+    "plane, 80,000 points": Soil("quad4, gimp, F-bar", 4, 4e-4, 0.12, 1.7),
+    "space, 64,000 points": Soil("hex8, gimp, F-bar", 2, 1.5e-3, 0.12, 1.7),
 }
 WANTED_MEMORY = 0.6  # of a rank over that of the run on one
 

@@ -3,6 +3,7 @@
 
 import subprocess
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -11,12 +12,11 @@ from plotting.results import ResultsError
 from plotting.style import COLOURS, legend_beside, new_figure
 from studies.columns import setting
 from studies.measures import Measured
-from studies.runner import ROOT, Runner
+from studies.runner import ROOT, Runner, folder_of
 
 SCENE = "column_run_out_3d"
 RATIOS = [0.5, 0.9, 1.5, 3.0]  # a = height by radius
-EDGE, HALVES = 0.005, 20  # half a cell of the grid [m]; the radius in such halves
-CELL = 2 * EDGE
+RADIUS = 0.1  # [m]
 GRAVITY = 9.81  # [m/s^2]
 SECTORS = 9  # of the quarter, each with a front of its own
 WANTED = 0.1  # largest error that is asked for
@@ -38,23 +38,48 @@ def cone_law(a: float) -> float:
     return (3 * a / height_law(a)) ** 0.5 - 1 if a > 0.74 else float("nan")
 
 
-def volume_radius() -> float:
-    """Of a cylinder with the volume of the cubes [m]."""
-    middle = np.arange(HALVES) + 0.5
-    inside = np.add.outer(middle**2, middle**2) < HALVES**2
-    return EDGE * float(np.sqrt(4 * inside.sum() / np.pi))
+@dataclass(frozen=True)
+class Cylinder:
+    """A quarter of a cylinder of cubes, each half as wide as a cell of the grid and with one point."""
 
+    ratio: float  #: height by RADIUS, rounded to whole cubes
+    cells: int = 10  #: of the grid in a radius
 
-def of_layers(layers: int, mesh: str) -> list[str]:
-    """Settings of a cylinder of so many layers of cubes; it is at rest after some 5 sqrt(H / g)."""
-    height = layers * EDGE
-    a = height / volume_radius()
-    cells = int(np.ceil((1 + 1.4 * run_out_law(a)) * HALVES / 2))
-    high = int(np.ceil(layers / 2)) + 2
-    grid = {"box": {"low": [0, 0, 0], "high": [cells * CELL, cells * CELL, high * CELL], "cells": [cells, cells, high],
-                    "type": "hex8"}}
-    return [setting("grid", grid), setting("bodies/0/mesh", {"file": mesh}),
-            setting("time/end", round(5.5 * np.sqrt(height / GRAVITY), 2))]
+    @property
+    def edge(self) -> float:
+        """Of a cube [m]."""
+        return RADIUS / (2 * self.cells)
+
+    @property
+    def layers(self) -> int:
+        return round(2 * self.cells * self.ratio)
+
+    @property
+    def radius(self) -> float:
+        """Of a cylinder with the volume of the cubes [m]."""
+        middle = np.arange(2 * self.cells) + 0.5
+        inside = np.add.outer(middle**2, middle**2) < (2 * self.cells) ** 2
+        return self.edge * float(np.sqrt(4 * inside.sum() / np.pi))
+
+    @property
+    def a(self) -> float:
+        """Height by radius."""
+        return self.layers * self.edge / self.radius
+
+    def settings(self, mesh: str) -> list[str]:
+        """It is at rest after some 5 sqrt(H / g); dt keeps its ratio to the cells."""
+        cell, dt = 2 * self.edge, 0.02 / self.cells
+        wide, high = int(np.ceil((1 + 1.4 * run_out_law(self.a)) * self.cells)), int(np.ceil(self.layers / 2)) + 2
+        size = [round(number * cell, 9) for number in (wide, wide, high)]
+        grid = {"box": {"low": [0, 0, 0], "high": size, "cells": [wide, wide, high], "type": "hex8"}}
+        return [setting("grid", grid), setting("bodies/0/mesh", {"file": mesh}), setting("time/dt", dt),
+                setting("time/dt_min", dt / 1000),
+                setting("time/end", round(5.5 * np.sqrt(self.layers * self.edge / GRAVITY), 2))]
+
+    def write_mesh(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run([ROOT / "configs" / SCENE / "make_cylinder", "--edge", str(self.edge), "--radius",
+                        str(2 * self.cells), "--layers", str(self.layers), path], check=True, capture_output=True)
 
 
 @dataclass
@@ -69,13 +94,13 @@ class Deposit:
     surface: np.ndarray
 
 
-def fronts(x: np.ndarray, y: np.ndarray, spacing: float) -> np.ndarray:
-    """Radius at which the connected deposit ends, in each sector of the quarter [m]."""
+def fronts(x: np.ndarray, y: np.ndarray, spacing: float, inside: float) -> np.ndarray:
+    """inside: soil within this radius counts as connected [m]. Radius at which the connected deposit ends, in each sector of the quarter [m]."""
     r, sector = np.hypot(x, y), np.minimum(np.arctan2(y, x) / (0.5 * np.pi) * SECTORS, SECTORS - 1).astype(int)
     found = []
     for k in range(SECTORS):
         # Near the axis a sector is narrower than a point.
-        of_sector = np.maximum(r[sector == k], volume_radius())
+        of_sector = np.maximum(r[sector == k], inside)
         found.append(front_of(np.column_stack([of_sector, of_sector]), spacing))
     return np.array(found)
 
@@ -87,36 +112,40 @@ def volume_under(r: np.ndarray, height: np.ndarray) -> float:
     return float(rings.sum() + np.pi * r[0] ** 2 * height[0])
 
 
-def deposit_of(run: Measured, a: float) -> Deposit:
+def deposit_of(run: Measured, cylinder: Cylinder) -> Deposit:
     soil = run.results.soil
     if soil is None:
         raise ResultsError(f"{run.results.folder}: no mpm/soil.xdmf")
     x, y, z = soil.frame(len(soil) - 1).points.T
-    radius = volume_radius()
-    found = fronts(x, y, EDGE)
-    r, surface = surface_of(np.column_stack([np.hypot(x, y), z]), EDGE)
-    return Deposit(found.mean() / radius - 1, np.ptp(found) / found.mean(), (z.max() + 0.5 * EDGE) / radius,
-                   volume_under(r, surface) / (np.pi * a * radius**3), r / radius, surface / radius)
+    radius, edge = cylinder.radius, cylinder.edge
+    found = fronts(x, y, edge, radius)
+    r, surface = surface_of(np.column_stack([np.hypot(x, y), z]), edge)
+    return Deposit(found.mean() / radius - 1, np.ptp(found) / found.mean(), (z.max() + 0.5 * edge) / radius,
+                   volume_under(r, surface) / (np.pi * cylinder.a * radius**3), r / radius, surface / radius)
+
+
+HEAD = ["points", "run-out", "law", "error", "cone", "spread", "height", "law", "error", "volume kept", "Newton a step",
+        "CPU [s]"]
+
+
+def measure(runner: Runner, label: str, cylinder: Cylinder, settings: list[str]) -> tuple[list, Deposit]:
+    """A row of HEAD."""
+    mesh = (runner.folder / f"{label}.msh").resolve()
+    cylinder.write_mesh(mesh)
+    run = runner.run(label, SCENE, [*cylinder.settings(str(mesh)), *settings])
+    deposit, out, high = deposit_of(run, cylinder), run_out_law(cylinder.a), height_law(cylinder.a)
+    return [run.summary["solver"]["points"], deposit.run_out, out, deposit.run_out / out - 1, cone_law(cylinder.a),
+            deposit.spread, deposit.height, high, deposit.height / high - 1, deposit.volume, run.newton_per_step(),
+            run.cpu_seconds()], deposit
 
 
 def run_out_3d(runner: Runner) -> None:
     """Cylinders of sand of four slendernesses: run-out and height against Lube and Lajeunesse et al. (2004)."""
     rows, deposits = [], {}
     for ratio in RATIOS:
-        layers = round(ratio * HALVES)
-        mesh = (runner.folder / f"cylinder_{ratio:g}.msh").resolve()
-        mesh.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run([ROOT / "configs" / SCENE / "make_cylinder", "--edge", str(EDGE), "--radius", str(HALVES),
-                        "--layers", str(layers), mesh], check=True, capture_output=True)
-        run = runner.run(f"a_{ratio:g}", SCENE, of_layers(layers, str(mesh)))
-        a = layers * EDGE / volume_radius()
-        deposit = deposits[ratio] = deposit_of(run, a)
-        rows.append([ratio, run.summary["solver"]["points"], deposit.run_out, run_out_law(a),
-                     deposit.run_out / run_out_law(a) - 1, cone_law(a), deposit.spread, deposit.height, height_law(a),
-                     deposit.height / height_law(a) - 1, deposit.volume, run.newton_per_step(), run.cpu_seconds()])
-    head = ["a", "points", "run-out", "law", "error", "cone", "spread", "height", "law", "error", "volume kept",
-            "Newton a step", "CPU [s]"]
-    runner.report(head, rows)
+        found, deposits[ratio] = measure(runner, f"a_{ratio:g}", Cylinder(ratio), [])
+        rows.append([ratio, *found])
+    runner.report(["a", *HEAD], rows)
     met = sum(abs(row[4]) <= WANTED for row in rows)
     runner.remark(f"run-out within {100 * WANTED:.0f} % of the law: {met} of {len(rows)}")
     draw_laws(runner, np.array(rows, dtype=float))
@@ -128,6 +157,21 @@ def run_out_3d(runner: Runner) -> None:
     axes.set_ylabel("height by initial radius")
     legend_beside(axes)
     runner.save(figure, "deposits_3d.png")
+    changed = []
+    for name, (cells, settings) in FACTORS.items():
+        label = "changed_" + folder_of(name).replace("/", "_by_")
+        changed.append([name, *measure(runner, label, Cylinder(CHANGED, cells), settings)[0]])
+    runner.report(["changed", *HEAD], changed, f"a = {CHANGED:g}, one thing changed")
+
+
+CHANGED = 0.9
+FACTORS = {
+    "friction 37°": (10, [setting("bodies/0/material/friction_angle", 37)]),
+    "linear": (10, [setting("basis", "linear")]),
+    "linear, no F-bar": (10, [setting("basis", "linear"), setting("locking/method", "none")]),
+    "6 cells a radius": (6, []),
+    "15 cells a radius": (15, []),
+}
 
 
 def draw_laws(runner: Runner, rows: np.ndarray) -> None:

@@ -26,9 +26,11 @@ class MadeUpCylinder(Runner):
     def run(self, label: str, scene: str, settings: list[str]) -> Measured:
         mesh = json.loads(next(text for text in settings if "bodies/0/mesh" in text).partition("=")[2])["file"]
         self.cubes = Path(mesh).read_text().split("$Elements\n")[1].splitlines()[1].split()[3]
-        layers = round(float(label.removeprefix("a_")) * run_out_3d.HALVES)
-        middles = run_out_3d.EDGE * (np.indices((run_out_3d.HALVES, run_out_3d.HALVES, layers)).reshape(3, -1).T + 0.5)
-        points = middles[np.hypot(middles[:, 0], middles[:, 1]) < run_out_3d.EDGE * run_out_3d.HALVES]
+        ratio = float(label.removeprefix("a_")) if label.startswith("a_") else run_out_3d.CHANGED
+        cells = int(label.split("_")[1]) if "cells" in label else 10
+        cylinder = run_out_3d.Cylinder(ratio, cells)
+        middles = cylinder.edge * (np.indices((2 * cells, 2 * cells, cylinder.layers)).reshape(3, -1).T + 0.5)
+        points = middles[np.hypot(middles[:, 0], middles[:, 1]) < run_out_3d.RADIUS]
         assert self.cubes == str(len(points)), "the mesh is another one"
         made_up.write_series(self.folder / label / "mpm", "soil", [(0.0, points, None, {}), (1.0, points, None, {})])
         summary = {"completed": True, "steps": 10, "newton_iterations": 45, "cuts": 0, "cpu_seconds": 2.5,
@@ -43,6 +45,8 @@ class RunOut(ScriptCase):
             run_out_3d.run_out_3d(MadeUpCylinder(self.folder, reuse=False, settings=[]))
         rows = list(csv.reader((self.folder / "table.csv").read_text().splitlines()))[1:]
         self.assertEqual([float(row[0]) for row in rows], run_out_3d.RATIOS)
+        changed = list(csv.reader((self.folder / "a = 0.9, one thing changed.csv").read_text().splitlines()))[1:]
+        self.assertEqual([row[0] for row in changed], list(run_out_3d.FACTORS))
         for row in rows:
             self.assertAlmostEqual(float(row[2]), 0, delta=0.03, msg="run-out: a third of a cube's edge")
             self.assertAlmostEqual(float(row[7]), float(row[0]), delta=0.01, msg="height")
@@ -52,7 +56,7 @@ class RunOut(ScriptCase):
         r = np.linspace(0.0, 0.3, 120)
         x, y = np.outer(r, np.cos(angle)).ravel(), np.outer(r, np.sin(angle)).ravel()
         x, y = np.append(x, 0.5), np.append(y, 0.01)  # one far away
-        np.testing.assert_allclose(run_out_3d.fronts(x, y, 0.005), 0.3025, rtol=1e-9)
+        np.testing.assert_allclose(run_out_3d.fronts(x, y, 0.005, 0.1), 0.3025, rtol=1e-9)
 
     def test_volume_under_a_cone_and_a_drum(self) -> None:
         r = np.array([0.1, 0.35, 0.9, 1.0])
@@ -67,10 +71,11 @@ class RunOut(ScriptCase):
 
     def test_the_scene_is_one_of_the_study(self) -> None:
         scene = json.loads((ROOT / "configs" / run_out_3d.SCENE / "mpm.json").read_text())
-        settings = dict(text.removeprefix("mpm.json:/").split("=", 1) for text in run_out_3d.of_layers(18, "cylinder.msh"))
+        settings = dict(text.removeprefix("mpm.json:/").split("=", 1) for text in run_out_3d.Cylinder(0.9).settings("cylinder.msh"))
         self.assertEqual(scene["grid"], json.loads(settings["grid"]))
         self.assertEqual(scene["bodies"][0]["mesh"], json.loads(settings["bodies/0/mesh"]))
-        self.assertEqual(scene["time"]["end"], json.loads(settings["time/end"]))
+        for key, value in scene["time"].items():
+            self.assertEqual(value, json.loads(settings[f"time/{key}"]), key)
 
 
 class Ranks(ScriptCase):
@@ -112,6 +117,23 @@ class Ranks(ScriptCase):
             body = settings["bodies"][0]
             points = np.prod(body["mesh"]["box"]["cells"]) * body["points_per_cell"]
             self.assertEqual(f"{points:,} points", name.partition(", ")[2])
+
+
+class Size(ScriptCase):
+    def test_memory_of_what_a_larger_run_has_more(self) -> None:
+        def summary(points: int, each: float) -> dict:
+            memory = {field: 1e6 + points * each * (k + 1) for k, field in enumerate(size.FIELDS)}
+            peak = 5e7 + sum(memory.values()) + 100 * points
+            return {"solver": {"points": points, "memory": memory, "peak_memory": {"largest_rank": peak}}}
+
+        name, points, *fields, other, total, wanted = size.memory_row("tri3", summary(5000, 10), summary(1000, 10))
+        self.assertEqual((name, points, wanted), ("tri3", 5000, 0.6))
+        np.testing.assert_allclose(fields, [0.01 * (k + 1) for k in range(len(size.FIELDS))])
+        self.assertAlmostEqual(other, 0.1)
+        self.assertAlmostEqual(total, 0.28 + 0.1)
+
+    def test_every_form_has_a_goal(self) -> None:
+        self.assertEqual(set(size.SIZES), set(size.WANTED))
 
 
 if __name__ == "__main__":

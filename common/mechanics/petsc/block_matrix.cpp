@@ -244,6 +244,21 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
 }
 
 template <int block_size>
+std::size_t BlockMatrix<block_size>::pattern_bytes() const {
+  std::size_t sum = 0;
+  const auto add = [&sum]<class Value>(const std::vector<Value>& list) {
+    sum += list.capacity() * sizeof(Value);
+  };
+  for (const auto* list : {&row_starts_, &columns_, &offsets_, &cell_nodes_, &runs_, &slots_,
+                           &corner_starts_, &neighbours_, &marks_})
+    add(*list);
+  add(run_starts_);
+  add(slot_starts_);
+  add(corners_);
+  return sum;
+}
+
+template <int block_size>
 void BlockMatrix<block_size>::multiply(std::span<const double> x, std::span<double> y) const {
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
     double sum[block_size] = {};

@@ -258,6 +258,11 @@ std::int64_t LinearSolver<block_size>::fallbacks() const {
   return impl_->fallbacks;
 }
 
+template <int block_size>
+double LinearSolver<block_size>::preconditioner_bytes() const {
+  return impl_->main.factor_bytes() + impl_->rescue.factor_bytes();
+}
+
 template class LinearSolver<1>;
 template class LinearSolver<2>;
 template class LinearSolver<3>;

@@ -83,6 +83,7 @@ class LinearSolver {
   std::string method_name() const;      ///< such as "bicgstab + node-block jacobi"
   std::int64_t factorisations() const;  ///< set-ups of a factor or a preconditioner
   std::int64_t fallbacks() const;       ///< Krylov solves that went to the direct method
+  double preconditioner_bytes() const;  ///< PetscSolver::factor_bytes of what this rank set up
 
  private:
   struct Implementation;
