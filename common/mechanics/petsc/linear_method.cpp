@@ -53,7 +53,7 @@ constexpr double multigrid_courant = 80;
 //
 //     Courant               6           13          26
 //     bicgstab + jacobi     16   15     31   16     41   35
-//     bicgstab + ilu(0)      2   53     14   68      -
+//     bicgstab + ilu(0)      2   45     14   68      -
 //
 // At 26 ilu(0) fails in part of the systems.
 constexpr double jacobi_courant_wide = 25;
