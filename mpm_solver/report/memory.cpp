@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/memory.hpp"
 
-#include <array>
+#include <algorithm>
 
 #include "common/mechanics/ranks/sum.hpp"
 
@@ -28,7 +28,7 @@ double bytes_of(const PointWeights<dim>& weights) {
          bytes_of(weights.group_nodes) + bytes_of(weights.body_groups);
 }
 
-// Of one entry of TrialPoints: they may have been given up since the last step.
+// Of one entry of TrialPoints.
 template <int dim>
 constexpr double bytes_of_trial_point() {
   return sizeof(MaterialState<dim>) + 2 * sizeof(Symmetric<dim>) + 2 * sizeof(double) +
@@ -41,39 +41,43 @@ double bytes_of(const GridNodes<dim>& nodes) {
          bytes_of(nodes.x) + bytes_of(nodes.m) + bytes_of(nodes.v) + bytes_of(nodes.a);
 }
 
+// Several ranks: K keeps its own values, and PETSc's rows hold about as many.
 template <int dim>
-double bytes_of_stiffness(MPI_Comm comm, const BlockMatrix<dim>& K) {
-  const int copies = num_ranks(comm) > 1 ? 2 : 1;
-  return static_cast<double>(copies * K.columns().size()) *
+double bytes_of_stiffness(const BlockMatrix<dim>& K, bool alone) {
+  return (alone ? 1.0 : 2.0) * static_cast<double>(K.columns().size()) *
          (dim * dim * sizeof(double) + sizeof(std::int32_t));
 }
 
 }  // namespace
 
 template <int dim>
-Json memory_by_field(const SoilModel<dim>& model, const SoilState<dim>& state,
-                     const SoilStep<dim>& step) {
-  static constexpr std::array names = {"points",    "weights", "trial",         "nodes",
-                                       "stiffness", "pattern", "preconditioner"};
+void Memory<dim>::look(const SoilState<dim>& state, const SoilStep<dim>& step) {
   const PointWeights<dim>& weights = step.soil().weights();
+  const GridNodes<dim>& nodes = step.soil().nodes();
   const BlockMatrix<dim>& K = step.stiffness();
-  std::array<double, names.size()> bytes = {
+  const std::array<double, names_.size()> bytes = {
       bytes_of(state.points),
       bytes_of(weights),
       static_cast<double>(weights.point.size()) * bytes_of_trial_point<dim>(),
-      bytes_of(step.soil().nodes()),
-      bytes_of_stiffness(model.comm, K),
+      bytes_of(nodes),
+      bytes_of_stiffness(K, nodes.shared.alone()),
       static_cast<double>(K.pattern_bytes()),
       step.linear_solver().preconditioner_bytes()};
-  sum_over_ranks(model.comm, std::span<double>(bytes));
+  for (std::size_t k = 0; k < bytes.size(); ++k) largest_[k] = std::max(largest_[k], bytes[k]);
+}
+
+template <int dim>
+Json Memory<dim>::json(MPI_Comm comm) const {
+  std::array<double, names_.size()> sums = largest_;
+  sum_over_ranks(comm, std::span<double>(sums));
   Json result = Json::object();
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    result[names[k]] = static_cast<std::int64_t>(bytes[k]);
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    result[names_[k]] = static_cast<std::int64_t>(sums[k]);
   }
   return result;
 }
 
-template Json memory_by_field<2>(const SoilModel<2>&, const SoilState<2>&, const SoilStep<2>&);
-template Json memory_by_field<3>(const SoilModel<3>&, const SoilState<3>&, const SoilStep<3>&);
+template class Memory<2>;
+template class Memory<3>;
 
 }  // namespace gabion::mpm

@@ -7,7 +7,6 @@
 
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
-#include "mpm_solver/report/memory.hpp"
 
 namespace gabion::mpm {
 
@@ -190,7 +189,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"newton", newton.json()},
                   {"explicit", explicit_json(step.substep_counts())},
                   {"linear_iterations", step.linear_iterations()},
-                  {"memory", memory_by_field(model_, state, step)},
+                  {"memory", memory_.json(model_.comm)},
                   {"wall_seconds", times.seconds()}};
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;

@@ -49,6 +49,7 @@ class SoilStep {
     if (dt_ != 0) return;
     equilibrium_.reset();
     trial_ = {};
+    system_.release();
   }
 
   const SoilOnGrid<dim>& soil() const { return soil_; }

@@ -86,6 +86,14 @@ def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None
     return out
 
 
+def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
+    """Those of an earlier run where they may be taken, else of a new one."""
+    if runner.reuse and (folder / "out" / "summary.json").exists():
+        return folder / "out"
+    print(f"{folder.name}: running", flush=True)
+    return launch(folder, settings, ranks, restart)
+
+
 def count_of(out: Path) -> Count:
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     with (out / "steps.csv").open(encoding="utf-8") as table:
@@ -164,9 +172,8 @@ def measure(runner: Runner, name: str, soil: Soil, when: str, restart: Path | No
     counts: dict[int, Count] = {}
     for repeat in range(REPEATS):
         for ranks in RANKS if repeat == 0 else RANKS[:2]:
-            print(f"{name}, {when}, {ranks} ranks: running", flush=True)
-            folder = runner.folder / f"{folder_of(name)}_{when}_{ranks}"
-            found = count_of(launch(folder, settings_of(soil, end), ranks, restart))
+            folder = runner.folder / f"{folder_of(name)}_{folder_of(when)}_{ranks}_{repeat}"
+            found = count_of(results(runner, folder, settings_of(soil, end), ranks, restart))
             counts[ranks] = min(found, counts.get(ranks, found), key=lambda count: count.seconds)
     return counts
 
@@ -175,12 +182,9 @@ def ranks(runner: Runner) -> None:
     """The soil on 1, 2, 4 and 8 MPI ranks: time, memory, messages; a model of 64 and 512 ranks."""
     models, met = [], []
     for name, soil in SOILS.items():
-        print(f"{name}, to {soil.late:g} s: running", flush=True)
-        collapse = runner.folder / f"{folder_of(name)}_collapse"
-        if not (runner.reuse and (collapse / "out" / "summary.json").exists()):
-            launch(collapse, settings_of(soil, soil.late), 1)
-        for when, restart in (("at the start", None), (f"at {soil.late:g} s", collapse / "out")):
-            counts = measure(runner, name, soil, when.replace(" ", "_").replace(".", ""), restart)
+        collapse = results(runner, runner.folder / f"{folder_of(name)}_collapse", settings_of(soil, soil.late), 1)
+        for when, restart in (("at the start", None), (f"at {soil.late:g} s", collapse)):
+            counts = measure(runner, name, soil, when, restart)
             rows = [row(number, count, counts[1]) for number, count in counts.items()]
             runner.report(HEAD, rows, f"{name}, {when}")
             gain, memory = rows[1][1], rows[1][4]

@@ -211,6 +211,13 @@ std::span<double> LinearSolver<block_size>::make_room(const BlockMatrix<block_si
 }
 
 template <int block_size>
+void LinearSolver<block_size>::release() {
+  impl_->main.release();
+  impl_->rescue.release();
+  impl_->matrix.release();
+}
+
+template <int block_size>
 void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K,
                                           const SharedNodes& shared) {
   if (!impl_->is_chosen)
