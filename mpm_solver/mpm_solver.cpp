@@ -57,12 +57,14 @@ template <int dim>
 AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   AcceptReport report = step_.accept(request, solved);
   report.probes = probes();
+  report_.look_at_memory(state_, step_);
   return report;
 }
 
 template <int dim>
 void MpmSolver<dim>::write_output(double time) {
   const ScopedTimer timer(times_, "output");
+  step_.release();
   report_.write_frame(time, state_);
 }
 

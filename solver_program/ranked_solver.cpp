@@ -35,10 +35,10 @@ Failure failure_of(const std::exception& error) {
 }
 
 /// The most memory that this process has had [bytes].
-double peak_memory() {
+std::int64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return std::int64_t{1024} * usage.ru_maxrss;
 }
 
 }  // namespace
@@ -66,6 +66,21 @@ void RankedSolver::together(const std::function<void()>& work) const {
   throw_failure(worst, first_text(comm_, failure == worst ? text : ""));
 }
 
+void RankedSolver::step_together(const std::function<void()>& work) {
+  const MpiTraffic before = mpi_traffic();
+  together(work);
+  traffic_ += mpi_traffic() - before;
+}
+
+/// Largest and sum of a number of each rank.
+template <class Number>
+Json RankedSolver::over_ranks(Number own) const {
+  auto sum = static_cast<double>(own);
+  const double largest = max_over_ranks(comm_, sum);
+  sum_over_ranks(comm_, std::span<double>(&sum, 1));
+  return {{"largest_rank", static_cast<Number>(largest)}, {"all_ranks", static_cast<Number>(sum)}};
+}
+
 void RankedSolver::set_force_kinds(const ForceKinds& kinds) {
   together([&] { inner_.set_force_kinds(kinds); });
 }
@@ -73,13 +88,13 @@ void RankedSolver::set_force_kinds(const ForceKinds& kinds) {
 StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
   StepReport report;
-  together([&] { report = inner_.solve_step(request, received, sent); });
+  step_together([&] { report = inner_.solve_step(request, received, sent); });
   return report;
 }
 
 AcceptReport RankedSolver::accept_step(const StepRequest& request, bool solved) {
   AcceptReport report;
-  together([&] { report = inner_.accept_step(request, solved); });
+  step_together([&] { report = inner_.accept_step(request, solved); });
   return report;
 }
 
@@ -100,11 +115,14 @@ std::vector<double> RankedSolver::probes() const {
 Json RankedSolver::summary() const {
   Json result;
   together([&] { result = inner_.summary(); });
-  double memory[] = {peak_memory()};
-  const double largest = max_over_ranks(comm_, memory[0]);
-  sum_over_ranks(comm_, std::span<double>(memory));
-  result["peak_memory"] = {{"largest_rank", static_cast<std::int64_t>(largest)},
-                           {"all_ranks", static_cast<std::int64_t>(memory[0])}};
+  result["peak_memory"] = over_ranks(peak_memory());
+  if (size_ > 1) {
+    result["mpi"] = {{"messages", over_ranks(traffic_.messages)},
+                     {"message_bytes", over_ranks(traffic_.message_bytes)},
+                     {"collectives", over_ranks(traffic_.collectives)},
+                     {"collective_bytes", over_ranks(traffic_.collective_bytes)},
+                     {"waiting_seconds", over_ranks(traffic_.waiting_seconds)}};
+  }
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/run/solver.hpp"
+#include "solver_program/mpi_traffic.hpp"
 
 namespace gabion {
 
@@ -30,7 +31,8 @@ class RankedSolver final : public Solver {
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override;
-  /// With `peak_memory` of the programs [bytes]: `largest_rank`, `all_ranks`.
+  /// With `peak_memory` of the programs [bytes] and, on several ranks, what the steps made them
+  /// send, `mpi` (MpiTraffic): `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).
@@ -40,10 +42,14 @@ class RankedSolver final : public Solver {
 
  private:
   void together(const std::function<void()>& work) const;
+  void step_together(const std::function<void()>& work);
+  template <class Number>
+  Json over_ranks(Number own) const;
 
   MPI_Comm comm_;
   int size_ = 1;
   Solver& inner_;
+  MpiTraffic traffic_;  // of the steps
 };
 
 }  // namespace gabion

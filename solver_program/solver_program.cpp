@@ -18,7 +18,6 @@
 #include "protocol/serve.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
-#include "solver_program/ranked_state.hpp"
 
 namespace gabion {
 
@@ -136,14 +135,15 @@ void drive_alone(const SolverRun& run) {
   RunRecord record(options.output, program.name, run.session.is_root());
   MPI_Barrier(comm);
   AloneSettings alone;
-  const auto solver = run.make(run.scene, run.reader, comm, record.path(program.folder), &alone);
+  const auto inner = run.make(run.scene, run.reader, comm, record.path(program.folder), &alone);
+  RankedSolver solver(comm, *inner);
   record.write_json("resolved_config.json", {{program.file, run.reader.resolved()}});
-  if (!solver->interfaces().empty()) {
+  if (!solver.interfaces().empty()) {
     log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
   }
   std::optional<RestartPoint> start;
   if (checkpoint) {
-    load_gathered(comm, checkpoint->state_of(program.folder), *solver);
+    solver.load_state(checkpoint->state_of(program.folder));
     start = restart_point(options.restart, *checkpoint);
   }
   interrupt::install();
@@ -152,10 +152,10 @@ void drive_alone(const SolverRun& run) {
       {.folder = options.output,
        .kind = program.name,
        .writes = run.session.is_root(),
-       .solvers = {{program.folder, [&] { return gather_state(comm, solver->save_state()); }}},
+       .solvers = {{program.folder, [&] { return solver.save_state(); }}},
        .agree = [comm](int value) { return static_cast<int>(max_over_ranks(comm, value)); }},
       std::move(start));
-  run_alone(*solver, alone.time, alone.output_interval, record, &checkpoints);
+  run_alone(solver, alone.time, alone.output_interval, record, &checkpoints);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/base/reserve.hpp"
 #include "mpm_solver/grid/axis_basis.hpp"
 
 namespace gabion::mpm {
@@ -74,6 +75,16 @@ void number_nodes(const BoxGrid<dim>& box, Neighbourhood<dim>& around, CellGroup
   }
 }
 
+// Room for the values of a group: three nodes along each axis act on a point.
+template <int dim>
+void make_room(const CellGroup& group, PointWeights<dim>& weights) {
+  constexpr std::size_t most_nodes = dim == 2 ? 9 : 27;
+  const std::size_t size = weights.N.size() + most_nodes * (group.last - group.first);
+  reserve_tightly(weights.local, size);
+  reserve_tightly(weights.N, size);
+  reserve_tightly(weights.grad_N, size);
+}
+
 }  // namespace
 
 template <int dim>
@@ -96,6 +107,7 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
   for (CellGroup& group : weights.groups) {
     const auto cell = box.cell_index(group.cell);
     Neighbourhood<dim> around(cell);
+    make_room(group, weights);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       const Vector<dim> t = box.lattice_position(points.x[p]);

@@ -141,10 +141,12 @@ template <int dim>
 Json SoilReport<dim>::ranks(const SoilState<dim>& state, const SoilStep<dim>& step) const {
   const SharedNodes& shared = step.soil().nodes().shared;
   const double num_shared = shared.alone() ? 0 : shared.num_shared();
+  const double num_neighbours = shared.alone() ? 0 : shared.num_neighbours();
   return {{"number", num_ranks(model_.comm)},
           {"largest_share", state.ranks.largest_share(state.points)},
           {"partitions", state.ranks.num_divisions()},
           {"moved_points", state.ranks.num_moved()},
+          {"neighbours", static_cast<int>(max_over_ranks(model_.comm, num_neighbours))},
           {"shared_nodes", static_cast<std::int64_t>(max_over_ranks(model_.comm, num_shared))}};
 }
 
@@ -187,6 +189,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"newton", newton.json()},
                   {"explicit", explicit_json(step.substep_counts())},
                   {"linear_iterations", step.linear_iterations()},
+                  {"memory", memory_.json(model_.comm)},
                   {"wall_seconds", times.seconds()}};
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;

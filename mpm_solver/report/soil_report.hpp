@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mpm_solver/report/contact_output.hpp"
+#include "mpm_solver/report/memory.hpp"
 #include "mpm_solver/report/mpm_output.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 
@@ -25,6 +26,10 @@ class SoilReport {
   std::vector<std::string> probe_names() const;
   std::vector<double> probes(const SoilState<dim>& state) const;
 
+  /// A step was accepted.
+  void look_at_memory(const SoilState<dim>& state, const SoilStep<dim>& step) {
+    memory_.look(state, step);
+  }
   void write_frame(double time, const SoilState<dim>& state);
   Json summary(const SoilState<dim>& state, const SoilStep<dim>& step,
                const PhaseTimes& times) const;
@@ -36,6 +41,7 @@ class SoilReport {
   const SoilModel<dim>& model_;
   MpmOutput<dim> output_;
   ContactOutput<dim> contact_output_;
+  Memory<dim> memory_;
 };
 
 }  // namespace gabion::mpm

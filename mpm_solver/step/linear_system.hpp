@@ -13,8 +13,7 @@ template <int dim>
 class LinearSystem {
  public:
   LinearSystem(MPI_Comm comm, const LinearSolverSettings& settings)
-      : K_([this](const BlockMatrix<dim>& K) { return solver_.make_room(K); }),
-        solver_(comm, dim, settings) {}
+      : K_(empty_matrix()), solver_(comm, dim, settings) {}
   LinearSystem(const LinearSystem&) = delete;  // K_ keeps its values in solver_
   LinearSystem& operator=(const LinearSystem&) = delete;
   LinearSystem(LinearSystem&&) = delete;
@@ -33,7 +32,13 @@ class LinearSystem {
     solver_.set_regime(regime, nodes.num_of_all());
     shared_ = nodes.shared;
   }
+  /// Give up the memory of the stiffness until the next step begins. @note Collective.
+  void release() {
+    solver_.release();
+    K_ = empty_matrix();
+  }
   BlockMatrix<dim>& K() { return K_; }
+  const BlockMatrix<dim>& K() const { return K_; }
   /// K x = r. @returns number of linear iterations
   std::int64_t solve(std::span<const double> r, std::span<double> x) {
     solver_.set_matrix(K_, shared_);
@@ -48,6 +53,9 @@ class LinearSystem {
   const LinearSolver<dim>& solver() const { return solver_; }
 
  private:
+  BlockMatrix<dim> empty_matrix() {
+    return BlockMatrix<dim>([this](const BlockMatrix<dim>& K) { return solver_.make_room(K); });
+  }
   // Of the nodes that this rank owns.
   static std::vector<double> own_coordinates(const GridNodes<dim>& nodes) {
     std::vector<double> x;

@@ -157,7 +157,9 @@ template <int dim>
 LinearRegime SoilStep<dim>::regime() const {
   const bool symmetric = model_.symmetric_laws && state_.surfaces.symmetric();
   const double courant = model_.wave_speed * dt_ / model_.cell_size;
-  return {symmetric, with_inertia_ ? courant : std::numeric_limits<double>::infinity()};
+  return {.symmetric = symmetric,
+          .courant = with_inertia_ ? courant : std::numeric_limits<double>::infinity(),
+          .wide = dim == 3 && model_.grid.basis != Basis::linear};
 }
 
 template <int dim>

@@ -49,6 +49,7 @@ class SoilStep {
     if (dt_ != 0) return;
     equilibrium_.reset();
     trial_ = {};
+    system_.release();
   }
 
   const SoilOnGrid<dim>& soil() const { return soil_; }
@@ -56,6 +57,7 @@ class SoilStep {
   const SubstepCounts& substep_counts() const { return explicit_.counts(); }
   const NewtonCounts& newton_counts() const { return sizes_.newton_counts(); }
   const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
+  const BlockMatrix<dim>& stiffness() const { return system_.K(); }
   std::int64_t linear_iterations() const { return linear_iterations_; }
   /// gimp: points whose domain was capped, of this rank, added up over the accepted steps.
   std::int64_t capped_domains() const { return capped_domains_; }

@@ -6,6 +6,7 @@ import json
 import math
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
@@ -16,13 +17,17 @@ from studies.runner import Runner, folder_of
 STEPS = 10
 #: Runs: form, and the cells of instructions.scene along an edge times these.
 SIZES = {
+    "tri3": (1, 4, 12),
     "quad4, linear": (1, 4, 16),
     "quad4, gimp, F-bar": (1, 4, 16),
-    "hex8, linear": (1, 2, 4),
+    "hex8, linear": (1, 2, 4, 5),
     "hex8, gimp, F-bar": (1, 2, 4, 5),
 }
 PHASES = {"points and nodes": ("search", "points to grid", "grid to points"), "stress and K": ("assembly",),
           "linear solve": ("solve",), "pattern": ("pattern",)}
+#: Of the summary's "memory", and what is asked for [kB a point].
+FIELDS = ("points", "weights", "trial", "nodes", "stiffness", "pattern", "preconditioner")
+WANTED = {"tri3": 0.6, "quad4, linear": 0.6, "quad4, gimp, F-bar": 1.0, "hex8, linear": 2.5, "hex8, gimp, F-bar": 2.5}
 HEAD = ["soil", "points", "Newton a step", "a step [s]", "a point and iteration [µs]", *PHASES, "other",
         "memory a point [kB]"]
 
@@ -65,9 +70,21 @@ def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
             memory / points / 1e3 if points else None]
 
 
+def memory_row(name: str, largest: dict, smallest: dict) -> list:
+    """kB a point by field, in what the larger run has more."""
+    points = largest["solver"]["points"] - smallest["solver"]["points"]
+
+    def more(of: Callable[[dict], float]) -> float:
+        return (of(largest["solver"]) - of(smallest["solver"])) / points / 1e3
+
+    fields = [more(lambda soil, field=field: soil["memory"][field]) for field in FIELDS]
+    peak = more(lambda soil: soil["peak_memory"]["largest_rank"])
+    return [name, largest["solver"]["points"], *fields, peak - sum(fields), peak, WANTED[name]]
+
+
 def size(runner: Runner) -> None:
     """Time and memory of a step of the soil over its points, in the plane and in space, and where they go."""
-    rows, exponents = [], []
+    rows, exponents, memory = [], [], []
     for name, sizes in SIZES.items():
         of_form = []
         smallest = None
@@ -79,7 +96,9 @@ def size(runner: Runner) -> None:
         ratio = of_form[-1][4] / of_form[0][4]
         exponents.append(f"{name} {1 + math.log(ratio) / math.log(of_form[-1][1] / of_form[0][1]):.2f}")
         rows += of_form
+        memory.append(memory_row(name, summary, smallest))
     runner.report(HEAD, rows)
+    runner.report(["soil", "points", *FIELDS, "other", "all", "goal"], memory, "memory a point [kB]")
     runner.remark(f"time of an iteration over points, exponent: {', '.join(exponents)}")
 
 

@@ -40,6 +40,7 @@ class Alone(IntegrationCase):
         self.assertIs(summary["completed"], True)
         self.assertEqual((summary["program"], summary["steps"]), (program, 5))
         self.assertEqual(len(read_table(self.out / "steps.csv")), 5)
+        self.assertGreater(summary["solver"]["peak_memory"]["largest_rank"], 10_000_000)
 
     def test_without_time_alone_is_an_error(self) -> None:
         self.write_scene({"mpm": meeting()["mpm"]})

@@ -7,10 +7,14 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
+#include "common/base/reserve.hpp"
 
 namespace gabion {
 
 namespace {
+
+// Longer rows are rare.
+constexpr std::size_t likely_row = 343;
 
 std::int64_t next_pattern_id() {
   static std::atomic<std::int64_t> last{0};
@@ -45,6 +49,7 @@ void BlockMatrix<block_size>::place_values() {
   const std::size_t size = columns_.size() * block_size * block_size;
   values_ = storage_ ? storage_(*this) : std::span<double>();
   if (values_.empty()) {
+    reserve_tightly(own_values_, size);
     own_values_.resize(size);
     values_ = own_values_;
   }
@@ -73,6 +78,7 @@ void BlockMatrix<block_size>::list_neighbours() {
   row_starts_[0] = 0;
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
     marks_[i] = i;
+    reserve_tightly(neighbours_, neighbours_.size() + likely_row);
     neighbours_.push_back(i);
     for (std::int32_t k = corner_starts_[i]; k < corner_starts_[i + 1]; ++k) {
       const std::int32_t c = corners_[k].cell;
@@ -92,6 +98,7 @@ void BlockMatrix<block_size>::list_neighbours() {
 template <int block_size>
 void BlockMatrix<block_size>::sort_columns() {
   marks_.assign(row_starts_.begin(), row_starts_.end() - 1);
+  reserve_tightly(columns_, neighbours_.size());
   columns_.resize(neighbours_.size());
   for (std::int32_t j = 0; j < num_nodes_; ++j)
     for (std::int32_t k = row_starts_[j]; k < row_starts_[j + 1]; ++k)
@@ -119,6 +126,7 @@ void BlockMatrix<block_size>::find_runs() {
 template <int block_size>
 void BlockMatrix<block_size>::map_cells() {
   find_runs();
+  reserve_tightly(slots_, static_cast<std::size_t>(slot_starts_.back()));
   slots_.resize(static_cast<std::size_t>(slot_starts_.back()));
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) marks_[columns_[s]] = s;
@@ -241,6 +249,21 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
       diagonal +=
           (own_scale > 0 ? own_scale : fallback_scale) * (NodeBlock<block_size>::Identity() - Q);
   }
+}
+
+template <int block_size>
+std::size_t BlockMatrix<block_size>::pattern_bytes() const {
+  std::size_t sum = 0;
+  const auto add = [&sum]<class Value>(const std::vector<Value>& list) {
+    sum += list.capacity() * sizeof(Value);
+  };
+  for (const auto* list : {&row_starts_, &columns_, &offsets_, &cell_nodes_, &runs_, &slots_,
+                           &corner_starts_, &neighbours_, &marks_})
+    add(*list);
+  add(run_starts_);
+  add(slot_starts_);
+  add(corners_);
+  return sum;
 }
 
 template <int block_size>

@@ -71,6 +71,7 @@ class BlockMatrix {
   std::span<const std::int32_t> columns() const { return columns_; }
   std::span<const double> values() const { return values_; }
   std::span<double> values() { return values_; }
+  std::size_t pattern_bytes() const;  ///< memory of all but the values
 
   /// y = K x with this rank's blocks only; num_nodes x block_size each.
   void multiply(std::span<const double> x, std::span<double> y) const;

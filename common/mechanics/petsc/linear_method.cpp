@@ -48,6 +48,16 @@ constexpr std::int64_t direct_dofs_3d = 1000;  // 3D problems above this are nev
 constexpr std::int64_t multigrid_dofs_3d = 20000;
 constexpr double multigrid_courant = 80;
 
+// Smooth functions in space, whose rows have up to 343 blocks: a cylinder of sand of 1,000 nodes
+// that falls (configs/column_run_out_3d, other moduli), iterations and ms of a Newton iteration:
+//
+//     Courant               6           13          26
+//     bicgstab + jacobi     16   15     31   16     41   35
+//     bicgstab + ilu(0)      2   45     14   68      -
+//
+// At 26 ilu(0) fails in part of the systems.
+constexpr double jacobi_courant_wide = 25;
+
 std::string name_of(Preconditioner preconditioner) {
   switch (preconditioner) {
     case Preconditioner::jacobi:
@@ -67,7 +77,8 @@ Preconditioner choose_preconditioner(const LinearSolverSettings& settings,
   if (settings.preconditioner == "jacobi") return Preconditioner::jacobi;
   if (settings.preconditioner == "ilu") return Preconditioner::ilu;
   if (settings.preconditioner == "multigrid") return Preconditioner::multigrid;
-  if (regime.courant <= jacobi_courant) return Preconditioner::jacobi;
+  if (regime.courant <= (regime.wide ? jacobi_courant_wide : jacobi_courant))
+    return Preconditioner::jacobi;
   const bool multigrid = dim == 3 && regime.symmetric && regime.slender &&
                          num_dofs > multigrid_dofs_3d && regime.courant > multigrid_courant;
   return multigrid ? Preconditioner::multigrid : Preconditioner::ilu;

@@ -28,6 +28,9 @@ struct LinearRegime {
   double courant = 0;
   /// The body bends: in space much thinner than it is long.
   bool slender = false;
+  /// Rows have some hundred blocks, as those of smooth functions in space: a factor costs as much
+  /// as many products.
+  bool wide = false;
 };
 
 enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };

@@ -211,6 +211,13 @@ std::span<double> LinearSolver<block_size>::make_room(const BlockMatrix<block_si
 }
 
 template <int block_size>
+void LinearSolver<block_size>::release() {
+  impl_->main.release();
+  impl_->rescue.release();
+  impl_->matrix.release();
+}
+
+template <int block_size>
 void LinearSolver<block_size>::set_matrix(const BlockMatrix<block_size>& K,
                                           const SharedNodes& shared) {
   if (!impl_->is_chosen)
@@ -256,6 +263,11 @@ std::int64_t LinearSolver<block_size>::factorisations() const {
 template <int block_size>
 std::int64_t LinearSolver<block_size>::fallbacks() const {
   return impl_->fallbacks;
+}
+
+template <int block_size>
+double LinearSolver<block_size>::preconditioner_bytes() const {
+  return impl_->main.factor_bytes() + impl_->rescue.factor_bytes();
 }
 
 template class LinearSolver<1>;

@@ -57,6 +57,10 @@ class LinearSolver {
   /// nothing. What was set up for the last pattern is given up. On several ranks there is none.
   std::span<double> make_room(const BlockMatrix<block_size>& K);
 
+  /// Give up the matrix and what was set up for it until the next set_matrix or make_room; values
+  /// of K that are kept in that room are lost. @note Collective.
+  void release();
+
   /// Take over new values of K, and its pattern where its pattern_id is another than in the last
   /// call. A direct method factorises at the next solve.
   /// @param shared  whose the nodes of K are; the default: every rank has all
@@ -83,6 +87,7 @@ class LinearSolver {
   std::string method_name() const;      ///< such as "bicgstab + node-block jacobi"
   std::int64_t factorisations() const;  ///< set-ups of a factor or a preconditioner
   std::int64_t fallbacks() const;       ///< Krylov solves that went to the direct method
+  double preconditioner_bytes() const;  ///< PetscSolver::factor_bytes of what this rank set up
 
  private:
   struct Implementation;

@@ -28,6 +28,12 @@ class PetscMatrix {
   /// @note Collective.
   bool set(const BlockMatrix<block_size>& K, const SharedNodes& shared);
 
+  /// Give up the matrix, its vectors and their memory. @note Collective.
+  void release() {
+    matrix_.reset();
+    for (VecHandle* vector : {&x_, &b_, &r_}) vector->reset();
+  }
+
   const SharedNodes& shared() const { return shared_; }
   Mat get() const { return matrix_.get(); }
   std::int64_t num_dofs() const { return num_nodes_of_all_ * block_size; }

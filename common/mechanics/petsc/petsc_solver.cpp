@@ -151,6 +151,22 @@ PetscSolver::Result PetscSolver::solve(Mat matrix, Vec b, Vec x, double toleranc
   return result;
 }
 
+double PetscSolver::factor_bytes() const {
+  const bool has_factor = method_.preconditioner == Preconditioner::ilu || method_.direct();
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  if (!is_set_up_ || !has_factor || size > 1 || method_.method == SolutionMethod::mumps) return 0;
+  PC pc = nullptr;
+  Mat factor = nullptr;
+  MatInfo info;
+  check_petsc(KSPGetPC(ksp_.get(), &pc), "KSPGetPC");
+  check_petsc(PCFactorGetMatrix(pc, &factor), "PCFactorGetMatrix");
+  check_petsc(MatGetInfo(factor, MAT_LOCAL, &info), "MatGetInfo");
+  PetscInt width = 1;
+  check_petsc(MatGetBlockSize(factor, &width), "MatGetBlockSize");
+  return info.nz_used * (sizeof(double) + sizeof(PetscInt) / (1.0 * width * width));
+}
+
 PetscSolver::Result PetscSolver::run(Vec b, Vec x, double tolerance) {
   if (!method_.direct())
     check_petsc(KSPSetTolerances(ksp_.get(), tolerance, 0, 1e8, max_iterations_),

@@ -44,6 +44,8 @@ class PetscSolver {
   Result solve(Mat matrix, Vec b, Vec x, double tolerance);
 
   std::int64_t set_ups() const { return set_ups_; }
+  /// Memory of the factor that is set up, on one rank; 0 without one, for MUMPS and multigrid.
+  double factor_bytes() const;
 
  private:
   void create();

@@ -194,6 +194,10 @@ std::int32_t SharedNodes::num_shared() const {
   return static_cast<std::int32_t>(std::count(is_shared.begin(), is_shared.end(), 1));
 }
 
+int SharedNodes::num_neighbours() const {
+  return static_cast<int>(graph_->neighbours.size());
+}
+
 // Parts are added in the order of the ranks: each holder gets the same bits.
 void SharedNodes::sum(std::span<double> values, int components) const {
   if (alone()) return;

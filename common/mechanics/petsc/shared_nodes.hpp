@@ -38,6 +38,7 @@ class SharedNodes {
   std::int32_t num_owned() const;   ///< @pre not alone
   std::int64_t num_of_all() const;  ///< owned by any rank; @pre not alone
   std::int32_t num_shared() const;  ///< held by this rank and others; @pre not alone
+  int num_neighbours() const;       ///< ranks that hold some of these; @pre not alone
 
   /// Replace the values of each node, of which every holder has a part, by their sum.
   /// @param values  num_held x components

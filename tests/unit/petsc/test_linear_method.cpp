@@ -35,6 +35,18 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
 }
 
+TEST(LinearMethod, wide_rows_are_not_factorised_before_they_have_to_be) {
+  const auto chosen = [](double courant, bool wide) {
+    return choose_linear_method({}, {.courant = courant, .wide = wide}, 3, 200000, 1);
+  };
+  const LinearMethod jacobi{SolutionMethod::bicgstab, Preconditioner::jacobi};
+  const LinearMethod ilu{SolutionMethod::bicgstab, Preconditioner::ilu};
+  EXPECT_EQ(chosen(13, true), jacobi);
+  EXPECT_EQ(chosen(13, false), ilu);
+  EXPECT_EQ(chosen(40, true), ilu);
+  EXPECT_EQ(chosen(infinity, true), ilu);
+}
+
 TEST(LinearMethod, multigrid_is_for_large_slender_bodies_at_rest) {
   using M = SolutionMethod;
   using P = Preconditioner;

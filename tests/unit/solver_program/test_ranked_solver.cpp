@@ -276,6 +276,24 @@ TEST(RankedSolver, kinds_of_forces_reach_all_ranks) {
       {"no mean forces here"});
 }
 
+/// Each call ends with the agreement on whether it failed.
+TEST(RankedSolver, the_summary_says_what_the_steps_sent) {
+  Recorder recorder;
+  RankedSolver solver(comm(), recorder);
+  InterfaceValues sent;
+  solver.probes();  // not a step
+  for (int k = 0; k < 3; ++k) solver.solve_step(step, values, sent);
+  solver.accept_step(step, true);
+  const Json summary = solver.summary();
+  EXPECT_GT(summary.at("peak_memory").at("largest_rank"), 1e6);
+  EXPECT_EQ(summary.contains("mpi"), size() > 1);
+  if (size() == 1) return;
+  const Json& mpi = summary.at("mpi");
+  EXPECT_EQ(mpi.at("collectives"), (Json{{"largest_rank", 4}, {"all_ranks", 4 * size()}}));
+  EXPECT_EQ(mpi.at("collective_bytes"), (Json{{"largest_rank", 32}, {"all_ranks", 32 * size()}}));
+  EXPECT_EQ(mpi.at("messages").at("all_ranks"), 0);
+}
+
 /// Such as a handshake that failed.
 TEST(RankedSolver, the_first_rank_can_end_the_others_before_the_first_request) {
   Recorder recorder;

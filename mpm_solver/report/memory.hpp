@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+
+#include "mpm_solver/step/soil_state.hpp"
+#include "mpm_solver/step/soil_step.hpp"
+
+namespace gabion::mpm {
+
+/// Memory of what grows with the soil, the most of it in a step: material points, their weights on
+/// the nodes, their trial state, nodes, the values of the stiffness with PETSc's list of their
+/// columns, its pattern, the preconditioner. On several ranks the stiffness stands for its own
+/// parts and for PETSc's rows.
+template <int dim>
+class Memory {
+ public:
+  /// Look at the fields of this rank as a step has left them.
+  void look(const SoilState<dim>& state, const SoilStep<dim>& step);
+  /// Sums over the ranks [bytes]. @note Collective.
+  Json json(MPI_Comm comm) const;
+
+ private:
+  static constexpr std::array names_ = {"points",    "weights", "trial",         "nodes",
+                                        "stiffness", "pattern", "preconditioner"};
+  std::array<double, names_.size()> largest_ = {};
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace gabion {
+
+/// What this process has sent to other ranks, by itself and through PETSc, and how long it waited
+/// for them. MUMPS calls from Fortran and is not seen.
+struct MpiTraffic {
+  std::int64_t messages = 0;          ///< to one rank each
+  std::int64_t message_bytes = 0;     ///< in them
+  std::int64_t collectives = 0;       ///< calls in which all ranks take part
+  std::int64_t collective_bytes = 0;  ///< that this rank gave to them
+  double waiting_seconds = 0;         ///< in calls that need other ranks to return
+
+  MpiTraffic& operator+=(const MpiTraffic& other);
+};
+MpiTraffic operator-(MpiTraffic a, const MpiTraffic& b);
+
+/// Since the start of the process. Counted by the profiling interface of the MPI standard (4.0,
+/// chapter 15): mpi_traffic.cpp holds functions of MPI under their own names, which call those of
+/// the library by theirs with a P.
+MpiTraffic mpi_traffic();
+
+}  // namespace gabion

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the summary says of memory.
+#include <gtest/gtest.h>
+
+#include "tests/unit/mpm/collapse.hpp"
+
+namespace gabion::test {
+namespace {
+
+std::size_t bytes_of_a_point(const mpm::MaterialPoints<2>& points) {
+  std::size_t sum = 0;
+  mpm::for_each_field<2>([&](const char*, auto field) {
+    using Values = std::remove_cvref_t<decltype(points.*field)>;
+    if (!(points.*field).empty()) sum += sizeof(typename Values::value_type);
+  });
+  return sum;
+}
+
+TEST(Memory, fields_of_the_summary_are_those_of_all_ranks) {
+  const Json json = collapse_scene({.basis = "gimp"});
+  const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
+  run_steps(*shared, 1, 4);
+  run_steps(*alone, 1, 4);
+  const Json one = alone->summary().at("memory"), all = shared->summary().at("memory");
+  const std::size_t num_points = alone->points().m.size();
+  ASSERT_EQ(num_points, 240u);
+  EXPECT_EQ(one.at("points"), num_points * bytes_of_a_point(alone->points()));
+  EXPECT_EQ(one.at("preconditioner"), 0);  // MUMPS keeps its own
+  for (const auto& [name, bytes] : one.items()) {
+    if (name == "preconditioner") continue;
+    EXPECT_GT(bytes, 1000) << name;
+    EXPECT_GE(all.at(name), bytes) << name;
+  }
+  EXPECT_EQ(all.at("trial"), one.at("trial"));
+  const double copies = size() > 1 ? 2 : 1;
+  EXPECT_GE(all.at("stiffness"), copies * one.at("stiffness").get<double>());
+}
+
+TEST(Memory, a_factor_without_fill_is_as_large_as_the_stiffness) {
+  Json json = collapse_scene({.basis = "gimp"});
+  json["linear_solver"] = {{"method", "bicgstab"}, {"preconditioner", "ilu"}};
+  const auto solver = mpm_solver<2>(json, MPI_COMM_SELF);
+  run_steps(*solver, 1, 2);
+  const Json memory = solver->summary().at("memory");
+  EXPECT_EQ(memory.at("preconditioner"), memory.at("stiffness"));
+}
+
+/// What a step needs alone is given up while others want memory; nothing else changes by it.
+TEST(Memory, a_frame_or_a_saved_state_between_steps_changes_no_bit) {
+  Json json = collapse_scene({.basis = "gimp", .locking = "fbar"});
+  json["linear_solver"] = {{"method", "bicgstab"},
+                           {"preconditioner", "ilu"}};  // MUMPS adds in any order
+  const auto straight = mpm_solver<2>(json), interrupted = mpm_solver<2>(json);
+  for (int step = 1; step <= 6; ++step) {
+    run_steps(*straight, step, 1);
+    run_steps(*interrupted, step, 1);
+    if (step % 2 == 0) {
+      interrupted->save_state();
+    } else {
+      interrupted->write_output(0);
+    }
+  }
+  const mpm::MaterialPoints<2>&a = straight->points(), &b = interrupted->points();
+  ASSERT_EQ(a.id, b.id);
+  EXPECT_EQ(a.x, b.x);
+  EXPECT_EQ(a.v, b.v);
+  EXPECT_EQ(a.tau, b.tau);
+}
+
+}  // namespace
+}  // namespace gabion::test
