@@ -194,27 +194,6 @@ void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& setting
   }
 }
 
-// Boundary points hold the soil by the linear functions of their cells. Splines have coefficients
-// beyond the surface, which no traction reaches then, and volumes averaged over cells leave free.
-template <int dim>
-void warn_of_points_on_averaged_splines(const ConfigReader& in, const MpmSettings<dim>& settings) {
-  if (settings.basis != Basis::bspline || !settings.locking.average_volumes) return;
-  const auto check = [&](const std::string& key, const ContactSettings<dim>& contact) {
-    if (!std::holds_alternative<BoundaryPointSettings>(contact.method)) return;
-    log::warn(
-        "{}: boundary_points with \"basis\" bspline and F-bar: a surface on a line of the grid "
-        "sinks into the soil, a footing carries a fifth of its load; facets, another basis or "
-        "\"locking/method\" none do not have this",
-        in.where(key + "/method"));
-  };
-  for (std::size_t k = 0; k < settings.interfaces.size(); ++k) {
-    check(fmt::format("interfaces/{}", k), settings.interfaces[k]);
-  }
-  for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
-    check(fmt::format("rigid_walls/{}", k), settings.rigid_walls[k].boundary);
-  }
-}
-
 // What explicit steps cannot do.
 template <int dim>
 void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
@@ -309,7 +288,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   require_names_apart(in, settings);
   check_explicit(in, settings);
   require_implicit_for_its_keys(in, settings);
-  warn_of_points_on_averaged_splines(in, settings);
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
   resolve_rigid_walls(in, walls, settings.phases);

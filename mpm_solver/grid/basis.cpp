@@ -8,6 +8,7 @@
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "mpm_solver/grid/box_basis.hpp"
 #include "mpm_solver/grid/patch_basis.hpp"
+#include "mpm_solver/grid/soil_border.hpp"
 
 namespace gabion::mpm {
 
@@ -127,12 +128,14 @@ void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints
 
 template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
-                    PointWeights<dim>& weights) {
+                    PointWeights<dim>& weights, const SoilBorder<dim>* border) {
+  require(grid.splits_border == (border != nullptr), "mpm_solver: the border of the soil");
   if (grid.patches.size() > 0) {
     evaluate_patch_basis(grid, points, weights);
     return;
   }
   sort_by_cell(grid.mesh.num_cells(), points, weights);
+  if (border) split_groups(*border, *grid.box, points, weights);
   if (grid.basis == Basis::linear) {
     evaluate_linear_basis(grid, points, weights);
   } else {
@@ -151,8 +154,8 @@ template std::int32_t cell_of<3>(const BackgroundGrid<3>&, const Vector<3>&, std
 template std::vector<std::int32_t> find_cells<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);
 template std::vector<std::int32_t> find_cells<3>(const BackgroundGrid<3>&, MaterialPoints<3>&);
 template void evaluate_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
-                                PointWeights<2>&);
+                                PointWeights<2>&, const SoilBorder<2>*);
 template void evaluate_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,
-                                PointWeights<3>&);
+                                PointWeights<3>&, const SoilBorder<3>*);
 
 }  // namespace gabion::mpm

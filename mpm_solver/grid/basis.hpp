@@ -35,6 +35,8 @@ struct BackgroundGrid {
   std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
   Basis basis;
   CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
+  /// Cells at the border of the soil have a group for each half (SoilBorder): bspline with F-bar.
+  bool splits_border = false;
 
   /// The first cell of the cell's patch; without patches the cell itself.
   std::int32_t first_of_patch(std::int32_t cell) const {
@@ -106,6 +108,9 @@ struct PointWeights {
   }
 };
 
+template <int dim>
+class SoilBorder;
+
 /// The cell that holds x, sought from the cell `hint` on; -1 outside the grid.
 template <int dim>
 std::int32_t cell_of(const BackgroundGrid<dim>& grid, const Vector<dim>& x, std::int32_t hint);
@@ -117,8 +122,9 @@ std::vector<std::int32_t> find_cells(const BackgroundGrid<dim>& grid, MaterialPo
 
 /// Evaluate the basis at the points.
 /// @pre the points are located; gimp: they have domains
+/// @param border  where the soil ends, for a grid that splits_border; else null
 template <int dim>
 void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
-                    PointWeights<dim>& weights);
+                    PointWeights<dim>& weights, const SoilBorder<dim>* border = nullptr);
 
 }  // namespace gabion::mpm

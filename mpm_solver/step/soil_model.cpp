@@ -38,6 +38,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
   if (settings.locking.average_volumes && (type == CellType::tri3 || type == CellType::tet4)) {
     grid.patches = join_cells(grid.mesh, grid.locator);
   }
+  grid.splits_border = settings.locking.average_volumes && settings.basis == Basis::bspline;
   for (const auto& body : settings.bodies) {
     const auto& material = body.material;
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);

@@ -8,10 +8,11 @@
 #include <set>
 
 #include "common/base/error.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/grid/soil_border.hpp"
 #include "mpm_solver/grid/transfer.hpp"
-#include "common/mechanics/petsc/packet.hpp"
 #include "mpm_solver/small_cuts/light_nodes.hpp"
 
 namespace gabion::mpm {
@@ -57,7 +58,11 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
 
 template <int dim>
 void SoilOnGrid<dim>::weigh() {
-  evaluate_basis(model_.grid, points_, weights_);
+  std::optional<SoilBorder<dim>> border;
+  if (model_.grid.splits_border) {
+    border.emplace(ranks_.owners(), cells_with_points(model_.grid, points_));
+  }
+  evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
 }
 
 template <int dim>

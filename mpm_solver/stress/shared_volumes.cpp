@@ -10,9 +10,10 @@
 #include <variant>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "mpm_solver/grid/soil_border.hpp"
 
 namespace gabion::mpm {
 
@@ -56,7 +57,8 @@ class GroupVolumes {
       : owners_(owners),
         points_(points),
         num_cells_(owners.grid.mesh.num_cells()),
-        sums_(2 * static_cast<std::size_t>(num_cells_) * points.num_bodies(), 0.0) {}
+        num_parts_(owners.grid.splits_border ? SoilBorder<dim>::num_parts : 1),
+        sums_(2 * static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), 0.0) {}
 
   void add(std::int32_t body, std::int32_t p, double theta) {
     double* const sums = sums_of(group_of(body, p));
@@ -66,12 +68,16 @@ class GroupVolumes {
   }
   /// Groups with points of this rank in cells of others: the owner adds up and answers.
   void sum() {
-    if (num_ranks(owners_.comm) == 1) return;
+    if (num_ranks(owners_.comm) == 1) {
+      join_parts();
+      return;
+    }
     const auto entered = entered_groups();
     Packets parts, answers;
     for (const auto& [rank, groups] : entered) put_sums(groups, parts[rank]);
     std::map<int, std::vector<std::int64_t>> asked;
     for (auto& [rank, packet] : send_packets(owners_.comm, parts)) asked[rank] = add_sums(packet);
+    join_parts();
     for (const auto& [rank, groups] : asked) put_sums(groups, answers[rank]);
     for (auto& [rank, packet] : send_packets(owners_.comm, answers)) {
       for (const std::int64_t group : entered.at(rank)) std::fill_n(sums_of(group), 2, 0.0);
@@ -86,9 +92,39 @@ class GroupVolumes {
 
  private:
   std::int64_t group_of(std::int32_t body, std::int32_t p) const {
-    return std::int64_t{body} * num_cells_ + owners_.grid.first_of_patch(points_.cell[p]);
+    const std::int32_t cell = points_.cell[p];
+    const std::int64_t of_cell =
+        (std::int64_t{body} * num_cells_ + owners_.grid.first_of_patch(cell)) * num_parts_;
+    return num_parts_ == 1 ? of_cell
+                           : of_cell + part_of_cell<dim>(*owners_.grid.box, cell, points_.x[p]);
   }
   double* sums_of(std::int64_t group) { return sums_.data() + 2 * group; }
+
+  std::vector<char> occupied_cells() {
+    std::vector<char> occupied(num_cells_, 0);
+    for (std::int64_t group = 0; group < std::ssize(sums_) / 2; ++group) {
+      if (sums_of(group)[0] > 0) occupied[group / num_parts_ % num_cells_] = 1;
+    }
+    return occupied;
+  }
+  // Parts of a cell that are no groups of their own get what they hold together.
+  void join_parts() {
+    if (num_parts_ == 1) return;
+    const SoilBorder<dim> border(owners_, occupied_cells());
+    for (std::int64_t first = 0; first < std::ssize(sums_) / 2; first += num_parts_) {
+      const auto cell = static_cast<std::int32_t>(first / num_parts_ % num_cells_);
+      if (!border.is_occupied(cell)) continue;
+      const int axes = border.axes(cell);
+      for (int part = 0; part < num_parts_; ++part) {
+        const int joined = part & axes;
+        if (joined == part) continue;
+        for (int k = 0; k < 2; ++k) sums_of(first + joined)[k] += sums_of(first + part)[k];
+      }
+      for (int part = 0; part < num_parts_; ++part) {
+        std::copy_n(sums_of(first + (part & axes)), 2, sums_of(first + part));
+      }
+    }
+  }
 
   // By the rank that owns them.
   std::map<int, std::set<std::int64_t>> entered_groups() const {
@@ -123,6 +159,7 @@ class GroupVolumes {
   const CellOwners<dim>& owners_;
   const MaterialPoints<dim>& points_;
   std::int32_t num_cells_;
+  int num_parts_;             // of a cell
   std::vector<double> sums_;  // of each group: V free of stress, and how much V exceeds it
 };
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
 #include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/grid/soil_border.hpp"
 #include "mpm_solver/grid/transfer.hpp"
 #include "tests/support/mpi_main.hpp"
 
@@ -82,7 +84,9 @@ struct SoilPatch {
   }
   void to_grid() {
     if (!find_cells(grid, points).empty()) throw Error("a material point lies outside the grid");
-    evaluate_basis(grid, points, weights);
+    std::optional<mpm::SoilBorder<dim>> border;
+    if (grid.splits_border) border.emplace(owners(), cells_with_points(grid, points));
+    evaluate_basis(grid, points, weights, border ? &*border : nullptr);
     activate_nodes<dim>(comm(), grid, weights, {}, nodes);
     points_to_grid(points, weights, nodes);
   }

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
+#include <map>
 #include <optional>
 
 #include "mpm_solver/stress/internal_forces.hpp"
@@ -25,6 +27,18 @@ struct AveragedSoil {
   AveragedSoil(CellType type, const MaterialLaw<dim>& law, double squeeze, bool averaged = true)
       : soil(type, 2) {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
+    prepare(type, law, squeeze, averaged);
+  }
+  /// Under splines on 4^dim cells, whose regular points are then moved.
+  template <class Place>
+  AveragedSoil(const MaterialLaw<dim>& law, double squeeze, const Place& place)
+      : soil(dim == 2 ? CellType::quad4 : CellType::hex8, 4, mpm::Basis::bspline) {
+    soil.grid.splits_border = true;
+    soil.fill(dim == 2 ? 4 : 8);
+    for (auto& x : soil.points.x) x = place(x);
+    prepare(CellType::quad4, law, squeeze, true);
+  }
+  void prepare(CellType type, const MaterialLaw<dim>& law, double squeeze, bool averaged) {
     soil.bodies = {{"soil", {"", 1, law}}};
     if (averaged && (type == CellType::tri3 || type == CellType::tet4)) {
       soil.grid.patches = mpm::join_cells(soil.grid.mesh, soil.grid.locator);
@@ -130,6 +144,57 @@ TEST(AveragedForces, elastic_forces_are_the_derivative_of_the_energy) {
     const VectorXd f = averaged.forces(du);
     EXPECT_LT((slope.row(0).transpose() - f).norm(), 1e-9 * f.norm()) << name(type);
   });
+}
+
+/// Soil that ends amid the grid: each of the middle cells, 2^dim, has all its halves as groups.
+template <int dim>
+void check_halves() {
+  const auto middle = [](const Vector<dim>& x) -> Vector<dim> {
+    return Vector<dim>::Constant(0.25) + 0.5 * x;
+  };
+  AveragedSoil<dim> averaged(HenckyElastic<dim>{4e3, 3e3}, 0.05, middle);
+  EXPECT_EQ(averaged.soil.weights.groups.size(), dim == 2 ? 16 : 64);
+  const VectorXd du = averaged.random_du(0.01);
+  const Eigen::MatrixXd K = averaged.matrix(du);
+  EXPECT_LT((K - K.transpose()).norm(), 1e-13 * K.norm());
+  EXPECT_LT(averaged.tangent_error_at(du, 1e-4), 1e-8);
+  const Eigen::MatrixXd slope = difference_tangent(
+      [&](const VectorXd& x) { return VectorXd::Constant(1, averaged.energy(x)); }, du, 1e-4);
+  const VectorXd f = averaged.forces(du);
+  EXPECT_LT((slope.row(0).transpose() - f).norm(), 1e-9 * f.norm());
+}
+
+TEST(AveragedForces, halves_at_the_border_of_splines) {
+  check_halves<2>();
+  check_halves<3>();
+}
+
+/// The motion of the spline beyond a level border that leaves the lines of the grid at rest,
+/// u_i = r^(k - i) with r^2 + 6 r + 1 = 0, k the node beyond: means over whole cells at the border
+/// are zero, those over halves bear half of what points would that each see their own volume.
+TEST(AveragedForces, splines_beyond_the_border_are_not_free) {
+  const auto lower_half = [](const Vector<2>& x) { return Vector<2>(x[0], 0.5 * x[1]); };
+  AveragedSoil<2> averaged(HenckyElastic<2>{1e3, 1e-3}, 0, lower_half);
+  const auto& nodes = averaged.soil.nodes;
+  VectorXd du = VectorXd::Zero(static_cast<Eigen::Index>(averaged.soil.num_dofs()));
+  for (std::int32_t i = 0; i < nodes.size(); ++i) {
+    du[2 * i + 1] = 1e-5 * std::pow(std::sqrt(8.0) - 3, 3 - 4 * nodes.x[i][1]);
+  }
+  double own = 0;
+  std::map<std::int32_t, double> of_cell, size;
+  for (const auto& group : averaged.soil.weights.groups) {
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const double change = gradient_at(averaged, group, e, du).trace();
+      const double V0 = averaged.soil.points.V0[averaged.soil.weights.point[e]];
+      own += 0.5e3 * V0 * change * change;
+      of_cell[group.cell] += V0 * change;
+      size[group.cell] += V0 * std::abs(change);
+    }
+  }
+  for (std::int32_t cell = 4; cell < 8; ++cell) {
+    EXPECT_LT(std::abs(of_cell[cell]), 1e-10 * size[cell]);
+  }
+  EXPECT_GT(averaged.energy(du), 0.4 * own);
 }
 
 TEST(AveragedForces, start_forces_are_those_of_no_motion) {

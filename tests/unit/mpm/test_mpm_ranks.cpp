@@ -94,6 +94,7 @@ TEST(MpmRanks, number_of_ranks_does_not_change_averaged_volumes) {
   check_ranks({.basis = "linear", .cells = "tri3", .locking = "fbar"});
   check_ranks({.basis = "linear", .cells = "quad4", .locking = "fbar"});
   check_ranks({.basis = "gimp", .cells = "quad4", .locking = "fbar"});
+  check_ranks({.basis = "bspline", .cells = "quad4", .locking = "fbar"});
 }
 
 TEST(MpmRanks, number_of_ranks_does_not_change_explicit_steps) {

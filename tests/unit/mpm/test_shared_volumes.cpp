@@ -35,6 +35,17 @@ struct UnevenSoil {
 
   UnevenSoil(CellType type, const MaterialLaw<dim>& law, double strain) : soil(type, 2) {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
+    prepare(type, law, strain);
+  }
+  /// Under splines in the rows 0 to 2 of 5.
+  UnevenSoil(const MaterialLaw<dim>& law, double strain)
+      : soil(CellType::quad4, 5, mpm::Basis::bspline) {
+    soil.grid.splits_border = true;
+    soil.fill(16);
+    for (auto& x : soil.points.x) x[dim - 1] = 0.6 * x[dim - 1];
+    prepare(CellType::quad4, law, strain);
+  }
+  void prepare(CellType type, const MaterialLaw<dim>& law, double strain) {
     soil.bodies = {{"soil", {"", 1, law}}};
     if (type == CellType::tri3 || type == CellType::tet4) {
       soil.grid.patches = mpm::join_cells(soil.grid.mesh, soil.grid.locator);
@@ -186,6 +197,28 @@ TEST(SharedVolumes, what_one_point_opened_is_closed_by_its_group) {
       EXPECT_NEAR(points.J[p], std::exp(theta), 1e-15);
     }
   }
+}
+
+/// Under splines the halves of cells at the border are groups of their own, whole cells elsewhere.
+TEST(SharedVolumes, halves_at_the_border_of_splines) {
+  UnevenSoil<2> uneven(HenckyElastic<2>{lambda, mu}, 0.02);
+  const auto& soil = uneven.soil;
+  uneven.share();
+  std::map<std::int32_t, int> parts;
+  std::map<std::int32_t, double> last;
+  for (const auto& group : soil.weights.groups) {
+    const auto strain = [&](std::int32_t e) {
+      return volumetric_strain(soil.points.history[soil.weights.point[e]]);
+    };
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      EXPECT_NEAR(strain(e), strain(group.first), 1e-13);
+    }
+    if (parts[group.cell]++ > 0) {
+      EXPECT_GT(std::abs(strain(group.first) - last[group.cell]), 1e-5);
+    }
+    last[group.cell] = strain(group.first);
+  }
+  for (const auto& [cell, number] : parts) EXPECT_EQ(number, cell / 5 == 2 ? 2 : 1) << cell;
 }
 
 TEST(SharedVolumes, a_point_outside_the_grid_is_left_alone) {

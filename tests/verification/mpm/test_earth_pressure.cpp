@@ -101,6 +101,7 @@ void check_k0_of_groups(const std::string& type, const std::string& basis, int p
 TEST(V12_InitialStress, k0_box_with_averaged_volumes) {
   check_k0_of_groups("quad4", "linear", 4);
   check_k0_of_groups("quad4", "gimp", 4);
+  check_k0_of_groups("quad4", "bspline", 4);
   check_k0_of_groups("tri3", "linear", 3);
 }
 

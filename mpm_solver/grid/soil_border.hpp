@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mpm_solver/grid/cell_owners.hpp"
+
+namespace gabion::mpm {
+
+/// Where the soil ends, and what that means for the groups of points whose volumes are averaged
+/// under splines (docs/theory/soil.md, F-bar): along each axis on which a cell has a neighbour
+/// without points, its points form a group for each half of it. The knots of splines lie in the
+/// middle of cells. What the splines beyond the border do in the half cell before it, the mean over
+/// a whole cell would not see.
+///
+/// Cells at the sides of the grid count as borders only where a neighbour in the grid is empty:
+/// there are no splines beyond a side. Refers to the grid.
+template <int dim>
+class SoilBorder {
+ public:
+  /// @param occupied  of all cells: 1 for those of this rank that hold a point of any body
+  /// @note Collective: ranks learn of the occupied cells beside their own ones.
+  SoilBorder(const CellOwners<dim>& owners, std::vector<char> occupied);
+
+  /// Number of halves that a place in the cell may lie in, in all of its directions.
+  static constexpr int num_parts = 1 << dim;
+  /// Bit d: the cell has a neighbour without points along axis d.
+  int axes(std::int32_t cell) const;
+  bool is_occupied(std::int32_t cell) const { return occupied_[cell] != 0; }
+
+ private:
+  void exchange(const CellOwners<dim>& owners);
+
+  const BoxGrid<dim>& box_;
+  std::vector<char> occupied_;
+};
+
+/// Bit d: x lies in the upper half of the cell along axis d.
+template <int dim>
+int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& x);
+
+/// 1 for each cell of the grid with a point of this rank, else 0.
+template <int dim>
+std::vector<char> cells_with_points(const BackgroundGrid<dim>& grid,
+                                    const MaterialPoints<dim>& points);
+
+/// Part the groups of cells at the border into their halves.
+/// @param[in,out] weights  `point` and `groups` as sorted by cell
+template <int dim>
+void split_groups(const SoilBorder<dim>& border, const BoxGrid<dim>& box,
+                  const MaterialPoints<dim>& points, PointWeights<dim>& weights);
+
+}  // namespace gabion::mpm
