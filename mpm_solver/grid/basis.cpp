@@ -93,6 +93,42 @@ void sort_by_cell(std::int32_t num_cells, const MaterialPoints<dim>& points,
   }
 }
 
+// Values and gradients in a rectangle or brick, nodes in the order of CellType.
+// @param low, over_size  its lowest corner, and 1 / edge along each axis
+template <int dim>
+void brick_functions(const Vector<dim>& x, const Vector<dim>& low, const Vector<dim>& over_size,
+                     double* N, Vector<dim>* grad) {
+  constexpr bool upper[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  double value[dim][2];
+  for (int d = 0; d < dim; ++d) {
+    value[d][1] = (x[d] - low[d]) * over_size[d];
+    value[d][0] = 1 - value[d][1];
+  }
+  for (int i = 0; i < (1 << dim); ++i) {
+    N[i] = 1;
+    for (int d = 0; d < dim; ++d) {
+      N[i] *= value[d][upper[i][d]];
+      grad[i][d] = upper[i][d] ? over_size[d] : -over_size[d];
+      for (int e = 0; e < dim; ++e) {
+        if (e != d) grad[i][d] *= value[e][upper[i][e]];
+      }
+    }
+  }
+}
+
+// Room for the values, whose nodes are all those of the cell in their order.
+template <int dim>
+void make_room(std::int32_t num_points, int n, PointWeights<dim>& weights) {
+  const std::size_t size = static_cast<std::size_t>(num_points) * n;
+  const bool same = weights.whole_cells && weights.local.size() == size;
+  weights.whole_cells = true;
+  weights.group_nodes.clear();
+  if (same) return;
+  weights.resize(num_points, n);
+  for (std::size_t k = 0; k < size; ++k) weights.local[k] = static_cast<std::uint8_t>(k % n);
+}
+
 template <int dim>
 void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                            PointWeights<dim>& weights) {
@@ -100,7 +136,7 @@ void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints
   const int n = mesh.nodes_per_cell();
   weights.constant_gradient = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
   weights.num_capped = 0;
-  weights.resize(points.size(), n);
+  make_room(points.size(), n, weights);
 
   Vector<dim> corners[max_cell_nodes];
   ShapeValues<dim> shape;
@@ -109,12 +145,20 @@ void evaluate_linear_basis(const BackgroundGrid<dim>& grid, const MaterialPoints
     group.first_node = static_cast<std::int32_t>(weights.group_nodes.size());
     group.num_nodes = n;
     weights.group_nodes.insert(weights.group_nodes.end(), nodes.begin(), nodes.end());
+    if (grid.box) {
+      const Vector<dim> over_size = grid.box->spacing.cwiseInverse();
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        const std::int32_t row = weights.starts[e];
+        brick_functions<dim>(points.x[weights.point[e]], mesh.nodes[nodes[0]], over_size,
+                             &weights.N[row], &weights.grad_N[row]);
+      }
+      continue;
+    }
     for (int i = 0; i < n; ++i) corners[i] = mesh.nodes[nodes[i]];
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const Vector<dim> xi = grid.locator.local_coordinates(group.cell, points.x[weights.point[e]]);
       shape_functions<dim>(mesh.cell_type, xi, shape);
       const std::int32_t row = weights.starts[e];
-      std::iota(weights.local.begin() + row, weights.local.begin() + row + n, std::uint8_t{0});
       std::copy_n(shape.N, n, weights.N.begin() + row);
       if (e == group.first || !weights.constant_gradient) {
         map_gradients<dim>(mesh.cell_type, corners, shape);

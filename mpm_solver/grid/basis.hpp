@@ -80,6 +80,8 @@ struct PointWeights {
   /// Triangles and tetrahedra with the linear basis, not in patches: all entries of a group have
   /// the group's nodes in their order, and the gradients of its first entry hold for all.
   bool constant_gradient = false;
+  /// All nodes of a group act on each of its points, in their order: as many as a cell has corners.
+  bool whole_cells = false;
   std::vector<std::int32_t> point;   ///< of each entry
   std::vector<std::int32_t> starts;  ///< first value of each entry, and the number of values
   std::vector<std::uint8_t> local;   ///< of each value: its node's number within the group

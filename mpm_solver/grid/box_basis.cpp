@@ -98,6 +98,7 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
                         PointWeights<dim>& weights) {
   const BoxGrid<dim>& box = *grid.box;
   weights.constant_gradient = false;
+  weights.whole_cells = false;
   weights.num_capped = 0;
   weights.starts.assign(1, 0);
   weights.local.clear();

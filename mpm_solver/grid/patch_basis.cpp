@@ -63,6 +63,7 @@ void evaluate_patch_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<
   const Mesh<dim>& mesh = grid.mesh;
   const int n = mesh.nodes_per_cell();
   weights.constant_gradient = false;
+  weights.whole_cells = false;
   weights.num_capped = 0;
   sort_by_patch(grid.patches, points, weights);
   weights.resize(points.size(), n);

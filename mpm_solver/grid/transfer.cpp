@@ -2,7 +2,9 @@
 #include "mpm_solver/grid/transfer.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 
+#include "common/mechanics/materials/lanes.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -73,6 +75,46 @@ void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights
   }
 }
 
+/// Mass and momenta at the nodes of a group, summed up over its points.
+template <int dim>
+class GroupMomenta {
+ public:
+  void start(int num_nodes) { std::fill_n(x_, num_nodes, Node{}); }
+  void add(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+           std::int32_t entry) {
+    const std::int32_t p = weights.point[entry];
+    const double* N = weights.N_of(entry);
+    const std::uint8_t* local = weights.local_of(entry);
+    double moved[8] = {0, 0, 0, 0, 0, 0, 0, 1};
+    for (int d = 0; d < dim; ++d) {
+      moved[d] = points.v[p][d];
+      moved[dim + d] = points.a[p][d];
+    }
+    const Lanes first = load_lanes(moved), last = load_lanes(moved + 4);
+    for (int i = 0; i < weights.num_nodes(entry); ++i) {
+      const double weight = N[i] * points.m[p];
+      x_[local[i]].x[0] += weight * first;
+      x_[local[i]].x[1] += weight * last;
+    }
+  }
+  void scatter(int num_nodes, const std::int32_t* active, GridNodes<dim>& nodes) const {
+    for (int i = 0; i < num_nodes; ++i) {
+      nodes.m[active[i]] += x_[i].x[1][3];
+      for (int d = 0; d < dim; ++d) {
+        nodes.v[active[i]][d] += x_[i].x[d / 4][d % 4];
+        nodes.a[active[i]][d] += x_[i].x[(dim + d) / 4][(dim + d) % 4];
+      }
+    }
+  }
+
+ private:
+  /// m v, then m a; m stands last.
+  struct Node {
+    Lanes x[2] = {};
+  };
+  Node x_[max_group_nodes<dim>];
+};
+
 // The nodes that act on a point: values of an entry of PointWeights.
 template <int dim>
 struct EntryNodes {
@@ -115,21 +157,15 @@ void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& 
   nodes.m.assign(nodes.grid_node.size(), 0);
   nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
   nodes.a.assign(nodes.m.size(), Vector<dim>::Zero());
+  GroupMomenta<dim> momenta;
   for (const CellGroup& group : weights.groups) {
     nodes.list_active(weights.nodes_of(group), active);
+    momenta.start(group.num_nodes);
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
-      const int n = weights.num_nodes(e);
-      const double* N = weights.N_of(e);
-      const std::uint8_t* local = weights.local_of(e);
-      for (int i = 0; i < n; ++i) {
-        const double weight = N[i] * points.m[p];
-        nodes.m[active[local[i]]] += weight;
-        nodes.v[active[local[i]]] += weight * points.v[p];
-        nodes.a[active[local[i]]] += weight * points.a[p];
-      }
+      momenta.add(points, weights, e);
       if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
     }
+    momenta.scatter(group.num_nodes, active, nodes);
   }
   nodes.shared.sum(nodes.m, 1);
   nodes.shared.sum(flat(nodes.v), dim);

@@ -234,22 +234,26 @@ template <int dim>
 void Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K, Sums& sums) const {
   const double dt = parts_.dt;
-  const NewmarkBossak& scheme = parts_.scheme;
-  const double slope = scheme.inertia_slope(dt);
+  const NewmarkBossak scheme = parts_.scheme;
+  const double slope = scheme.inertia_slope(dt), stop = share_of_stopping / dt;
+  // The inertia is linear in what moves.
+  const double by_v = scheme.inertia(scheme.acceleration(0, 1, 0, dt), 0);
+  const double by_a = scheme.inertia(scheme.acceleration(0, 0, 1, dt), 1);
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {
     const double mass = m_[i];
-    const bool counts = shared().owns(i);
+    double inertial = 0, stopping = 0;
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
-      const double a_new = scheme.acceleration(du[k], v_[k], a_[k], dt);
-      const double f_inertia = mass * scheme.inertia(a_new, a_[k]);
+      const double f_inertia = mass * (slope * du[k] + by_v * v_[k] + by_a * a_[k]);
+      const double f_stop = stop * mass * v_[k];
       r[k] -= f_inertia;
-      if (!counts) continue;
-      sums.inertial += f_inertia * f_inertia;
-      const double f_stop = share_of_stopping * mass * v_[k] / dt;
-      sums.stopping += f_stop * f_stop;
+      inertial += f_inertia * f_inertia;
+      stopping += f_stop * f_stop;
     }
-    if (K && counts) K->add_diagonal(i, mass * slope);
+    if (!shared().owns(i)) continue;
+    sums.inertial += inertial;
+    sums.stopping += stopping;
+    if (K) K->add_diagonal(i, mass * slope);
   }
 }
 

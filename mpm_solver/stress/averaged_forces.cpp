@@ -4,84 +4,219 @@
 #include <algorithm>
 #include <variant>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/tensor_functions.hpp"
+#include "mpm_solver/stress/point_gradient.hpp"
 
 namespace gabion::mpm {
 
+namespace {
+
+constexpr int batch_size = num_lanes;
+
+}  // namespace
+
 template <int dim>
-bool AveragedForces<dim>::add_points(std::int32_t g, std::span<const double> du,
-                                     AveragedGroup<dim>& average, std::int32_t& worst) const {
+void AveragedForces<dim>::start(const Range& range) {
+  const CellGroup* groups = parts_.weights.groups.data();
+  stresses_.start(groups[range.first].first, groups[range.last - 1].last);
+  averages_.resize(stresses_.batches().size());
+  sums_.assign(range.last - range.first, {});
+  group_of_.resize(averages_.size() * batch_size);
+  auto next = group_of_.begin();
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    next = std::fill_n(next, groups[g].last - groups[g].first, g - range.first);
+  }
+  std::fill(next, group_of_.end(), range.last - 1 - range.first);
+}
+
+// Volumes of the points whose gradients are set.
+template <int dim>
+void AveragedForces<dim>::set_volumes() {
+  stresses_.fill_up();
   const auto& [bodies, points, weights, nodes, trial] = parts_;
-  const CellGroup& group = weights.groups[g];
-  GroupDisplacements<dim> of_group;
-  nodes.gather(weights.nodes_of(group), du, of_group.data());
-  average.start();
-  for (std::int32_t e = group.first; e < group.last; ++e) {
-    const std::int32_t p = weights.point[e];
-    const double V = points.V0[p] * points.J[p];
-    const Matrix<dim> H = displacement_gradient(weights, e, of_group.data());
-    if (average.add_point(H, V) >= min_J_ratio) continue;
-    worst = p;
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    const Lanes V = stresses_.of_points(b, [&](std::int32_t e) {
+      return points.V0[weights.point[e]] * points.J[weights.point[e]];
+    });
+    averages_[b].start(stresses_.batches()[b].H, V);
+    for (int l = 0; l < stresses_.points_of(b); ++l) {
+      GroupSums& sums = sums_[group_of_[b * batch_size + l]];
+      sums.before += averages_[b].V(l);
+      sums.change += averages_[b].V_change(l);
+    }
+  }
+}
+
+template <int dim>
+template <int n>
+bool AveragedForces<dim>::find_volumes(const Range& range, std::span<const double> du,
+                                       std::int32_t& worst) {
+  start(range);
+  const auto& weights = parts_.weights;
+  NodeMotion<dim> of_group;
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.gather(weights.nodes_of(group), du, of_group.du);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      set_gradient<n>(weights, e, of_group.du, stresses_.batch_of(e), stresses_.lane_of(e));
+    }
+  }
+  set_volumes();
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    const LaneMask refused = averages_[b].J() < min_J_ratio;
+    if (!any(refused)) continue;
+    int lane = 0;
+    while (!refused[lane]) ++lane;
+    worst = weights.point[stresses_.entry(b, lane)];
     return false;
   }
   return true;
 }
 
-// Of the consecutive groups from g on.
+// A number of the group of each point of a batch.
+template <int dim>
+template <class OfGroup>
+Lanes AveragedForces<dim>::of_groups(std::size_t b, const OfGroup& of_group) const {
+  Lanes x;
+  for (int l = 0; l < batch_size; ++l) x[l] = of_group(sums_[group_of_[b * batch_size + l]], l);
+  return x;
+}
+
 template <int dim>
 template <class Law>
-bool AveragedForces<dim>::add_stresses(const Law& law, std::int32_t g, bool with_K,
-                                       std::span<AveragedGroup<dim>> averages,
-                                       std::int32_t& worst) {
-  const auto* groups = parts_.weights.groups.data() + g;
-  stresses_.start(groups[0].first, groups[averages.size() - 1].last);
-  for (std::size_t k = 0; k < averages.size(); ++k) {
-    for (std::int32_t e = groups[k].first; e < groups[k].last; ++e) {
-      stresses_.H(e) = averages[k].averaged_gradient(e - groups[k].first);
-    }
+bool AveragedForces<dim>::find_stresses(const Law& law, bool with_K, std::int32_t& worst) {
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    const Lanes mean_change =
+        of_groups(b, [](const GroupSums& sums, int) { return sums.change / sums.before; });
+    averages_[b].average(mean_change, stresses_.batches()[b].H);
   }
   if (!stresses_.evaluate(parts_, law, with_K, worst)) return false;
-  for (std::size_t k = 0; k < averages.size(); ++k) {
-    for (std::int32_t e = groups[k].first; e < groups[k].last; ++e) {
-      averages[k].set_stress(e - groups[k].first, parts_.points.V0[parts_.weights.point[e]],
-                             stresses_.P(e), with_K ? &stresses_.A(e) : nullptr);
+  sum_pressures(with_K);
+  return true;
+}
+
+template <int dim>
+void AveragedForces<dim>::sum_pressures(bool with_K) {
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    averages_[b].set_stress(V0(b), stresses_.batches()[b], with_K);
+    for (int l = 0; l < stresses_.points_of(b); ++l) {
+      GroupSums& sums = sums_[group_of_[b * batch_size + l]];
+      sums.pressure += averages_[b].pressure(l);
+      if (with_K) sums.coupling += averages_[b].coupling(l);
+    }
+  }
+}
+
+// Order what the points add to the forces; or to all.
+template <int dim>
+void AveragedForces<dim>::order_forces() {
+  force_terms_.resize(averages_.size() * batch_size);
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    const Batch& average = averages_[b];
+    const Lanes mean_pressure = of_groups(b, [&](const GroupSums& sums, int l) {
+      return sums.share(average.V(l), average.V_change(l)) * sums.pressure;
+    });
+    average.share_forces(mean_pressure, &force_terms_[b * batch_size]);
+  }
+}
+
+template <int dim>
+void AveragedForces<dim>::order_all() {
+  terms_.resize(averages_.size() * batch_size);
+  for (std::size_t b = 0; b < averages_.size(); ++b) {
+    const Batch& average = averages_[b];
+    const Lanes share = of_groups(b, [&](const GroupSums& sums, int l) {
+      return sums.share(average.V(l), average.V_change(l));
+    });
+    const Lanes mean_pressure =
+        share * of_groups(b, [](const GroupSums& sums, int) { return sums.pressure; });
+    average.share_all(share, mean_pressure, stresses_.batches()[b].A, &terms_[b * batch_size]);
+  }
+}
+
+template <int dim>
+template <int n>
+void AveragedForces<dim>::add_forces(const Range& range, std::span<double> f) {
+  order_forces();
+  const auto& weights = parts_.weights;
+  CellSums<dim, 1, n> sums;
+  const PointTerms<dim, 1>* terms = force_terms_.data();
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    sums.start(group.num_nodes);
+    for (std::int32_t e = group.first; e < group.last; ++e) sums.add_forces(weights, e, *terms++);
+    sums.scatter(parts_, group, f.data());
+  }
+}
+
+template <int dim>
+template <int n>
+void AveragedForces<dim>::add_all(const Range& range, BlockMatrix<dim>& K, std::span<double> f) {
+  order_all();
+  CellSums<dim, Batch::num_fields, n> sums;
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    add_cell<n>(g, sums, K);
+    sums.scatter(parts_, parts_.weights.groups[g], f.data());
+  }
+}
+
+template <int dim>
+template <int n>
+void AveragedForces<dim>::add_cell(std::int32_t g, CellSums<dim, Batch::num_fields, n>& sums,
+                                   BlockMatrix<dim>& K) {
+  const auto& weights = parts_.weights;
+  const CellGroup& group = weights.groups[g];
+  const auto* terms = &terms_[group.first - stresses_.first()];
+  const int num_nodes = group.num_nodes;
+  sums.start(num_nodes);
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    sums.add_forces(weights, e, terms[e - group.first]);
+  }
+  constexpr int most = max_group_nodes<dim> * dim;
+  double left[most], gradient[most], right[most];
+  sums.fields.take(num_nodes, Batch::left, left);
+  sums.fields.take(num_nodes, Batch::volume, gradient);
+  sums.fields.take(num_nodes, Batch::right, right);
+  const GroupSums& of_group = sums_[group_of_[group.first - stresses_.first()]];
+  const double rest = of_group.coupling - of_group.pressure;
+  for (int i = 0; i < num_nodes * dim; ++i) right[i] += rest * gradient[i];
+  sums.K.start(num_nodes, K.cell_blocks(g));
+  sums.K.add({.left = left, .g = gradient, .right = right});
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    sums.add_stiffness(weights, e, terms[e - group.first]);
+  }
+  sums.K.finish();
+}
+
+template <int dim>
+template <class Visit>
+bool AveragedForces<dim>::for_each_range(const Visit& visit) {
+  const auto& body_groups = parts_.weights.body_groups;
+  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
+    for (Range range{body_groups[b], 0}; range.first < body_groups[b + 1];
+         range.first = range.last) {
+      range.last = std::min(range.first + groups_at_once<dim>, body_groups[b + 1]);
+      if (!visit(parts_.bodies[b], range)) return false;
     }
   }
   return true;
 }
 
 template <int dim>
-void AveragedForces<dim>::add_forces(std::int32_t g, const double* gradient,
-                                     AveragedGroup<dim>& average, BlockMatrix<dim>* K,
-                                     std::span<double> f) const {
-  const CellGroup& group = parts_.weights.groups[g];
-  std::int32_t active[max_group_nodes<dim>];
-  parts_.nodes.list_active(parts_.weights.nodes_of(group), active);
-  CellForces<dim> sum;
-  sum.set_zero(group.num_nodes, false);
-  average.add_forces(parts_.weights, group, gradient, sum);
-  sum.scatter(group.num_nodes, active, f.data());
-  if (K) K->add_cell_blocks(g, sum.K);
-}
-
-template <int dim>
-template <class Law>
-bool AveragedForces<dim>::group_forces(const Law& law, std::int32_t first, std::int32_t last,
-                                       const Target& target) {
-  const auto& weights = parts_.weights;
+template <int n>
+bool AveragedForces<dim>::evaluate_range(const Body<dim>& body, const Range& range,
+                                         const Target& target) {
   const bool with_K = target.K != nullptr;
-  const std::span averages(averages_.data(), last - first);
-  for (std::int32_t g = first; g < last; ++g) {
-    if (!add_points(g, target.du, averages[g - first], target.worst)) return false;
-  }
-  if (!add_stresses(law, first, with_K, averages, target.worst)) return false;
-  double gradient[CellForces<dim>::max_dofs];
-  for (std::int32_t g = first; g < last; ++g) {
-    if (with_K) {
-      std::fill_n(gradient, weights.groups[g].num_nodes * dim, 0.0);
-      averages[g - first].add_volume_gradient(weights, weights.groups[g], gradient);
-    }
-    add_forces(g, with_K ? gradient : nullptr, averages[g - first], target.K, target.f);
+  if (!find_volumes<n>(range, target.du, target.worst)) return false;
+  const bool admissible = std::visit(
+      [&](const auto& law) { return find_stresses(law, with_K, target.worst); },
+      body.material.law);
+  if (!admissible) return false;
+  if (with_K) {
+    add_all<n>(range, *target.K, target.f);
+  } else {
+    add_forces<n>(range, target.f);
   }
   return true;
 }
@@ -89,40 +224,34 @@ bool AveragedForces<dim>::group_forces(const Law& law, std::int32_t first, std::
 template <int dim>
 bool AveragedForces<dim>::evaluate(const Target& target) {
   const auto& weights = parts_.weights;
-  averages_.resize(groups_at_once);
-  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
-    const std::int32_t end = weights.body_groups[b + 1];
-    for (std::int32_t first = weights.body_groups[b], last = first; first < end; first = last) {
-      last = std::min(first + groups_at_once, end);
-      const bool admissible =
-          std::visit([&](const auto& law) { return group_forces(law, first, last, target); },
-                     parts_.bodies[b].material.law);
-      if (!admissible) return false;
-    }
-  }
-  return true;
+  require(!weights.constant_gradient, "mpm_solver: F-bar needs gradients of each point");
+  return for_each_range([&](const Body<dim>& body, const Range& range) {
+    return weights.whole_cells ? evaluate_range<num_corners>(body, range, target)
+                                      : evaluate_range<0>(body, range, target);
+  });
 }
 
 template <int dim>
-void AveragedForces<dim>::add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const {
-  const auto& points = parts_.points;
-  const CellGroup& group = parts_.weights.groups[g];
-  average.start();
-  for (std::int32_t e = group.first; e < group.last; ++e) {
-    const std::int32_t p = parts_.weights.point[e];
-    average.add_point(Matrix<dim>::Zero(), points.V0[p] * points.J[p]);
-    average.set_stress(e - group.first, points.V0[p], in_plane<dim>(points.tau[p]), nullptr);
-  }
-}
-
-template <int dim>
-std::vector<double> AveragedForces<dim>::start_forces(std::size_t num_values) const {
+std::vector<double> AveragedForces<dim>::find_start_forces(std::size_t num_values) {
   std::vector<double> f(num_values, 0.0);
-  AveragedGroup<dim> average;
-  for (std::size_t g = 0; g < parts_.weights.groups.size(); ++g) {
-    add_accepted_stresses(static_cast<std::int32_t>(g), average);
-    add_forces(static_cast<std::int32_t>(g), nullptr, average, nullptr, f);
-  }
+  for_each_range([&](const Body<dim>&, const Range& range) {
+    start(range);
+    for (std::size_t b = 0; b < averages_.size(); ++b) {
+      PointBatch<dim>& batch = stresses_.batches()[b];
+      for (int l = 0; l < batch_size; ++l) {
+        const std::int32_t p = parts_.weights.point[stresses_.entry(b, l)];
+        batch.set_gradient(l, Matrix<dim>::Zero());
+        batch.set_stress(l, in_plane<dim>(parts_.points.tau[p]));
+      }
+    }
+    set_volumes();
+    for (std::size_t b = 0; b < averages_.size(); ++b) {
+      averages_[b].average(Lanes{}, stresses_.batches()[b].H);
+    }
+    sum_pressures(false);
+    add_forces<0>(range, f);
+    return true;
+  });
   return f;
 }
 

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/stress/averaged_group.hpp"
+#include "mpm_solver/stress/averaged_batch.hpp"
+#include "mpm_solver/stress/cell_sums.hpp"
 #include "mpm_solver/stress/point_stresses.hpp"
 
 namespace gabion::mpm {
 
-/// Internal forces under F-bar, see AveragedGroup. The points of a group are on one rank.
+/// Internal forces under F-bar, see AveragedBatch. The points of a group are on one rank.
 template <int dim>
 class AveragedForces {
  public:
@@ -26,25 +27,57 @@ class AveragedForces {
   /// @returns false when a point of this rank would be squeezed below min_J_ratio of its volume
   bool evaluate(const Target& target);
   /// Forces of the accepted stresses, those of du = 0: `num_values` = num_nodes x dim [N].
-  std::vector<double> start_forces(std::size_t num_values) const;
+  std::vector<double> start_forces(std::size_t num_values) const {
+    return AveragedForces(parts_).find_start_forces(num_values);
+  }
 
  private:
-  void add_accepted_stresses(std::int32_t g, AveragedGroup<dim>& average) const;
+  using Batch = AveragedBatch<dim>;
+  static constexpr int num_corners = dim == 2 ? 4 : 8;
+  /// Consecutive groups of one body.
+  struct Range {
+    std::int32_t first, last;
+  };
+  /// Visit the ranges in which all groups are evaluated; false ends it.
+  template <class Visit>
+  bool for_each_range(const Visit& visit);
+  template <class OfEntry>
+  Lanes of_groups(std::size_t b, const OfEntry& of_group) const;
 
-  // The three passes over one group.
-  bool add_points(std::int32_t g, std::span<const double> du, AveragedGroup<dim>& average,
-                  std::int32_t& worst) const;
+  // The three passes over the groups of a range.
+  /// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
+  template <int n>
+  bool evaluate_range(const Body<dim>& body, const Range& range, const Target& target);
+  template <int n>
+  bool find_volumes(const Range& range, std::span<const double> du, std::int32_t& worst);
   template <class Law>
-  bool add_stresses(const Law& law, std::int32_t g, bool with_K,
-                    std::span<AveragedGroup<dim>> averages, std::int32_t& worst);
-  template <class Law>
-  bool group_forces(const Law& law, std::int32_t first, std::int32_t last, const Target& target);
-  void add_forces(std::int32_t g, const double* gradient, AveragedGroup<dim>& average,
-                  BlockMatrix<dim>* K, std::span<double> f) const;
+  bool find_stresses(const Law& law, bool with_K, std::int32_t& worst);
+  void sum_pressures(bool with_K);
+  template <int n>
+  void add_forces(const Range& range, std::span<double> f);
+  template <int n>
+  void add_all(const Range& range, BlockMatrix<dim>& K, std::span<double> f);
+  template <int n>
+  void add_cell(std::int32_t g, CellSums<dim, Batch::num_fields, n>& sums, BlockMatrix<dim>& K);
+  void order_forces();
+  void order_all();
+
+  std::vector<double> find_start_forces(std::size_t num_values);
+  void start(const Range& range);
+  void set_volumes();
+  Lanes V0(std::size_t b) const {
+    return stresses_.of_points(
+        b, [this](std::int32_t e) { return parts_.points.V0[parts_.weights.point[e]]; });
+  }
 
   StressParts<dim> parts_;
-  std::vector<AveragedGroup<dim>> averages_;  // of the groups at hand
-  PointStresses<dim> stresses_;               // the same
+  // Of the range at hand.
+  PointStresses<dim> stresses_;
+  std::vector<Batch> averages_;
+  std::vector<GroupSums> sums_;           // of each group
+  std::vector<std::int32_t> group_of_;    // of each entry, the last one fills up
+  std::vector<PointTerms<dim, 1>> force_terms_;
+  std::vector<typename Batch::Terms> terms_;
 };
 
 }  // namespace gabion::mpm

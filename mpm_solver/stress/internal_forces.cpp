@@ -7,6 +7,10 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/tensor_functions.hpp"
+#include "mpm_solver/stress/averaged_forces.hpp"
+#include "mpm_solver/stress/cell_sums.hpp"
+#include "mpm_solver/stress/point_gradient.hpp"
+#include "mpm_solver/stress/point_stresses.hpp"
 
 namespace gabion::mpm {
 
@@ -26,15 +30,46 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 
 }  // namespace
 
+/// Room for the points and the cell at hand.
+template <int dim>
+struct InternalForces<dim>::Work {
+  using Terms = PointTerms<dim, 1>;
+  PointStresses<dim> stresses;
+  std::vector<Terms> terms;  // of the same points
+
+  /// Order what the points add to forces and stiffness.
+  void order_terms(const StressParts<dim>& parts, bool with_K) {
+    terms.resize(stresses.batches().size() * PointBatch<dim>::size);
+    Terms* of_batch = terms.data();
+    for (std::size_t b = 0; b < stresses.batches().size(); ++b, of_batch += num_lanes) {
+      PointBatch<dim>& batch = stresses.batches()[b];
+      const Lanes V0 = stresses.of_points(
+          b, [&](std::int32_t e) { return parts.points.V0[parts.weights.point[e]]; });
+      for (Lanes& P : batch.P) P *= V0;
+      spread_stress(batch.P, of_batch);
+      if (!with_K) continue;
+      for (Lanes& A : batch.A) A *= V0;
+      spread_tangent(batch.A, of_batch);
+    }
+  }
+};
+
 template <int dim>
 InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_size,
                                     double same_strain, bool average_volumes, bool repeats)
-    : parts_(parts), cell_size_(cell_size), given_same_strain_(same_strain), repeats_(repeats) {
-  if (average_volumes) averaged_.emplace(parts);
+    : parts_(parts),
+      cell_size_(cell_size),
+      given_same_strain_(same_strain),
+      work_(std::make_unique<Work>()),
+      repeats_(repeats) {
+  if (average_volumes) averaged_ = std::make_unique<AveragedForces<dim>>(parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
   parts_.trial.resize(parts_.points.size());
   forget();
 }
+
+template <int dim>
+InternalForces<dim>::~InternalForces() = default;
 
 template <int dim>
 void InternalForces<dim>::forget() {
@@ -48,116 +83,116 @@ void InternalForces<dim>::forget() {
 // V0 P and V0 dP/dH summed over the points of a cell that share one gradient.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::group_stress(const Law& law, const GroupRequest& request,
-                                       const Matrix<dim>& H) {
-  const CellGroup& group = parts_.weights.groups[request.number];
-  GroupStress& known = known_[request.number];
-  known.is_known = false;
-  known.H = H;
-  known.P.setZero();
-  known.A.setZero();
-  stresses_.start(group.first, group.last);
-  for (std::int32_t e = group.first; e < group.last; ++e) stresses_.H(e) = H;
-  if (!stresses_.evaluate(parts_, law, request.with_K, request.worst)) return false;
+bool InternalForces<dim>::group_stress(const Law& law, std::int32_t g, const Matrix<dim>& H,
+                                       const Request& request) {
+  const CellGroup& group = parts_.weights.groups[g];
+  const bool with_K = request.K != nullptr;
+  GroupStress& known = known_[g];
+  known = {.is_known = false, .has_A = with_K, .H = H};
+  PointStresses<dim>& stresses = work_->stresses;
+  stresses.start(group.first, group.last);
+  for (std::int32_t e = group.first; e < group.last; ++e) stresses.set_gradient(e, H);
+  if (!stresses.evaluate(parts_, law, with_K, request.worst)) return false;
   for (std::int32_t e = group.first; e < group.last; ++e) {
     const double V0 = parts_.points.V0[parts_.weights.point[e]];
-    known.P += V0 * stresses_.P(e);
-    if (request.with_K) known.A += V0 * stresses_.A(e);
+    known.P += V0 * stresses.P(e);
+    if (with_K) known.A += V0 * stresses.A(e);
   }
   known.is_known = true;
-  known.has_A = request.with_K;
   return true;
 }
 
-// Forces and stiffness of a triangle or tetrahedron.
+// Stress of a triangle or tetrahedron at H, null: inadmissible.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::add_simplex(const Law& law, const GroupRequest& request) {
-  const CellGroup& group = parts_.weights.groups[request.number];
-  const std::uint8_t* local = parts_.weights.local_of(group.first);
-  const Vector<dim>* grad = parts_.weights.grad_of(group.first);
-  const int n = group.num_nodes;
-  const Matrix<dim> H = gradient_of(request, group.first);
-  GroupStress& known = known_[request.number];
+bool InternalForces<dim>::simplex_stress(const Law& law, std::int32_t g, const Matrix<dim>& H,
+                                         const Request& request, Matrix<dim>& P) {
+  const GroupStress& known = known_[g];
   const Matrix<dim> change = H - known.H;
   const double size = change.cwiseAbs().maxCoeff();
   const bool near =
-      known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !request.with_K);
-  if (!near && !group_stress(law, request, H)) return false;
-  request.sum.add_stress(n, local, known.P, grad);
-  if (near && size > 0) {
-    Matrix<dim> P_change;
-    for (int aJ = 0; aJ < dim * dim; ++aJ) {
-      double value = 0;
-      for (int bL = 0; bL < dim * dim; ++bL) value += known.A(aJ, bL) * change(bL / dim, bL % dim);
-      P_change(aJ / dim, aJ % dim) = value;
+      known.is_known && (known.has_A ? size <= same_strain_ : size == 0 && !request.K);
+  if (!near && !group_stress(law, g, H, request)) return false;
+  P = known.P;
+  if (!near || size == 0) return true;
+  for (int aJ = 0; aJ < dim * dim; ++aJ) {
+    for (int bL = 0; bL < dim * dim; ++bL) {
+      P(aJ / dim, aJ % dim) += known.A(aJ, bL) * change(bL / dim, bL % dim);
     }
-    request.sum.add_stress(n, local, P_change, grad);
   }
-  if (request.with_K) request.sum.add_tangent(n, local, n, known.A, grad);
+  return true;
+}
+
+// f_int and its derivative of triangles or tetrahedra with the linear basis.
+template <int dim>
+template <class Law>
+bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRange& range,
+                                         const Request& request) {
+  constexpr int n = dim + 1;
+  const auto& weights = parts_.weights;
+  CellSums<dim, 1, n> sums;
+  PointTerms<dim, 1> terms;
+  GroupDisplacements<dim> of_group;
+  for (std::int32_t g = range.first; g < range.last; ++g) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.gather(weights.nodes_of(group), request.du, of_group.data());
+    const Matrix<dim> H =
+        displacement_gradient<dim, n>(weights, group.first, of_group.data());
+    Matrix<dim> P;
+    if (!simplex_stress(law, g, H, request, P)) return false;
+    terms.set_stress(P);
+    if (request.K) terms.set_tangent(known_[g].A);
+    sums.start(n);
+    sums.add_forces(weights, group.first, terms);
+    sums.scatter(parts_, group, f_int_.data());
+    if (!request.K) continue;
+    sums.K.start(n, request.K->cell_blocks(g));
+    sums.add_stiffness(weights, group.first, terms);
+    sums.K.finish();
+  }
   return true;
 }
 
 // Stresses of the points of cells that have gradients of their own.
 template <int dim>
-template <class Law>
-bool InternalForces<dim>::find_stresses(const Law& law, const GroupRange& range,
-                                        std::span<const double> du, bool with_K,
-                                        std::int32_t& worst) {
+template <int n, class Law>
+bool InternalForces<dim>::find_terms(const Law& law, const GroupRange& range,
+                                     const Request& request) {
   const auto& weights = parts_.weights;
-  stresses_.start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
-  GroupDisplacements<dim> of_group;
+  PointStresses<dim>& stresses = work_->stresses;
+  stresses.start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
+  NodeMotion<dim> of_group;
   for (std::int32_t g = range.first; g < range.last; ++g) {
     const CellGroup& group = weights.groups[g];
-    parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
+    parts_.nodes.gather(weights.nodes_of(group), request.du, of_group.du);
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      stresses_.H(e) = displacement_gradient(weights, e, of_group.data());
+      set_gradient<n>(weights, e, of_group.du, stresses.batch_of(e), stresses.lane_of(e));
     }
   }
-  return stresses_.evaluate(parts_, law, with_K, worst);
-}
-
-// Forces and stiffness of these stresses.
-template <int dim>
-void InternalForces<dim>::add_points(const CellGroup& group, bool with_K,
-                                     CellForces<dim>& sum) const {
-  const auto& weights = parts_.weights;
-  for (std::int32_t e = group.first; e < group.last; ++e) {
-    const int n = weights.num_nodes(e);
-    const std::uint8_t* local = weights.local_of(e);
-    const double V0 = parts_.points.V0[weights.point[e]];
-    sum.add_stress(n, local, V0 * stresses_.P(e), weights.grad_of(e));
-    if (!with_K) continue;
-    sum.add_tangent(n, local, group.num_nodes, V0 * stresses_.A(e), weights.grad_of(e));
-  }
+  if (!stresses.evaluate(parts_, law, request.K != nullptr, request.worst)) return false;
+  work_->order_terms(parts_, request.K != nullptr);
+  return true;
 }
 
 // f_int and its derivative of some cells of one body.
 template <int dim>
-template <class Law>
+template <int n, class Law>
 bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
-                                       std::span<const double> du, BlockMatrix<dim>* K,
-                                       std::int32_t& worst) {
+                                       const Request& request) {
+  if (!find_terms<n>(law, range, request)) return false;
   const auto& weights = parts_.weights;
-  const bool with_K = K != nullptr, shared_gradient = weights.constant_gradient;
-  if (!shared_gradient && !find_stresses(law, range, du, with_K, worst)) return false;
-  CellForces<dim> sum;
-  std::int32_t active[max_group_nodes<dim>];
-  GroupDisplacements<dim> of_group;
+  CellSums<dim, 1, n> sums;
+  const PointTerms<dim, 1>* terms = work_->terms.data();
   for (std::int32_t g = range.first; g < range.last; ++g) {
     const CellGroup& group = weights.groups[g];
-    sum.set_zero(group.num_nodes, with_K);
-    if (shared_gradient) {
-      parts_.nodes.gather(weights.nodes_of(group), du, of_group.data());
-      const GroupRequest request{
-          .number = g, .du = of_group.data(), .with_K = with_K, .sum = sum, .worst = worst};
-      if (!add_simplex(law, request)) return false;
-    } else {
-      add_points(group, with_K, sum);
+    sums.start(group.num_nodes);
+    if (request.K) sums.K.start(group.num_nodes, request.K->cell_blocks(g));
+    for (std::int32_t e = group.first; e < group.last; ++e, ++terms) {
+      sums.add_forces(weights, e, *terms);
+      if (request.K) sums.add_stiffness(weights, e, *terms);
     }
-    parts_.nodes.list_active(weights.nodes_of(group), active);
-    sum.scatter(group.num_nodes, active, f_int_.data());
-    if (K) K->add_cell_blocks(g, sum.K);
+    sums.scatter(parts_, group, f_int_.data());
+    if (request.K) sums.K.finish();
   }
   return true;
 }
@@ -165,24 +200,26 @@ bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
 // f_int and its derivative of the cells that hold points of one body.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, std::span<const double> du,
-                                      BlockMatrix<dim>* K, std::int32_t& worst) {
-  const std::int32_t last = parts_.weights.body_groups[body + 1];
+bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, const Request& request) {
+  constexpr int num_corners = dim == 2 ? 4 : 8;
+  const auto& weights = parts_.weights;
+  const std::int32_t last = weights.body_groups[body + 1];
   GroupRange range;
-  for (range.first = parts_.weights.body_groups[body]; range.first < last;
-       range.first = range.last) {
-    range.last = std::min(range.first + groups_at_once, last);
-    if (!range_forces(law, range, du, K, worst)) return false;
+  for (range.first = weights.body_groups[body]; range.first < last; range.first = range.last) {
+    range.last = std::min(range.first + groups_at_once<dim>, last);
+    const bool admissible = weights.constant_gradient ? simplex_forces(law, range, request)
+                            : weights.whole_cells ? range_forces<num_corners>(law, range, request)
+                                                  : range_forces<0>(law, range, request);
+    if (!admissible) return false;
   }
   return true;
 }
 
 template <int dim>
-bool InternalForces<dim>::all_forces(std::span<const double> du, BlockMatrix<dim>* K,
-                                     std::int32_t& worst) {
+bool InternalForces<dim>::all_forces(const Request& request) {
   for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
     const bool admissible =
-        std::visit([&](const auto& law) { return body_forces(law, b, du, K, worst); },
+        std::visit([&](const auto& law) { return body_forces(law, b, request); },
                    parts_.bodies[b].material.law);
     if (!admissible) return false;
   }
@@ -206,7 +243,7 @@ bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>*
   if (K) K->set_zero();
   const bool admissible = averaged_
                               ? averaged_->evaluate({.du = du, .K = K, .f = f_int_, .worst = worst})
-                              : all_forces(du, K, worst);
+                              : all_forces({.du = du, .K = K, .worst = worst});
   if (!admissible) return false;
   yielding_.add(parts_.trial.region);
   du_known_.assign(du.begin(), du.end());
@@ -222,18 +259,20 @@ std::vector<double> InternalForces<dim>::start_forces() const {
   if (averaged_) return averaged_->start_forces(f_int_.size());
   const auto& weights = parts_.weights;
   std::vector<double> f(f_int_.size(), 0.0);
-  CellForces<dim> sum;
+  NodalSums<dim, 1> sum;
+  PointTerms<dim, 1> share;
   std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights.groups) {
     parts_.nodes.list_active(weights.nodes_of(group), active);
-    sum.set_zero(group.num_nodes, false);
+    sum.start(group.num_nodes);
     Matrix<dim> P = Matrix<dim>::Zero();
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       P += parts_.points.V0[p] * in_plane<dim>(parts_.points.tau[p]);
       if (weights.constant_gradient && e + 1 < group.last) continue;
       const std::int32_t row = weights.constant_gradient ? group.first : e;
-      sum.add_stress(weights.num_nodes(row), weights.local_of(row), P, weights.grad_of(row));
+      share.set_stress(P);
+      sum.add(weights.num_nodes(row), weights.local_of(row), weights.grad_of(row), share.nodal[0]);
       P.setZero();
     }
     sum.scatter(group.num_nodes, active, f.data());

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/stress/averaged_forces.hpp"
-#include "mpm_solver/stress/cell_forces.hpp"
-#include "mpm_solver/stress/point_stresses.hpp"
+#include "mpm_solver/stress/stress_parts.hpp"
 #include "mpm_solver/stress/yielding_points.hpp"
 
 namespace gabion::mpm {
+
+template <int dim>
+class AveragedForces;
 
 /// Internal forces of one rank's material points on the active nodes during one step,
 ///
@@ -29,6 +30,11 @@ class InternalForces {
   /// @param repeats          several solutions may follow each other: K is kept for the next one
   InternalForces(const StressParts<dim>& parts, double cell_size, double same_strain,
                  bool average_volumes = false, bool repeats = true);
+  ~InternalForces();
+  InternalForces(const InternalForces&) = delete;
+  InternalForces& operator=(const InternalForces&) = delete;
+  InternalForces(InternalForces&&) = delete;
+  InternalForces& operator=(InternalForces&&) = delete;
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible
@@ -72,39 +78,36 @@ class InternalForces {
     std::int32_t first, last;
   };
 
-  /// A group of points under evaluation.
-  struct GroupRequest {
-    std::int32_t number;  // of the group
-    const double* du;     // of its nodes
-    bool with_K;
-    CellForces<dim>& sum;
+  struct Work;
+  /// What an evaluation of points is for.
+  struct Request {
+    std::span<const double> du;
+    BlockMatrix<dim>* K;  // null: forces alone
     std::int32_t& worst;
   };
 
-  bool all_forces(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
+  bool all_forces(const Request& request);
   template <class Law>
-  bool body_forces(const Law& law, std::int32_t body, std::span<const double> du,
-                   BlockMatrix<dim>* K, std::int32_t& worst);
+  bool body_forces(const Law& law, std::int32_t body, const Request& request);
+  /// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
+  template <int n, class Law>
+  bool range_forces(const Law& law, const GroupRange& range, const Request& request);
+  template <int n, class Law>
+  bool find_terms(const Law& law, const GroupRange& range, const Request& request);
   template <class Law>
-  bool range_forces(const Law& law, const GroupRange& range, std::span<const double> du,
-                    BlockMatrix<dim>* K, std::int32_t& worst);
+  bool simplex_forces(const Law& law, const GroupRange& range, const Request& request);
   template <class Law>
-  bool find_stresses(const Law& law, const GroupRange& range, std::span<const double> du,
-                     bool with_K, std::int32_t& worst);
-  void add_points(const CellGroup& group, bool with_K, CellForces<dim>& sum) const;
+  bool simplex_stress(const Law& law, std::int32_t g, const Matrix<dim>& H, const Request& request,
+                      Matrix<dim>& P);
   template <class Law>
-  bool add_simplex(const Law& law, const GroupRequest& request);
-  template <class Law>
-  bool group_stress(const Law& law, const GroupRequest& request, const Matrix<dim>& H);
-  Matrix<dim> gradient_of(const GroupRequest& request, std::int32_t entry) const {
-    return displacement_gradient(parts_.weights, entry, request.du);
-  }
+  bool group_stress(const Law& law, std::int32_t g, const Matrix<dim>& H, const Request& request);
 
   StressParts<dim> parts_;
-  std::optional<AveragedForces<dim>> averaged_;  // none: each point sees its own volume change
+  std::unique_ptr<AveragedForces<dim>> averaged_;  // null: each point sees its own volume change
   double cell_size_;
   double given_same_strain_;
   double same_strain_ = 0;
+  std::unique_ptr<Work> work_;
   std::vector<double> f_int_;
   std::vector<GroupStress> known_;  // of each group
   std::vector<double> du_known_;    // where the forces were last evaluated; empty: nowhere
@@ -114,7 +117,6 @@ class InternalForces {
   bool first_evaluation_ = true;
   bool neighbours_matrix_ = false;
   YieldingPoints<dim> yielding_;
-  PointStresses<dim> stresses_;  // of the groups at hand
 };
 
 }  // namespace gabion::mpm

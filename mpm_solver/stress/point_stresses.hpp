@@ -5,104 +5,143 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/materials/point_batch.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
 
 /// Groups whose points are evaluated in one go: enough to fill batches, few enough for the cache.
-inline constexpr std::int32_t groups_at_once = 16;
+template <int dim>
+inline constexpr std::int32_t groups_at_once = dim == 2 ? 16 : 4;
 
-/// Stresses of the points of consecutive entries of PointWeights, several at once where their law
-/// can do that (PlaneReturn).
+/// Stresses of the points of consecutive entries of PointWeights, in batches of four entries. The
+/// last batch is filled up by its last point.
 template <int dim>
 class PointStresses {
  public:
+  using Batch = PointBatch<dim>;
+
   void start(std::int32_t first, std::int32_t last) {
     first_ = first;
-    H_.resize(last - first);
-    P_.resize(last - first);
-    A_.resize(last - first);
+    count_ = last - first;
+    batches_.resize((count_ + Batch::size - 1) / Batch::size);
   }
+  std::int32_t first() const { return first_; }
+  /// Number of points of a batch.
+  int points_of(std::size_t b) const {
+    return std::min(Batch::size, count_ - static_cast<int>(b) * Batch::size);
+  }
+  /// Entry of a lane; the last one fills up.
+  std::int32_t entry(std::size_t b, int l) const {
+    return first_ + std::min(static_cast<int>(b) * Batch::size + l, count_ - 1);
+  }
+  std::span<Batch> batches() { return batches_; }
+  std::span<const Batch> batches() const { return batches_; }
 
+  Batch& batch_of(std::int32_t entry) { return batches_[(entry - first_) / Batch::size]; }
+  int lane_of(std::int32_t entry) const { return (entry - first_) % Batch::size; }
   /// Gradient of an entry, to be set before `evaluate`.
-  Matrix<dim>& H(std::int32_t entry) { return H_[entry - first_]; }
-  const Matrix<dim>& P(std::int32_t entry) const { return P_[entry - first_]; }
-  const Tangent<dim>& A(std::int32_t entry) const { return A_[entry - first_]; }
+  void set_gradient(std::int32_t entry, const Matrix<dim>& H) {
+    const std::int32_t k = entry - first_;
+    batches_[k / Batch::size].set_gradient(k % Batch::size, H);
+  }
+  /// All are set.
+  void fill_up() {
+    const int used = count_ % Batch::size;
+    if (used == 0) return;
+    for (int l = used; l < Batch::size; ++l) {
+      for (Lanes& x : batches_.back().H) x[l] = x[used - 1];
+    }
+  }
+  Matrix<dim> P(std::int32_t entry) const {
+    return batches_[(entry - first_) / Batch::size].stress((entry - first_) % Batch::size);
+  }
+  Tangent<dim> A(std::int32_t entry) const {
+    return batches_[(entry - first_) / Batch::size].tangent((entry - first_) % Batch::size);
+  }
+  /// A number of each point of a batch; the last one fills up.
+  template <class OfEntry>
+  Lanes of_points(std::size_t b, const OfEntry& of_entry) const {
+    Lanes x;
+    for (int l = 0; l < Batch::size; ++l) x[l] = of_entry(entry(b, l));
+    return x;
+  }
 
   /// Set P, A if wanted, and the trial state.
   /// @param worst  set to the point that makes the state inadmissible
   /// @returns false when a point would be squeezed below min_J_ratio of its volume
   template <class Law>
   bool evaluate(const StressParts<dim>& parts, const Law& law, bool with_A, std::int32_t& worst) {
-    if constexpr (dim == 2 && requires { law.plane_return(); }) {
-      if (law.plane_return()) return in_batches(parts, law, with_A, worst);
-    }
-    for (std::size_t k = 0; k < H_.size(); ++k) {
-      if (!one_by_one(parts, law, k, with_A, worst)) return false;
+    fill_up();
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      Batch& batch = batches_[b];
+      const int n = points_of(b);
+      for (int l = 0; l < Batch::size; ++l) {
+        batch.state_n[l] = &parts.points.history[parts.weights.point[entry(b, l)]];
+      }
+      batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
+      const int refused = update(law, batch, n, with_A);
+      if (refused < n) {
+        worst = parts.weights.point[entry(b, refused)];
+        return false;
+      }
+      if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
     return true;
   }
 
  private:
+  /// Room for the results of a batch that is not full.
+  struct Spare {
+    MaterialState<dim> state[Batch::size];
+    Symmetric<dim> tau[Batch::size], plastic_increment[Batch::size];
+    double J[Batch::size], energy[Batch::size];
+    YieldRegion region[Batch::size];
+
+    BatchResults<dim> place() { return {state, tau, J, energy, plastic_increment, region}; }
+    void copy(int n, const BatchResults<dim>& to) const {
+      std::copy_n(state, n, to.state);
+      std::copy_n(tau, n, to.tau);
+      std::copy_n(J, n, to.J);
+      std::copy_n(energy, n, to.energy);
+      std::copy_n(plastic_increment, n, to.plastic_increment);
+      std::copy_n(region, n, to.region);
+    }
+  };
+
+  static BatchResults<dim> place(const StressParts<dim>& parts, std::int32_t entry) {
+    TrialPoints<dim>& trial = parts.trial;
+    return {trial.history.data() + entry, trial.tau.data() + entry,
+            trial.J_ratio.data() + entry, trial.energy.data() + entry,
+            trial.plastic_increment.data() + entry, trial.region.data() + entry};
+  }
+
+  // @returns the number in the batch of a point that makes the state inadmissible, or n
   template <class Law>
-  bool one_by_one(const StressParts<dim>& parts, const Law& law, std::size_t k, bool with_A,
-                  std::int32_t& worst) {
-    StressUpdate<dim> stress;
-    const std::int32_t p = point(parts, k);
-    if (!law.update(H_[k], parts.points.history[p], stress, with_A ? &A_[k] : nullptr)) {
-      worst = p;
-      return false;
-    }
-    return keep(parts, k, stress, worst);
-  }
-
-  template <class Law>
-  bool in_batches(const StressParts<dim>& parts, const Law& law, bool with_A, std::int32_t& worst) {
-    PlaneBatch batch;
-    Tangent<dim> unused;
-    for (std::size_t k = 0; k < H_.size(); k += PlaneBatch::size) {
-      const std::size_t n = std::min<std::size_t>(PlaneBatch::size, H_.size() - k);
-      for (std::size_t l = 0; l < PlaneBatch::size; ++l) {
-        const std::size_t at = k + std::min(l, n - 1);  // the last one fills up
-        batch.H[l] = H_[at];
-        batch.state_n[l] = &parts.points.history[point(parts, at)];
-        batch.A[l] = l < n ? &A_[at] : &unused;
-      }
-      const bool admissible = law.plane_return()->update(batch, with_A);
-      for (std::size_t l = 0; l < n; ++l) {
-        if (!(admissible ? keep(parts, k + l, batch.out[l], worst)
-                         : one_by_one(parts, law, k + l, with_A, worst))) {
-          return false;
-        }
+  static int update(const Law& law, Batch& batch, int n, bool with_A) {
+    if constexpr (requires { law.batch_return()->update(batch, with_A); }) {
+      if (law.batch_return() && law.batch_return()->update(batch, with_A)) {
+        if (!any(load_lanes(batch.out.J) < min_J_ratio)) return n;
+        return static_cast<int>(std::find_if(batch.out.J, batch.out.J + n,
+                                             [](double J) { return J < min_J_ratio; }) -
+                                batch.out.J);
       }
     }
-    return true;
-  }
-
-  std::int32_t point(const StressParts<dim>& parts, std::size_t k) const {
-    return parts.weights.point[first_ + k];
-  }
-
-  bool keep(const StressParts<dim>& parts, std::size_t k, const StressUpdate<dim>& stress,
-            std::int32_t& worst) {
-    if (stress.J < min_J_ratio) {
-      worst = point(parts, k);
-      return false;
+    StressUpdate<dim> found;
+    Tangent<dim> A;
+    for (int l = 0; l < n; ++l) {
+      const bool admissible =
+          law.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr);
+      if (!admissible || found.J < min_J_ratio) return l;
+      batch.set(l, found, with_A ? &A : nullptr);
     }
-    P_[k] = stress.P;
-    const std::size_t entry = first_ + k;
-    parts.trial.history[entry] = stress.state;
-    parts.trial.tau[entry] = stress.tau;
-    parts.trial.J_ratio[entry] = stress.J;
-    parts.trial.energy[entry] = stress.energy;
-    parts.trial.plastic_increment[entry] = stress.plastic_increment;
-    parts.trial.region[entry] = stress.region;
-    return true;
+    return n;
   }
 
   std::int32_t first_ = 0;
-  std::vector<Matrix<dim>> H_, P_;
-  std::vector<Tangent<dim>> A_;
+  int count_ = 0;
+  std::vector<Batch> batches_;
+  Spare spare_;
 };
 
 }  // namespace gabion::mpm

@@ -49,16 +49,18 @@ template <int dim>
 using GroupDisplacements = std::array<double, max_group_nodes<dim> * dim>;
 
 /// H of one entry of a group, sum_i du_i (x) grad N_ip.
-/// @param du  of the group's nodes [m], dim each
-template <int dim>
-Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t entry,
-                                  const double* du) {
-  const int n = weights.num_nodes(entry);
+/// @tparam num_nodes  where all nodes act on all points (PointWeights::whole_cells): their number
+/// @param du          of the group's nodes [m], dim each
+template <int dim, int num_nodes = 0>
+inline Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t entry,
+                                         const double* du) {
+  const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
   const Vector<dim>* grad = weights.grad_of(entry);
   BlockVector<dim> sum = BlockVector<dim>::zero();
   for (int i = 0; i < n; ++i) {
-    sum += BlockVector<dim>::rows(du + local[i] * dim) * BlockVector<dim>::columns(grad[i].data());
+    sum += BlockVector<dim>::rows(du + (num_nodes > 0 ? i : local[i]) * dim) *
+           BlockVector<dim>::columns(grad[i].data());
   }
   Matrix<dim> H;
   sum.store(H.data());

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <variant>
 
-#include "mpm_solver/stress/cell_forces.hpp"
+#include "mpm_solver/stress/cell_stiffness.hpp"
+#include "mpm_solver/stress/point_terms.hpp"
 
 namespace gabion::mpm {
 
@@ -31,15 +32,15 @@ Tangent<dim> elastic_tangent(const MaterialLaw<dim>& law) {
 
 template <int dim>
 void YieldingPoints<dim>::add(const std::vector<YieldRegion>& region) {
-  yielded_.resize(region.size(), false);
+  yielded_.resize(region.size(), 0);
   for (std::size_t e = 0; e < region.size(); ++e) {
-    if (region[e] != YieldRegion::elastic) yielded_[e] = true;
+    yielded_[e] |= region[e] != YieldRegion::elastic;
   }
 }
 
 template <int dim>
 bool YieldingPoints<dim>::any() const {
-  return std::find(yielded_.begin(), yielded_.end(), true) != yielded_.end();
+  return std::find(yielded_.begin(), yielded_.end(), 1) != yielded_.end();
 }
 
 template <int dim>
@@ -47,20 +48,22 @@ void YieldingPoints<dim>::add_stiffness(double share, const StressParts<dim>& pa
                                         BlockMatrix<dim>& K) const {
   if (!any()) return;
   const PointWeights<dim>& weights = parts.weights;
-  CellForces<dim> sum;
+  CellStiffness<dim> sum;
+  PointTerms<dim, 1> of_point;
   for (std::size_t g = 0; g < weights.groups.size(); ++g) {
     const CellGroup& group = weights.groups[g];
     const auto first = yielded_.begin() + group.first, last = yielded_.begin() + group.last;
-    if (std::find(first, last, true) == last) continue;
+    if (std::find(first, last, 1) == last) continue;
     const Tangent<dim> A = share * elastic_tangent<dim>(parts.bodies[group.body].material.law);
-    sum.set_zero(group.num_nodes, true);
+    sum.start(group.num_nodes, K.cell_blocks(static_cast<std::int32_t>(g)));
     for (std::int32_t e = group.first; e < group.last; ++e) {
       if (!yielded_[e]) continue;
       const std::int32_t row = weights.constant_gradient ? group.first : e;
-      sum.add_tangent(weights.num_nodes(row), weights.local_of(row), group.num_nodes,
-                      parts.points.V0[weights.point[e]] * A, weights.grad_of(row));
+      of_point.set_tangent(parts.points.V0[weights.point[e]] * A);
+      sum.add_point(weights.num_nodes(row), weights.local_of(row), weights.grad_of(row),
+                    of_point.A);
     }
-    K.add_cell_blocks(static_cast<std::int32_t>(g), sum.K);
+    sum.finish();
   }
 }
 

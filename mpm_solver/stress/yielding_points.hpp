@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
@@ -23,7 +24,7 @@ class YieldingPoints {
   void add_stiffness(double share, const StressParts<dim>& parts, BlockMatrix<dim>& K) const;
 
  private:
-  std::vector<bool> yielded_;  // of each entry; empty: nothing was evaluated
+  std::vector<std::uint8_t> yielded_;  // 1 or 0 of each entry; empty: nothing was evaluated
 };
 
 }  // namespace gabion::mpm

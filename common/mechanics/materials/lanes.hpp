@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <cstring>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 namespace gabion {
 
@@ -16,12 +19,29 @@ inline Lanes lanes(double x) {
   return Lanes{x, x, x, x};
 }
 
+inline Lanes load_lanes(const double* x) {
+  Lanes r;
+  std::memcpy(&r, x, sizeof r);
+  return r;
+}
+inline void store_lanes(const Lanes& x, double* to) {
+  std::memcpy(to, &x, sizeof x);
+}
+
 inline bool any(const LaneMask& mask) {
+#ifdef __AVX__
+  return !_mm256_testz_si256(reinterpret_cast<__m256i>(mask), reinterpret_cast<__m256i>(mask));
+#else
   return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+#endif
 }
 
 inline Lanes sqrt(const Lanes& x) {
+#ifdef __AVX__
+  return _mm256_sqrt_pd(x);
+#else
   return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+#endif
 }
 
 inline Lanes abs(const Lanes& x) {
@@ -54,19 +74,19 @@ struct LaneBlock {
   Lanes& operator[](int k) { return x[k]; }
   const Lanes& operator[](int k) const { return x[k]; }
   void load(const double* first, const double* second, const double* third, const double* fourth) {
-    std::memcpy(&x[0], first, sizeof(Lanes));
-    std::memcpy(&x[1], second, sizeof(Lanes));
-    std::memcpy(&x[2], third, sizeof(Lanes));
-    std::memcpy(&x[3], fourth, sizeof(Lanes));
+    x[0] = load_lanes(first);
+    x[1] = load_lanes(second);
+    x[2] = load_lanes(third);
+    x[3] = load_lanes(fourth);
     transpose(x);
   }
   void store(double* first, double* second, double* third, double* fourth) const {
     Lanes rows[num_lanes] = {x[0], x[1], x[2], x[3]};
     transpose(rows);
-    std::memcpy(first, &rows[0], sizeof(Lanes));
-    std::memcpy(second, &rows[1], sizeof(Lanes));
-    std::memcpy(third, &rows[2], sizeof(Lanes));
-    std::memcpy(fourth, &rows[3], sizeof(Lanes));
+    store_lanes(rows[0], first);
+    store_lanes(rows[1], second);
+    store_lanes(rows[2], third);
+    store_lanes(rows[3], fourth);
   }
 };
 

@@ -25,8 +25,8 @@ PrincipalMohrCoulomb principal_constants(const MohrCoulombParameters& p) {
 template <int dim>
 MohrCoulomb<dim>::MohrCoulomb(const MohrCoulombParameters& parameters)
     : parameters_(parameters), principal_(principal_constants(parameters)) {
-  if (dim == 2 && parameters.tension_cutoff == no_cutoff) {
-    plane_return_.emplace(principal_, parameters.apex_volume == ApexVolume::gap);
+  if (parameters.tension_cutoff == no_cutoff) {
+    batch_return_.emplace(principal_, parameters.apex_volume == ApexVolume::gap);
   }
 }
 

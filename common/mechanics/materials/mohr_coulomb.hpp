@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <type_traits>
 
-#include "common/mechanics/materials/plane_batch.hpp"
+#include "common/mechanics/materials/plane_return.hpp"
 #include "common/mechanics/materials/principal_surface.hpp"
+#include "common/mechanics/materials/space_return.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
 namespace gabion {
@@ -26,6 +28,7 @@ struct MohrCoulombParameters {
 template <int dim>
 class MohrCoulomb {
  public:
+  using BatchReturn = std::conditional_t<dim == 2, PlaneReturn, SpaceReturn>;
   static constexpr bool is_elastic = false;
   explicit MohrCoulomb(const MohrCoulombParameters& parameters);
   MohrCoulomb(double lambda, double mu, double friction_angle, double dilation_angle,
@@ -38,8 +41,8 @@ class MohrCoulomb {
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
-  /// The same for four points at once; null in 3D and with a tension cut-off.
-  const PlaneReturn* plane_return() const { return plane_return_ ? &*plane_return_ : nullptr; }
+  /// The same for four points at once; null with a tension cut-off.
+  const BatchReturn* batch_return() const { return batch_return_ ? &*batch_return_ : nullptr; }
   bool symmetric_tangent() const {
     return parameters_.dilation_angle == parameters_.friction_angle;
   }
@@ -52,7 +55,7 @@ class MohrCoulomb {
  private:
   MohrCoulombParameters parameters_;
   PrincipalMohrCoulomb principal_;
-  std::optional<PlaneReturn> plane_return_;
+  std::optional<BatchReturn> batch_return_;
 };
 
 }  // namespace gabion

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <type_traits>
 
-#include "common/mechanics/materials/plane_batch.hpp"
+#include "common/mechanics/materials/plane_return.hpp"
 #include "common/mechanics/materials/principal_surface.hpp"
+#include "common/mechanics/materials/space_return.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
 
 namespace gabion {
@@ -24,6 +26,7 @@ struct TrescaParameters {
 template <int dim>
 class Tresca {
  public:
+  using BatchReturn = std::conditional_t<dim == 2, PlaneReturn, SpaceReturn>;
   static constexpr bool is_elastic = false;
   explicit Tresca(const TrescaParameters& parameters)
       : parameters_(parameters),
@@ -32,15 +35,15 @@ class Tresca {
                    .k = 1,
                    .m = 1,
                    .strength = 2 * parameters.cohesion} {
-    if (dim == 2 && parameters.tension_cutoff == no_cutoff) {
-      plane_return_.emplace(principal_, parameters.apex_volume == ApexVolume::gap);
+    if (parameters.tension_cutoff == no_cutoff) {
+      batch_return_.emplace(principal_, parameters.apex_volume == ApexVolume::gap);
     }
   }
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
-  /// The same for four points at once; null in 3D and with a tension cut-off.
-  const PlaneReturn* plane_return() const { return plane_return_ ? &*plane_return_ : nullptr; }
+  /// The same for four points at once; null with a tension cut-off.
+  const BatchReturn* batch_return() const { return batch_return_ ? &*batch_return_ : nullptr; }
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }
   double shear_modulus() const { return parameters_.mu; }
@@ -51,7 +54,7 @@ class Tresca {
  private:
   TrescaParameters parameters_;
   PrincipalMohrCoulomb principal_;
-  std::optional<PlaneReturn> plane_return_;
+  std::optional<BatchReturn> batch_return_;
 };
 
 }  // namespace gabion

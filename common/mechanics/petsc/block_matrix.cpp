@@ -8,6 +8,7 @@
 
 #include "common/base/require.hpp"
 #include "common/base/reserve.hpp"
+#include "common/mechanics/petsc/block_multiply.hpp"
 
 namespace gabion {
 
@@ -100,9 +101,14 @@ void BlockMatrix<block_size>::sort_columns() {
   marks_.assign(row_starts_.begin(), row_starts_.end() - 1);
   reserve_tightly(columns_, neighbours_.size());
   columns_.resize(neighbours_.size());
-  for (std::int32_t j = 0; j < num_nodes_; ++j)
-    for (std::int32_t k = row_starts_[j]; k < row_starts_[j + 1]; ++k)
-      columns_[marks_[neighbours_[k]]++] = j;
+  diagonal_.resize(num_nodes_);
+  for (std::int32_t j = 0; j < num_nodes_; ++j) {
+    for (std::int32_t k = row_starts_[j]; k < row_starts_[j + 1]; ++k) {
+      const std::int32_t slot = marks_[neighbours_[k]]++;
+      columns_[slot] = j;
+      if (neighbours_[k] == j) diagonal_[j] = slot;
+    }
+  }
 }
 
 // Where the numbers of a cell's nodes go up by one, so do the slots of their blocks in each row.
@@ -113,8 +119,9 @@ void BlockMatrix<block_size>::find_runs() {
   run_starts_.assign(1, 0);
   slot_starts_.assign(1, 0);
   for (std::size_t c = 0; c < num_cells; ++c) {
+    const bool single = offsets_[c + 1] - offsets_[c] <= CellBlocks<block_size>::most_single;
     for (std::int32_t k = offsets_[c]; k < offsets_[c + 1]; ++k) {
-      const bool goes_on = k > offsets_[c] && cell_nodes_[k] == cell_nodes_[k - 1] + 1;
+      const bool goes_on = !single && k > offsets_[c] && cell_nodes_[k] == cell_nodes_[k - 1] + 1;
       if (!goes_on) runs_.push_back(k - offsets_[c]);
     }
     const auto num_runs = static_cast<std::int64_t>(runs_.size()) - run_starts_.back();
@@ -172,22 +179,6 @@ void BlockMatrix<block_size>::add_cell(std::int32_t c, const double* K) {
 }
 
 template <int block_size>
-void BlockMatrix<block_size>::add_cell_blocks(std::int32_t c, const double* blocks) {
-  using Block = BlockVector<block_size>;
-  for_each_run(c, [&](int, int first, int last, double* target) {
-    for (int b = first; b < last; ++b) {
-      Block sum, added;
-      sum.load(target);
-      added.load(blocks);
-      sum += added;
-      sum.store(target);
-      target += Block::num_entries;
-      blocks += Block::num_entries;
-    }
-  });
-}
-
-template <int block_size>
 std::int32_t BlockMatrix<block_size>::slot(std::int32_t i, std::int32_t j) const {
   const auto begin = columns_.begin() + row_starts_[i];
   const auto end = columns_.begin() + row_starts_[i + 1];
@@ -204,7 +195,7 @@ void BlockMatrix<block_size>::add_block(std::int32_t i, std::int32_t j,
 
 template <int block_size>
 void BlockMatrix<block_size>::add_diagonal(std::int32_t i, double value) {
-  double* target = block(slot(i, i));
+  double* target = block(diagonal_[i]);
   for (int r = 0; r < block_size; ++r) target[r * block_size + r] += value;
 }
 
@@ -213,7 +204,7 @@ double BlockMatrix<block_size>::mean_diagonal() const {
   double sum = 0;
   for (std::int32_t i = 0; i < num_nodes_; ++i) {
     const double* diagonal =
-        values_.data() + static_cast<std::size_t>(slot(i, i)) * block_size * block_size;
+        values_.data() + static_cast<std::size_t>(diagonal_[i]) * block_size * block_size;
     for (int r = 0; r < block_size; ++r) sum += std::abs(diagonal[r * block_size + r]);
   }
   const double mean = num_nodes_ > 0 ? sum / (num_nodes_ * block_size) : 0;
@@ -229,7 +220,7 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
               std::to_string(projectors.size()) + " projectors");
   if (constrained.empty()) return;
   const auto own_scale_of = [this](std::int32_t i) {
-    return Eigen::Map<NodeBlock<block_size>>(block(slot(i, i))).diagonal().cwiseAbs().mean();
+    return Eigen::Map<NodeBlock<block_size>>(block(diagonal_[i])).diagonal().cwiseAbs().mean();
   };
   const bool any_empty =
       std::ranges::any_of(constrained, [&](auto i) { return !(own_scale_of(i) > 0); });
@@ -237,7 +228,7 @@ void BlockMatrix<block_size>::constrain(std::span<const std::int32_t> constraine
   for (std::size_t k = 0; k < constrained.size(); ++k) {
     const std::int32_t i = constrained[k];
     const NodeBlock<block_size>& Q = projectors[k];
-    Eigen::Map<NodeBlock<block_size>> diagonal(block(slot(i, i)));
+    Eigen::Map<NodeBlock<block_size>> diagonal(block(diagonal_[i]));
     const double own_scale = own_scale_of(i);
     for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) {
       Eigen::Map<NodeBlock<block_size>> row_block(block(s));
@@ -258,7 +249,7 @@ std::size_t BlockMatrix<block_size>::pattern_bytes() const {
     sum += list.capacity() * sizeof(Value);
   };
   for (const auto* list : {&row_starts_, &columns_, &offsets_, &cell_nodes_, &runs_, &slots_,
-                           &corner_starts_, &neighbours_, &marks_})
+                           &corner_starts_, &neighbours_, &marks_, &diagonal_})
     add(*list);
   add(run_starts_);
   add(slot_starts_);
@@ -268,16 +259,8 @@ std::size_t BlockMatrix<block_size>::pattern_bytes() const {
 
 template <int block_size>
 void BlockMatrix<block_size>::multiply(std::span<const double> x, std::span<double> y) const {
-  for (std::int32_t i = 0; i < num_nodes_; ++i) {
-    double sum[block_size] = {};
-    for (std::int32_t s = row_starts_[i]; s < row_starts_[i + 1]; ++s) {
-      const double* a = values_.data() + static_cast<std::size_t>(s) * block_size * block_size;
-      const double* x_j = x.data() + static_cast<std::size_t>(columns_[s]) * block_size;
-      for (int c = 0; c < block_size; ++c)
-        for (int r = 0; r < block_size; ++r) sum[r] += a[c * block_size + r] * x_j[c];
-    }
-    for (int r = 0; r < block_size; ++r) y[static_cast<std::size_t>(i) * block_size + r] = sum[r];
-  }
+  multiply_blocks<block_size>({row_starts_.data(), columns_.data(), values_.data()}, num_nodes_,
+                              x.data(), y.data());
 }
 
 template class BlockMatrix<1>;

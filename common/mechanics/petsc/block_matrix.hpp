@@ -11,6 +11,32 @@
 
 namespace gabion {
 
+/// Where the blocks of one cell lie in a BlockMatrix.
+template <int block_size>
+class CellBlocks {
+ public:
+  CellBlocks() = default;
+  CellBlocks(std::span<const std::int32_t> runs, const std::int32_t* slots, double* values)
+      : runs_(runs), slots_(slots), values_(values) {}
+
+  /// First nodes of the runs: those of a run are neighbours in each row of the matrix. Where a cell
+  /// has few nodes (`most_single`) each of them is a run.
+  std::span<const std::int32_t> runs() const { return runs_; }
+  /// Block of node a and the first node of run r; those of the run's other nodes follow.
+  double* at(int a, int r) const { return at(a * static_cast<int>(runs_.size()) + r); }
+  /// The same by the place a (number of runs) + r.
+  double* at(int place) const {
+    return values_ + static_cast<std::ptrdiff_t>(slots_[place]) * block_size * block_size;
+  }
+
+  static constexpr int most_single = block_size == 3 ? 8 : 4;
+
+ private:
+  std::span<const std::int32_t> runs_;
+  const std::int32_t* slots_ = nullptr;
+  double* values_ = nullptr;
+};
+
 /// Sparse matrix of blocks between nodes (block compressed rows; blocks column-major, as PETSc's
 /// BAIJ wants them). On several ranks each rank adds the cells it owns; the sum over the ranks is
 /// the matrix.
@@ -48,8 +74,10 @@ class BlockMatrix {
   /// Add the dense matrix of cell c (as numbered in set_pattern), (n block_size) x (n block_size),
   /// row-major.
   void add_cell(std::int32_t c, const double* K);
-  /// The same from the n x n node blocks of the cell, row by row, each column-major.
-  void add_cell_blocks(std::int32_t c, const double* blocks);
+  /// For a sum block by block, see above.
+  CellBlocks<block_size> cell_blocks(std::int32_t c) {
+    return {runs_of(c), slots_.data() + slot_starts_[c], values_.data()};
+  }
   /// Add one block. @pre i and j share a cell of the pattern
   void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
@@ -98,6 +126,7 @@ class BlockMatrix {
   std::int64_t pattern_id_ = 0;
   std::vector<std::int32_t> row_starts_;  // blocks
   std::vector<std::int32_t> columns_;     // sorted in each row
+  std::vector<std::int32_t> diagonal_;    // slot of each node's own block
   Storage storage_;
   std::vector<double> own_values_;  // empty: kept elsewhere
   std::span<double> values_;

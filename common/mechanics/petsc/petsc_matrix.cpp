@@ -5,12 +5,38 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/petsc/block_multiply.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 static_assert(sizeof(PetscInt) == sizeof(std::int32_t));
 
 namespace gabion {
+
+namespace {
+
+// MatMult of a sequential BAIJ matrix with the vector units that PETSc's own build may not use.
+template <int block_size>
+PetscErrorCode multiply_alone(Mat matrix, Vec x, Vec y) {
+  PetscInt n = 0;
+  const PetscInt *row_starts = nullptr, *columns = nullptr;
+  PetscBool done = PETSC_FALSE;
+  double* values = nullptr;
+  const double* from = nullptr;
+  double* to = nullptr;
+  PetscCall(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_TRUE, &n, &row_starts, &columns, &done));
+  PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "no rows");
+  PetscCall(MatSeqBAIJGetArray(matrix, &values));
+  PetscCall(VecGetArrayRead(x, &from));
+  PetscCall(VecGetArrayWrite(y, &to));
+  multiply_blocks<block_size>({row_starts, columns, values}, n, from, to);
+  PetscCall(VecRestoreArrayWrite(y, &to));
+  PetscCall(VecRestoreArrayRead(x, &from));
+  PetscCall(MatSeqBAIJRestoreArray(matrix, &values));
+  return MatRestoreRowIJ(matrix, 0, PETSC_FALSE, PETSC_TRUE, &n, &row_starts, &columns, &done);
+}
+
+}  // namespace
 
 template <int block_size>
 PetscMatrix<block_size>::PetscMatrix(MPI_Comm comm) : comm_(comm) {
@@ -105,6 +131,11 @@ void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
   std::vector<PetscInt> columns(K.columns().begin(), K.columns().end());  // PETSc copies them
   check_petsc(MatSeqBAIJSetColumnIndices(matrix_.get(), columns.data()),
               "MatSeqBAIJSetColumnIndices");
+  if constexpr (block_size == 2 || block_size == 3) {
+    check_petsc(MatSetOperation(matrix_.get(), MATOP_MULT,
+                                reinterpret_cast<void (*)(void)>(&multiply_alone<block_size>)),
+                "MatSetOperation");
+  }
 }
 
 // Blocks in each row whose column belongs to the rank of the row, and in other columns. An upper

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/averaged_batch.hpp"
+
+#include <cmath>
+
+namespace gabion::mpm {
+
+namespace {
+
+// (1 + x)^(1/dim) - 1 to rounding for every size of x.
+template <int dim>
+Lanes root_minus_one(const Lanes& x) {
+  if constexpr (dim == 2) {
+    return x / (1 + sqrt(1 + x));
+  } else {
+    const Lanes root = each([](double y) { return std::cbrt(y); }, 1 + x);
+    return x / (1 + root + root * root);
+  }
+}
+
+// det(1 + H) - 1 without the cancellation of the 1.
+template <int dim>
+Lanes determinant_minus_one(const Lanes* H) {
+  if constexpr (dim == 2) {
+    return H[0] + H[3] + (H[0] * H[3] - H[1] * H[2]);
+  } else {
+    const Lanes minor_0 = H[4] * H[8] - H[5] * H[7];
+    const Lanes minor_1 = H[3] * H[8] - H[5] * H[6];
+    const Lanes minor_2 = H[3] * H[7] - H[4] * H[6];
+    const Lanes second = minor_0 + (H[0] * H[4] - H[1] * H[3]) + (H[0] * H[8] - H[2] * H[6]);
+    return H[0] + H[4] + H[8] + second + (H[0] * minor_0 - H[1] * minor_1 + H[2] * minor_2);
+  }
+}
+
+// F^-T
+template <int dim>
+void invert_transposed(const Lanes* F, const Lanes& J, Lanes* G) {
+  const Lanes over_J = 1 / J;
+  if constexpr (dim == 2) {
+    G[0] = over_J * F[3];
+    G[1] = -over_J * F[2];
+    G[2] = -over_J * F[1];
+    G[3] = over_J * F[0];
+  } else {
+    for (int i = 0; i < 3; ++i) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+      for (int j = 0; j < 3; ++j) {
+        const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+        G[3 * i + j] =
+            over_J * (F[3 * i1 + j1] * F[3 * i2 + j2] - F[3 * i1 + j2] * F[3 * i2 + j1]);
+      }
+    }
+  }
+}
+
+template <int n>
+Lanes dot(const Lanes* a, const Lanes* b) {
+  Lanes sum = a[0] * b[0];
+  for (int k = 1; k < n; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+}  // namespace
+
+template <int dim>
+void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V) {
+  for (int k = 0; k < n; ++k) F_[k] = k % (dim + 1) == 0 ? 1 + H[k] : H[k];
+  J_change_ = determinant_minus_one<dim>(H);
+  V_ = V;
+  V_change_ = V * J_change_;
+}
+
+template <int dim>
+void AveragedBatch<dim>::average(const Lanes& mean_change, Lanes* H_bar) {
+  stretch_ = root_minus_one<dim>((mean_change - J_change_) / (1 + J_change_));
+  for (int k = 0; k < n; ++k) H_bar[k] += stretch_ * F_[k];
+}
+
+template <int dim>
+void AveragedBatch<dim>::set_stress(const Lanes& V0, PointBatch<dim>& batch, bool with_A) {
+  const Lanes s = 1 + stretch_, V0_s = V0 * s;
+  Lanes mean_F[n];
+  for (int k = 0; k < n; ++k) mean_F[k] = F_[k] * (1.0 / dim);
+  invert_transposed<dim>(F_, J(), G_);
+  for (int k = 0; k < n; ++k) Q_[k] = V0_s * batch.P[k];
+  p_ = dot<n>(Q_, mean_F);
+  if (!with_A) return;
+  // The variation of H_bar is s dH + F_bar (d ln J_bar - G : dH) / dim.
+  const Lanes factor = V0_s * s;
+  Lanes y[n], z[n];
+  for (int k = 0; k < n; ++k) y[k] = z[k] = Q_[k] * (1.0 / dim);
+  for (int aJ = 0; aJ < n; ++aJ) {
+    for (int bL = 0; bL < n; ++bL) {
+      Lanes& A = batch.A[aJ * n + bL];
+      A *= factor;
+      y[aJ] += A * mean_F[bL];
+      z[bL] += A * mean_F[aJ];
+    }
+  }
+  q_ = dot<n>(mean_F, y);
+  for (int k = 0; k < n; ++k) {
+    left_[k] = y[k] - q_ * G_[k];
+    right_[k] = z[k] - q_ * G_[k];
+  }
+}
+
+// A becomes the derivative of Q + (mean_pressure - p) G by H, at constant J_bar and mean pressure
+// of the group; and what the point's share of it changes. G_aL G_bJ is -dG/dF.
+template <int dim>
+void AveragedBatch<dim>::add_to_tangent(const Lanes& mean_pressure, Lanes* A) const {
+  const Lanes excess = p_ - mean_pressure, rest = mean_pressure - q_;
+  Lanes with_G[n], excess_G[n];
+  for (int k = 0; k < n; ++k) {
+    with_G[k] = rest * G_[k] - right_[k];
+    excess_G[k] = excess * G_[k];
+  }
+  for (int a = 0; a < dim; ++a) {
+    for (int J = 0; J < dim; ++J) {
+      for (int b = 0; b < dim; ++b) {
+        for (int L = 0; L < dim; ++L) {
+          const int aJ = a * dim + J, bL = b * dim + L;
+          A[aJ * n + bL] += G_[aJ] * with_G[bL] - left_[aJ] * G_[bL] +
+                            excess_G[a * dim + L] * G_[b * dim + J];
+        }
+      }
+    }
+  }
+}
+
+template <int dim>
+void AveragedBatch<dim>::find_forces(const Lanes& mean_pressure, Lanes* P) const {
+  const Lanes excess = mean_pressure - p_;
+  for (int k = 0; k < n; ++k) P[k] = Q_[k] + excess * G_[k];
+}
+
+template <int dim>
+void AveragedBatch<dim>::share_forces(const Lanes& mean_pressure, PointTerms<dim, 1>* to) const {
+  Lanes P[n];
+  find_forces(mean_pressure, P);
+  spread_stress(P, to);
+}
+
+template <int dim>
+void AveragedBatch<dim>::share_all(const Lanes& share, const Lanes& mean_pressure, Lanes* A,
+                                   Terms* to) const {
+  Lanes fields[num_fields][n];
+  find_forces(mean_pressure, fields[force]);
+  for (int k = 0; k < n; ++k) {
+    fields[volume][k] = share * G_[k];
+    fields[left][k] = left_[k];
+    fields[right][k] = right_[k];
+  }
+  const auto ordered = [&](int k) {
+    const int J = k / Terms::width, field = k % Terms::width / dim, a = k % dim;
+    return fields[field][a * dim + J];
+  };
+  spread<dim * Terms::width>(ordered, to[0].nodal[0], sizeof *to / sizeof(double));
+  add_to_tangent(mean_pressure, A);
+  spread_tangent(A, to);
+}
+
+template class AveragedBatch<2>;
+template class AveragedBatch<3>;
+
+}  // namespace gabion::mpm

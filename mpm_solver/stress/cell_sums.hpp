@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <type_traits>
+
+#include "mpm_solver/stress/cell_stiffness.hpp"
+#include "mpm_solver/stress/element_stiffness.hpp"
+#include "mpm_solver/stress/nodal_sums.hpp"
+#include "mpm_solver/stress/stress_parts.hpp"
+
+namespace gabion::mpm {
+
+/// Forces and stiffness of the cell at hand.
+/// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
+template <int dim, int num_fields, int n>
+struct CellSums {
+  NodalSums<dim, num_fields, n> fields;
+  std::conditional_t<n == 0, CellStiffness<dim>, ElementStiffness<dim, n>> K;
+
+  void start(int num_nodes) { fields.start(num_nodes); }
+  /// @param entry  of PointWeights
+  void add_forces(const PointWeights<dim>& weights, std::int32_t entry,
+                  const PointTerms<dim, num_fields>& terms) {
+    fields.add(weights.num_nodes(entry), weights.local_of(entry), weights.grad_of(entry),
+               terms.nodal[0]);
+  }
+  void add_stiffness(const PointWeights<dim>& weights, std::int32_t entry,
+                     const PointTerms<dim, num_fields>& terms) {
+    K.add_point(weights.num_nodes(entry), weights.local_of(entry), weights.grad_of(entry),
+                terms.A);
+  }
+  /// Add the forces to those of the active nodes.
+  void scatter(const StressParts<dim>& parts, const CellGroup& group, double* f) const {
+    std::int32_t active[max_group_nodes<dim>];
+    parts.nodes.list_active(parts.weights.nodes_of(group), active);
+    fields.scatter(group.num_nodes, active, f);
+  }
+};
+
+}  // namespace gabion::mpm
