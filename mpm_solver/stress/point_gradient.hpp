@@ -16,7 +16,9 @@ inline void set_gradient(const PointWeights<2>& weights, std::int32_t entry, con
                          PointBatch<2>& batch, int lane) {
   const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
-  const Vector<2>* grad = weights.grad_of(entry);
+  const Vector<2>* grad =
+      num_nodes > 0 ? weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes
+                    : weights.grad_of(entry);
   Lanes H{};  // 00, 10, 01, 11
   for (int i = 0; i < n; ++i) {
     const double* du_i = du + (num_nodes > 0 ? i : local[i]) * 2;
@@ -41,7 +43,9 @@ inline void set_gradient(const PointWeights<3>& weights, std::int32_t entry, con
                          PointBatch<3>& batch, int lane) {
   const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
-  const Vector<3>* grad = weights.grad_of(entry);
+  const Vector<3>* grad =
+      num_nodes > 0 ? weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes
+                    : weights.grad_of(entry);
   Lanes columns[3] = {};  // and a lane that nobody reads
   for (int i = 0; i < n; ++i) {
     const Lanes rows = load_lanes(du + (num_nodes > 0 ? i : local[i]) * 3);

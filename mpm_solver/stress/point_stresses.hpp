@@ -38,8 +38,12 @@ class PointStresses {
   std::span<Batch> batches() { return batches_; }
   std::span<const Batch> batches() const { return batches_; }
 
-  Batch& batch_of(std::int32_t entry) { return batches_[(entry - first_) / Batch::size]; }
-  int lane_of(std::int32_t entry) const { return (entry - first_) % Batch::size; }
+  Batch& batch_of(std::int32_t entry) {
+    return batches_[static_cast<unsigned>(entry - first_) / Batch::size];
+  }
+  int lane_of(std::int32_t entry) const {
+    return static_cast<unsigned>(entry - first_) % Batch::size;
+  }
   /// Gradient of an entry, to be set before `evaluate`.
   void set_gradient(std::int32_t entry, const Matrix<dim>& H) {
     const std::int32_t k = entry - first_;

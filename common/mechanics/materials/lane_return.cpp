@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/mechanics/materials/lane_return.hpp"
 
+#include "common/mechanics/materials/lane_select.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
 #include "common/mechanics/materials/yield_tolerance.hpp"
 
@@ -98,7 +99,7 @@ void LaneReturn::return_to_surface(const PrincipalLanes& eps, const PrincipalLan
   r.eps_e = choose(r.on[edge_23], at_23, r.eps_e);
   r.eps_e = choose(r.on[apex], {at_apex, at_apex, at_apex}, r.eps_e);
   for (int s = 0; s < 3; ++s) {
-    r.plastic[s] = breaks_12 | breaks_23 ? eps[s] - r.eps_e[s] : r.plastic[s];
+    r.plastic[s] = select(breaks_12 | breaks_23, eps[s] - r.eps_e[s], r.plastic[s]);
   }
 }
 
@@ -108,7 +109,7 @@ LaneReturn::State LaneReturn::apply(const PrincipalLanes& eps) const {
   const Lanes first = abs(eps[0]), last = abs(eps[2]);
   const double size = yield_tolerance * (law_.k + 1) * (law_.lambda + 2 * law_.mu);
   const LaneMask yields =
-      law_.k * tau[0] - tau[2] - law_.strength > size * (first > last ? first : last);
+      law_.k * tau[0] - tau[2] - law_.strength > size * select(first > last, first, last);
   r.on[elastic] = ~yields;
   r.eps_e = eps;
   if (any(yields)) return_to_surface(eps, tau, r);

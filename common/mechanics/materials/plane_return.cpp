@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/mechanics/materials/plane_return.hpp"
 
+#include "common/mechanics/materials/lane_select.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
 
 namespace gabion {
@@ -18,10 +19,12 @@ struct PlaneReturn::Trial {
 
   bool admissible() const { return !any(J <= 0) && !any(v[1] <= -1) && !any(v[2] <= -1); }
   PrincipalLanes sorted(const PrincipalLanes& x) const {
-    return {above_0 ? x[2] : x[0], above_0 ? x[0] : (above_1 ? x[2] : x[1]), above_1 ? x[1] : x[2]};
+    return {select(above_0, x[2], x[0]), select(above_0, x[0], select(above_1, x[2], x[1])),
+            select(above_1, x[1], x[2])};
   }
   PrincipalLanes on_axes(const PrincipalLanes& x) const {
-    return {above_0 ? x[1] : x[0], above_1 ? x[2] : x[1], above_0 ? x[0] : (above_1 ? x[1] : x[2])};
+    return {select(above_0, x[1], x[0]), select(above_1, x[2], x[1]),
+            select(above_0, x[0], select(above_1, x[1], x[2]))};
   }
   /// The tensor that has these values on the axes.
   LaneBlock compose(const PrincipalLanes& on_axes) const {
@@ -77,8 +80,8 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   const Lanes mean = 0.5 * (t.e[0] + t.e[1]), half = 0.5 * (t.e[0] - t.e[1]);
   const Lanes radius = sqrt(half * half + t.e[3] * t.e[3]);
   t.v = {mean + radius, mean - radius, t.e[2]};
-  t.cos_2t = radius > 0 ? half / radius : lanes(1);
-  t.sin_2t = radius > 0 ? t.e[3] / radius : lanes(0);
+  t.cos_2t = select(radius > 0, half / radius, lanes(1));
+  t.sin_2t = select(radius > 0, t.e[3] / radius, Lanes{});
   t.above_0 = t.v[2] > t.v[0];
   t.above_1 = t.v[2] > t.v[1];
   return t;
@@ -106,10 +109,10 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
     for (int s = 0; s < 3; ++s) not_elastic[s] = t.eps[s] - third - r.eps_e[s];
     increment = t.compose(t.on_axes(not_elastic));
     for (int c = 0; c < 4; ++c) {
-      e[c] = changed ? returned[c] : t.e[c];
-      increment[c] = changed ? increment[c] : lanes(0);
+      e[c] = select(changed, returned[c], t.e[c]);
+      increment[c] = select(changed, increment[c], Lanes{});
     }
-    if (keeps_gap_) gap = r.on[LaneReturn::apex] ? kept.sum() : lanes(0);
+    if (keeps_gap_) gap = select(r.on[LaneReturn::apex], kept.sum(), Lanes{});
     for (int s = 0; s < 3; ++s) kept[s] -= gap / 3;
     plastic = sqrt(kept.squares());
   }
@@ -127,9 +130,10 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   }
   store_lanes(t.J, out.J);
   store_lanes(energy, out.energy);
-  const LaneMask at_shear = LaneMask{} + static_cast<int>(YieldRegion::shear);
-  const LaneMask at_apex = LaneMask{} + static_cast<int>(YieldRegion::apex);
-  const LaneMask region = r.on[LaneReturn::elastic] ? LaneMask{} : (r.on[LaneReturn::apex] ? at_apex : at_shear);
+  constexpr int shear = static_cast<int>(YieldRegion::shear);
+  constexpr int apex = static_cast<int>(YieldRegion::apex);
+  const LaneMask region = ~r.on[LaneReturn::elastic] &
+                          ((r.on[LaneReturn::apex] & apex) | (~r.on[LaneReturn::apex] & shear));
   for (int l = 0; l < num_lanes; ++l) out.region[l] = static_cast<YieldRegion>(region[l]);
 }
 
@@ -149,9 +153,10 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   const Lanes b_0 = 1 + t.v[0], b_1 = 1 + t.v[1];
   const Lanes elastic_G = 2 * law_.mu * hencky_slope(b_0, b_1);
   const Lanes change = plastic[0] - plastic[1];
-  Lanes G = elastic_G - (change != 0 ? 2 * law_.mu * change / (t.v[0] - t.v[1]) : lanes(0));
+  Lanes G =
+      elastic_G - select(change != 0, 2 * law_.mu * change / (t.v[0] - t.v[1]), Lanes{});
   const LaneMask equal = (r.on[LaneReturn::edge_12] & ~t.above_1) | (r.on[LaneReturn::edge_23] & t.above_0);
-  G = equal ? lanes(0) : r.on[LaneReturn::apex] ? apex_stiffness * elastic_G : G;
+  G = select(equal, Lanes{}, select(r.on[LaneReturn::apex], apex_stiffness * elastic_G, G));
 
   const Lanes D00 = D[0] - tau_0, D11 = D[3] - tau_1;
   const Lanes sum_b = G * (b_0 + b_1), difference_b = G * (b_1 - b_0);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/mechanics/materials/lane_select.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
 
 namespace gabion {
@@ -21,12 +22,12 @@ void rotate(Lanes (&A)[6], AxesLanes& n, int p, int q, const LaneMask& turns) {
   const int r = 3 - p - q, pp = place[p][p], qq = place[q][q], pq = place[p][q];
   const Lanes ratio = (A[qq] - A[pp]) / (2 * A[pq]);
   const Lanes size = 1 / (abs(ratio) + sqrt(1 + ratio * ratio));
-  const Lanes t = turns ? (ratio < 0 ? -size : size) : Lanes{};
+  const Lanes t = select(turns, select(ratio < 0, -size, size), Lanes{});
   const Lanes c = 1 / sqrt(1 + t * t), s = t * c;
   const Lanes shift = t * A[pq];
   A[pp] -= shift;
   A[qq] += shift;
-  A[pq] = turns ? Lanes{} : A[pq];
+  A[pq] = select(turns, Lanes{}, A[pq]);
   Lanes &A_rp = A[place[r][p]], &A_rq = A[place[r][q]];
   const Lanes rp = A_rp, rq = A_rq;
   A_rp = c * rp - s * rq;
@@ -44,7 +45,7 @@ void find_axes(Lanes (&A)[6], AxesLanes& n) {
     for (int s = 0; s < 3; ++s) n[a][s] = lanes(a == s ? 1 : 0);
   }
   Lanes largest = abs(A[0]);
-  for (int k = 1; k < 6; ++k) largest = abs(A[k]) > largest ? abs(A[k]) : largest;
+  for (int k = 1; k < 6; ++k) largest = select(abs(A[k]) > largest, abs(A[k]), largest);
   const Lanes negligible = 1e-18 * largest;
   constexpr int max_sweeps = 20;
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
@@ -63,8 +64,8 @@ void order(PrincipalLanes& v, AxesLanes& n, int s, int t) {
   const LaneMask wrong = v[s] < v[t];
   const auto exchange = [&wrong](Lanes& x, Lanes& y) {
     const Lanes old = x;
-    x = wrong ? y : x;
-    y = wrong ? old : y;
+    x = select(wrong, y, x);
+    y = select(wrong, old, y);
   };
   exchange(v[s], v[t]);
   for (int a = 0; a < 3; ++a) exchange(n[a][s], n[a][t]);
@@ -200,10 +201,10 @@ void SpaceReturn::store(const Trial& t, const Returned& r, PointBatch<3>& batch)
     compose(strain, t.n, returned);
     compose(not_elastic, t.n, increment);
     for (int c = 0; c < 6; ++c) {
-      e[c] = changed ? returned[c] : t.e[c];
-      increment[c] = changed ? increment[c] : Lanes{};
+      e[c] = select(changed, returned[c], t.e[c]);
+      increment[c] = select(changed, increment[c], Lanes{});
     }
-    if (keeps_gap_) gap = r.on[LaneReturn::apex] ? kept.sum() : Lanes{};
+    if (keeps_gap_) gap = select(r.on[LaneReturn::apex], kept.sum(), Lanes{});
     for (int s = 0; s < 3; ++s) kept[s] -= gap / 3;
     plastic = sqrt(kept.squares());
   }
@@ -283,11 +284,11 @@ Lanes SpaceReturn::shear_factor(const Trial& t, const Returned& r, int i, int j)
   const Lanes elastic_G = 2 * mu * hencky_slope(1 + t.v[i], 1 + t.v[j]);
   const Lanes change = r.plastic[i] - r.plastic[j];
   const Lanes G =
-      elastic_G - (change != 0 ? 2 * mu * change / (t.v[i] - t.v[j]) : Lanes{});
+      elastic_G - select(change != 0, 2 * mu * change / (t.v[i] - t.v[j]), Lanes{});
   const LaneMask none{};
   const LaneMask equal = (i + j == 1 ? r.on[LaneReturn::edge_12] : none) |
                          (i + j == 3 ? r.on[LaneReturn::edge_23] : none);
-  return equal ? Lanes{} : (r.on[LaneReturn::apex] ? apex_stiffness * elastic_G : G);
+  return select(equal, Lanes{}, select(r.on[LaneReturn::apex], apex_stiffness * elastic_G, G));
 }
 
 bool SpaceReturn::update(PointBatch<3>& batch, bool with_A) const {
