@@ -59,6 +59,7 @@ def contact(runner: Runner) -> None:
     kinds = {
         "penalty_factor 5": (SCENE, [f"{INTERFACE}/penalty_factor=5"]),
         "penalty_factor 50": (SCENE, [f"{INTERFACE}/penalty_factor=50"]),
+        "penalty_factor 2000": (SCENE, [f"{INTERFACE}/penalty_factor=2000"]),
         "boundary_points": (SCENE, [f"{INTERFACE}/method=boundary_points"]),
         "scene of the literature": (PAPER, []),
     }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -190,6 +191,52 @@ TEST(RigidWalls, plate_pressed_on_a_column_by_facets) {
       EXPECT_NEAR(pressed.penetration, d, 1e-5 * d) << factor << " " << D;
       EXPECT_EQ(pressed.after, 0) << factor << " " << D;
     }
+  }
+}
+
+/// Sand without cohesion on a rough rigid floor of some degrees, between smooth upright rigid
+/// walls, in columns of cells sheared along the floor. It takes its weight without inertia, in ten
+/// steps from the unstressed state: all points start at the apex of their cone.
+Json sand_on_a_floor(double slope) {
+  constexpr double h = 0.1;
+  Json sand = elastic_soil("mohr_coulomb", 1e7, 0.3, 2000);
+  sand["friction_angle"] = 30;
+  const auto smooth = [&](const std::string& name, const Json& line) {
+    return Json{
+        {"name", name}, {"surface", {{"polyline", line}, {"spacing", h}}}, {"mode", "slip"}};
+  };
+  return {
+      {"dimension", 2},
+      {"analysis", "quasi_static"},
+      {"grid", box({-0.2, -0.2}, {2.2, 1.8}, {24, 20}, "quad4")},
+      {"basis", "linear"},
+      {"gravity", {0, -10}},
+      {"gravity_ramp", {{"duration", 1}}},
+      {"newton", {{"max_iterations", 60}}},
+      {"bodies", {body("sand", box({0, 0}, {2, 0.4}, {20, 4}, "quad4"), 4, sand)}},
+      {"rigid_walls",
+       {{{"name", "floor"},
+         {"surface", {{"polyline", {{2.2, 2.2 * slope}, {-0.2, -0.2 * slope}}}, {"spacing", h}}},
+         {"friction", 0.5}},
+        smooth("left", {{0, -0.2}, {0, 1.8}}),
+        smooth("right", {{2, 1.8}, {2, -0.2}})}}};
+}
+
+TEST(RigidWalls, sand_takes_its_weight_on_an_inclined_floor) {
+  for (const double degrees : {5.0, 20.0}) {
+    const double slope = std::tan(degrees * M_PI / 180);
+    auto settings = mpm_settings<2>(sand_on_a_floor(slope));
+    for (auto& X : settings.layouts[0].mesh.nodes) X[1] += slope * X[0];
+    mpm::MpmSolver<2> solver(comm(), std::move(settings), "");
+    run_steps(solver, 0.1, 10);
+    verify({.id = "V12",
+            .what = fmt::format("weight of sand without cohesion on a rough rigid floor of {} "
+                                "degrees, from the unstressed state in ten quasi-static steps",
+                                degrees),
+            .exact = -2 * 0.4 * 2000 * 10,
+            .computed = probe(solver, "floor.fy"),
+            .bound = 1e-6,
+            .unit = "N/m"});
   }
 }
 
