@@ -23,7 +23,7 @@ class SoilBorder {
   /// @note Collective: ranks learn of the occupied cells beside their own ones.
   SoilBorder(const CellOwners<dim>& owners, std::vector<char> occupied);
 
-  /// Number of halves that a place in the cell may lie in, in all of its directions.
+  /// Of a cell: its halves along all axes.
   static constexpr int num_parts = 1 << dim;
   /// Bit d: the cell has a neighbour without points along axis d.
   int axes(std::int32_t cell) const;
@@ -40,7 +40,7 @@ class SoilBorder {
 template <int dim>
 int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& x);
 
-/// 1 for each cell of the grid with a point of this rank, else 0.
+/// 1 for each cell of the grid with a point of this rank, else 0. @pre all points are in the grid
 template <int dim>
 std::vector<char> cells_with_points(const BackgroundGrid<dim>& grid,
                                     const MaterialPoints<dim>& points);
