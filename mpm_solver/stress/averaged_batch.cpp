@@ -46,8 +46,7 @@ void invert_transposed(const Lanes* F, const Lanes& J, Lanes* G) {
       const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
       for (int j = 0; j < 3; ++j) {
         const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-        G[3 * i + j] =
-            over_J * (F[3 * i1 + j1] * F[3 * i2 + j2] - F[3 * i1 + j2] * F[3 * i2 + j1]);
+        G[3 * i + j] = over_J * (F[3 * i1 + j1] * F[3 * i2 + j2] - F[3 * i1 + j2] * F[3 * i2 + j1]);
       }
     }
   }
@@ -119,8 +118,8 @@ void AveragedBatch<dim>::add_to_tangent(const Lanes& mean_pressure, Lanes* A) co
       for (int b = 0; b < dim; ++b) {
         for (int L = 0; L < dim; ++L) {
           const int aJ = a * dim + J, bL = b * dim + L;
-          A[aJ * n + bL] += G_[aJ] * with_G[bL] - left_[aJ] * G_[bL] +
-                            excess_G[a * dim + L] * G_[b * dim + J];
+          A[aJ * n + bL] +=
+              G_[aJ] * with_G[bL] - left_[aJ] * G_[bL] + excess_G[a * dim + L] * G_[b * dim + J];
         }
       }
     }

@@ -67,13 +67,13 @@ class AveragedBatch {
   Lanes F_[n];
   Lanes J_change_;  // J - 1
   Lanes V_, V_change_;
-  Lanes stretch_;           // s - 1
-  Lanes G_[n];              // F^-T
-  Lanes Q_[n];              // V0 s P_bar
-  Lanes p_;                 // Q : F / dim
-  Lanes q_;                 // derivative of p by ln J_bar
-  Lanes left_[n];           // of Q - p G by ln J_bar
-  Lanes right_[n];          // of p by H
+  Lanes stretch_;   // s - 1
+  Lanes G_[n];      // F^-T
+  Lanes Q_[n];      // V0 s P_bar
+  Lanes p_;         // Q : F / dim
+  Lanes q_;         // derivative of p by ln J_bar
+  Lanes left_[n];   // of Q - p G by ln J_bar
+  Lanes right_[n];  // of p by H
 };
 
 }  // namespace gabion::mpm

@@ -210,8 +210,7 @@ bool AveragedForces<dim>::evaluate_range(const Body<dim>& body, const Range& ran
   const bool with_K = target.K != nullptr;
   if (!find_volumes<n>(range, target.du, target.worst)) return false;
   const bool admissible = std::visit(
-      [&](const auto& law) { return find_stresses(law, with_K, target.worst); },
-      body.material.law);
+      [&](const auto& law) { return find_stresses(law, with_K, target.worst); }, body.material.law);
   if (!admissible) return false;
   if (with_K) {
     add_all<n>(range, *target.K, target.f);
@@ -227,7 +226,7 @@ bool AveragedForces<dim>::evaluate(const Target& target) {
   require(!weights.constant_gradient, "mpm_solver: F-bar needs gradients of each point");
   return for_each_range([&](const Body<dim>& body, const Range& range) {
     return weights.whole_cells ? evaluate_range<num_corners>(body, range, target)
-                                      : evaluate_range<0>(body, range, target);
+                               : evaluate_range<0>(body, range, target);
   });
 }
 

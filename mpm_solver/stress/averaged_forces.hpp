@@ -74,8 +74,8 @@ class AveragedForces {
   // Of the range at hand.
   PointStresses<dim> stresses_;
   std::vector<Batch> averages_;
-  std::vector<GroupSums> sums_;           // of each group
-  std::vector<std::int32_t> group_of_;    // of each entry, the last one fills up
+  std::vector<GroupSums> sums_;         // of each group
+  std::vector<std::int32_t> group_of_;  // of each entry, the last one fills up
   std::vector<PointTerms<dim, 1>> force_terms_;
   std::vector<typename Batch::Terms> terms_;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 
 #include "common/mechanics/materials/lanes.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
@@ -13,9 +14,8 @@ namespace gabion::mpm {
 /// right[J stride + k dim dim ...] = sum_L A_(aJ)(bL) grad_kL: the node blocks of the values k of
 /// one point, column by column. @param A  see PointTerms
 template <int dim>
-[[gnu::always_inline]] inline void find_right_sides(int n, const double* A,
-                                                    const Vector<dim>* grad, double* right,
-                                                    std::ptrdiff_t stride) {
+[[gnu::always_inline]] inline void find_right_sides(int n, const double* A, const Vector<dim>* grad,
+                                                    double* right, std::ptrdiff_t stride) {
   using Block = BlockVector<dim>;
   constexpr int size = dim * dim;
   Block A_JL[dim][dim];
@@ -115,45 +115,65 @@ class BlockRow {
   Lanes sum_[num_vectors];
 };
 
-/// target[c] += sum_J grad_J right[J stride + c] for `length` blocks side by side.
+/// target[c] += sum_J g_J right[J stride + c] for `length` blocks side by side.
+/// @param g  grad_J in each lane
 template <int dim, int length>
-inline void add_strip(const Vector<dim>& grad, const double* right, std::ptrdiff_t stride,
+inline void add_strip(const Lanes (&g)[dim], const double* right, std::ptrdiff_t stride,
                       double* target) {
-  constexpr int count = length * dim * dim;
-  Lanes g[dim];
-  for (int J = 0; J < dim; ++J) g[J] = lanes(grad[J]);
-  int c = 0;
-  for (; c + num_lanes <= count; c += num_lanes) {
+  using Pair = double __attribute__((vector_size(16)));
+  constexpr int count = length * dim * dim, whole = count - count % num_lanes;
+  for (int c = 0; c < whole; c += num_lanes) {
     Lanes sum = load_lanes(target + c);
     for (int J = 0; J < dim; ++J) sum += g[J] * load_lanes(right + J * stride + c);
     store_lanes(sum, target + c);
   }
-  for (; c < count; ++c) {
-    for (int J = 0; J < dim; ++J) target[c] += grad[J] * right[J * stride + c];
+  if constexpr (count % num_lanes >= 2) {
+    Pair sum;
+    std::memcpy(&sum, target + whole, sizeof sum);
+    for (int J = 0; J < dim; ++J) {
+      Pair term;
+      std::memcpy(&term, right + J * stride + whole, sizeof term);
+      sum += term * g[J][0];
+    }
+    std::memcpy(target + whole, &sum, sizeof sum);
+  }
+  if constexpr (count % 2 == 1) {
+    double sum = target[count - 1];
+    for (int J = 0; J < dim; ++J) sum += g[J][0] * right[J * stride + count - 1];
+    target[count - 1] = sum;
   }
 }
 
 /// Neighbouring blocks left_a g_kb + g_a right_kb in the row of one node.
 template <int dim>
-struct ProductStrip {
-  const double *left, *g;                  ///< of the row's node, dim
-  const double *g_columns, *right_columns;  ///< of the first column, each number dim times
+class ProductRow {
+ public:
+  /// @param left, g  of the row's node, dim each
+  ProductRow(const double* left, const double* g)
+      : left_(left), g_(g), left_rows_(left), g_rows_(g) {}
 
-  void add(int num_blocks, double* target) const {
-    const RowPattern<dim> left_rows(left), g_rows(g);
+  /// @param g_columns, right_columns  of the first column, each number dim times
+  void add(int num_blocks, const double* g_columns, const double* right_columns,
+           double* target) const {
     constexpr int period = RowPattern<dim>::period;
     const int count = num_blocks * dim * dim;
     int c = 0;
     for (; c + period * num_lanes <= count; c += period * num_lanes) {
       for (int v = 0; v < period; ++v) {
         const int at = c + v * num_lanes;
-        const Lanes sum = load_lanes(target + at) + left_rows[v] * load_lanes(g_columns + at) +
-                          g_rows[v] * load_lanes(right_columns + at);
+        const Lanes sum = load_lanes(target + at) + left_rows_[v] * load_lanes(g_columns + at) +
+                          g_rows_[v] * load_lanes(right_columns + at);
         store_lanes(sum, target + at);
       }
     }
-    for (; c < count; ++c) target[c] += left[c % dim] * g_columns[c] + g[c % dim] * right_columns[c];
+    for (int a = 0; c < count; ++c, a = a + 1 < dim ? a + 1 : 0) {
+      target[c] += left_[a] * g_columns[c] + g_[a] * right_columns[c];
+    }
   }
+
+ private:
+  const double *left_, *g_;
+  RowPattern<dim> left_rows_, g_rows_;
 };
 
 }  // namespace gabion::mpm

@@ -40,13 +40,12 @@ class CellStiffness {
     spread_columns<dim>(n_, products, g_columns_, right_columns_);
     const auto runs = blocks_.runs();
     for (int i = 0; i < n_; ++i) {
+      const ProductRow<dim> row(products.left + i * dim, products.g + i * dim);
       for (std::size_t r = 0; r < runs.size(); ++r) {
         const int end = r + 1 < runs.size() ? runs[r + 1] : n_;
-        const ProductStrip<dim> strip{.left = products.left + i * dim,
-                                      .g = products.g + i * dim,
-                                      .g_columns = g_columns_ + runs[r] * block_size,
-                                      .right_columns = right_columns_ + runs[r] * block_size};
-        strip.add(end - runs[r], blocks_.at(i, static_cast<int>(r)));
+        const std::ptrdiff_t first = runs[r] * block_size;
+        row.add(end - runs[r], g_columns_ + first, right_columns_ + first,
+                blocks_.at(i, static_cast<int>(r)));
       }
     }
   }
@@ -98,24 +97,34 @@ class CellStiffness {
   // Strips of one length.
   template <int length>
   void add_rows(int n, const std::uint8_t* local, const Vector<dim>* grad) {
-    const int num_runs = static_cast<int>(blocks_.runs().size());
+    const CellBlocks<dim> blocks = blocks_;
+    const int num_runs = static_cast<int>(blocks.runs().size()), num_strips = num_strips_;
+    std::ptrdiff_t runs[max_nodes], offsets[max_nodes];
+    for (int s = 0; s < num_strips; ++s) {
+      runs[s] = strips_[s].run;
+      offsets[s] = strips_[s].offset * block_size;
+    }
     for (int i = 0; i < n; ++i) {
+      Lanes g[dim];
+      for (int J = 0; J < dim; ++J) g[J] = lanes(grad[i][J]);
       const int row = local[i] * num_runs;
       const double* right = right_;
-      for (int s = 0; s < num_strips_; ++s, right += length * block_size) {
-        double* target = blocks_.at(row + strips_[s].run) + strips_[s].offset * block_size;
-        add_strip<dim, length>(grad[i], right, stride, target);
+      for (int s = 0; s < num_strips; ++s, right += length * block_size) {
+        double* target = blocks.at(row + static_cast<int>(runs[s])) + offsets[s];
+        add_strip<dim, length>(g, right, stride, target);
       }
     }
   }
   void add_any_rows(int n, const std::uint8_t* local, const Vector<dim>* grad) {
     for (int i = 0; i < n; ++i) {
+      Lanes g[dim];
+      for (int J = 0; J < dim; ++J) g[J] = lanes(grad[i][J]);
       for (int s = 0; s < num_strips_; ++s) {
         const Strip strip = strips_[s];
         double* target = blocks_.at(local[i], strip.run) + strip.offset * block_size;
         const double* right = right_ + strip.first * block_size;
         for (int k = 0; k < strip.length * block_size; k += block_size) {
-          add_strip<dim, 1>(grad[i], right + k, stride, target + k);
+          add_strip<dim, 1>(g, right + k, stride, target + k);
         }
       }
     }

@@ -136,8 +136,7 @@ bool InternalForces<dim>::simplex_forces(const Law& law, const GroupRange& range
   for (std::int32_t g = range.first; g < range.last; ++g) {
     const CellGroup& group = weights.groups[g];
     parts_.nodes.gather(weights.nodes_of(group), request.du, of_group.data());
-    const Matrix<dim> H =
-        displacement_gradient<dim, n>(weights, group.first, of_group.data());
+    const Matrix<dim> H = displacement_gradient<dim, n>(weights, group.first, of_group.data());
     Matrix<dim> P;
     if (!simplex_stress(law, g, H, request, P)) return false;
     terms.set_stress(P);

@@ -115,8 +115,8 @@ class PointStresses {
 
   static BatchResults<dim> place(const StressParts<dim>& parts, std::int32_t entry) {
     TrialPoints<dim>& trial = parts.trial;
-    return {trial.history.data() + entry, trial.tau.data() + entry,
-            trial.J_ratio.data() + entry, trial.energy.data() + entry,
+    return {trial.history.data() + entry,           trial.tau.data() + entry,
+            trial.J_ratio.data() + entry,           trial.energy.data() + entry,
             trial.plastic_increment.data() + entry, trial.region.data() + entry};
   }
 
@@ -126,9 +126,9 @@ class PointStresses {
     if constexpr (requires { law.batch_return()->update(batch, with_A); }) {
       if (law.batch_return() && law.batch_return()->update(batch, with_A)) {
         if (!any(load_lanes(batch.out.J) < min_J_ratio)) return n;
-        return static_cast<int>(std::find_if(batch.out.J, batch.out.J + n,
-                                             [](double J) { return J < min_J_ratio; }) -
-                                batch.out.J);
+        return static_cast<int>(
+            std::find_if(batch.out.J, batch.out.J + n, [](double J) { return J < min_J_ratio; }) -
+            batch.out.J);
       }
     }
     StressUpdate<dim> found;

@@ -47,8 +47,8 @@ inline void spread(const Component& component, double* to, std::ptrdiff_t stride
     const auto store = [&](int k, const LaneBlock& block) {
       block.store(to + k, to + stride + k, to + 2 * stride + k, to + 3 * stride + k);
     };
-    (store(4 * q, {{component(4 * q), component(4 * q + 1), component(4 * q + 2),
-                    component(4 * q + 3)}}),
+    (store(4 * q,
+           {{component(4 * q), component(4 * q + 1), component(4 * q + 2), component(4 * q + 3)}}),
      ...);
   };
   four(std::make_index_sequence<count / num_lanes>());

@@ -14,7 +14,7 @@ struct PlaneReturn::Trial {
   PrincipalLanes v;
   Lanes cos_2t, sin_2t;
   LaneMask above_0, above_1;  // v[2] > v[0], v[2] > v[1]
-  PrincipalLanes eps;              // in descending order, with the gap
+  PrincipalLanes eps;         // in descending order, with the gap
   Lanes gap, plastic_strain;
 
   bool admissible() const { return !any(J <= 0) && !any(v[1] <= -1) && !any(v[2] <= -1); }
@@ -87,7 +87,8 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   return t;
 }
 
-[[gnu::always_inline]] inline void PlaneReturn::store(const Trial& t, const Returned& r, PointBatch<2>& batch) const {
+[[gnu::always_inline]] inline void PlaneReturn::store(const Trial& t, const Returned& r,
+                                                      PointBatch<2>& batch) const {
   const BatchResults<2>& out = batch.out;
   const Lanes volumetric = r.eps_e.sum();
   const LaneBlock tau = t.compose(r.tau);
@@ -102,7 +103,7 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   Lanes gap{}, plastic{};
   if (any(changed)) {
     const PrincipalLanes strain = {strain_from_hencky(r.eps_e[0]), strain_from_hencky(r.eps_e[1]),
-                              strain_from_hencky(r.eps_e[2])};
+                                   strain_from_hencky(r.eps_e[2])};
     const LaneBlock returned = t.compose(t.on_axes(strain));
     const Lanes third = t.gap / 3;
     PrincipalLanes not_elastic, kept = r.plastic;
@@ -138,7 +139,8 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
 }
 
 // See spectral_tangent<2>() of one point.
-[[gnu::always_inline]] inline void PlaneReturn::store_tangent(const Trial& t, const Returned& r, PointBatch<2>& batch) const {
+[[gnu::always_inline]] inline void PlaneReturn::store_tangent(const Trial& t, const Returned& r,
+                                                              PointBatch<2>& batch) const {
   LaneBlock D;  // 00, 01, 10, 11
   {
     const double* rows[num_lanes];
@@ -153,9 +155,9 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
   const Lanes b_0 = 1 + t.v[0], b_1 = 1 + t.v[1];
   const Lanes elastic_G = 2 * law_.mu * hencky_slope(b_0, b_1);
   const Lanes change = plastic[0] - plastic[1];
-  Lanes G =
-      elastic_G - select(change != 0, 2 * law_.mu * change / (t.v[0] - t.v[1]), Lanes{});
-  const LaneMask equal = (r.on[LaneReturn::edge_12] & ~t.above_1) | (r.on[LaneReturn::edge_23] & t.above_0);
+  Lanes G = elastic_G - select(change != 0, 2 * law_.mu * change / (t.v[0] - t.v[1]), Lanes{});
+  const LaneMask equal =
+      (r.on[LaneReturn::edge_12] & ~t.above_1) | (r.on[LaneReturn::edge_23] & t.above_0);
   G = select(equal, Lanes{}, select(r.on[LaneReturn::apex], apex_stiffness * elastic_G, G));
 
   const Lanes D00 = D[0] - tau_0, D11 = D[3] - tau_1;

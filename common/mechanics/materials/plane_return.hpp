@@ -13,7 +13,8 @@ class PlaneReturn {
   /// @param keeps_gap  see MaterialState::gap
   PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap);
 
-  /// Find P, what goes to `out` and, if `with_A`, A. False when a point has det(1 + H) <= 0 or no elastic state.
+  /// Find P, what goes to `out` and, if `with_A`, A. False when a point has det(1 + H) <= 0 or no
+  /// elastic state.
   bool update(PointBatch<2>& batch, bool with_A) const;
 
  private:

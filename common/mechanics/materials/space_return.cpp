@@ -82,8 +82,7 @@ void compose(const PrincipalLanes& value, const AxesLanes& n, Lanes (&x)[6]) {
 }
 
 void store_four(const Lanes (&x)[6], Symmetric<3>* to) {
-  LaneBlock{{x[0], x[1], x[2], x[3]}}.store(to[0].data(), to[1].data(), to[2].data(),
-                                            to[3].data());
+  LaneBlock{{x[0], x[1], x[2], x[3]}}.store(to[0].data(), to[1].data(), to[2].data(), to[3].data());
   for (int k = 4; k < 6; ++k) {
     for (int l = 0; l < num_lanes; ++l) to[l][k] = x[k][l];
   }
@@ -141,8 +140,8 @@ SpaceReturn::Trial SpaceReturn::trial_of(const PointBatch<3>& batch) {
     }
   }
   // See determinant_minus_one().
-  const Lanes minors = (H[4] * H[8] - H[5] * H[7]) + (H[0] * H[4] - H[1] * H[3]) +
-                       (H[0] * H[8] - H[2] * H[6]);
+  const Lanes minors =
+      (H[4] * H[8] - H[5] * H[7]) + (H[0] * H[4] - H[1] * H[3]) + (H[0] * H[8] - H[2] * H[6]);
   const Lanes det = H[0] * (H[4] * H[8] - H[5] * H[7]) - H[1] * (H[3] * H[8] - H[5] * H[6]) +
                     H[2] * (H[3] * H[7] - H[4] * H[6]);
   t.J = 1 + (H[0] + H[4] + H[8] + det + minors);
@@ -158,8 +157,8 @@ SpaceReturn::Trial SpaceReturn::trial_of(const PointBatch<3>& batch) {
               F[3 * a + 2] * e_n[place[2][k]];
     }
     for (int b = a; b < 3; ++b) {
-      const Lanes HH = H[3 * a] * H[3 * b] + H[3 * a + 1] * H[3 * b + 1] +
-                       H[3 * a + 2] * H[3 * b + 2];
+      const Lanes HH =
+          H[3 * a] * H[3 * b] + H[3 * a + 1] * H[3 * b + 1] + H[3 * a + 2] * H[3 * b + 2];
       t.e[place[a][b]] = Fe[0] * F[3 * b] + Fe[1] * F[3 * b + 1] + Fe[2] * F[3 * b + 2] +
                          (H[3 * a + b] + H[3 * b + a] + HH);
     }
@@ -247,8 +246,8 @@ void SpaceReturn::store_tangent(const Trial& t, const Returned& r, PointBatch<3>
     }
     for (int bL = 0; bL < 9; ++bL) {
       const int b = bL / 3, L = bL % 3;
-      R[i][i][bL] = t.n[b][0] * weighted[0][L] + t.n[b][1] * weighted[1][L] +
-                    t.n[b][2] * weighted[2][L];
+      R[i][i][bL] =
+          t.n[b][0] * weighted[0][L] + t.n[b][1] * weighted[1][L] + t.n[b][2] * weighted[2][L];
     }
   }
   for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
@@ -271,8 +270,7 @@ void SpaceReturn::store_tangent(const Trial& t, const Returned& r, PointBatch<3>
         T[i] = m[0][J] * R[i][0][bL] + m[1][J] * R[i][1][bL] + m[2][J] * R[i][2][bL];
       }
       for (int a = 0; a < 3; ++a) {
-        batch.A[(3 * a + J) * 9 + bL] =
-            t.n[a][0] * T[0] + t.n[a][1] * T[1] + t.n[a][2] * T[2];
+        batch.A[(3 * a + J) * 9 + bL] = t.n[a][0] * T[0] + t.n[a][1] * T[1] + t.n[a][2] * T[2];
       }
     }
   }
@@ -283,8 +281,7 @@ Lanes SpaceReturn::shear_factor(const Trial& t, const Returned& r, int i, int j)
   const double mu = return_.law().mu;
   const Lanes elastic_G = 2 * mu * hencky_slope(1 + t.v[i], 1 + t.v[j]);
   const Lanes change = r.plastic[i] - r.plastic[j];
-  const Lanes G =
-      elastic_G - select(change != 0, 2 * mu * change / (t.v[i] - t.v[j]), Lanes{});
+  const Lanes G = elastic_G - select(change != 0, 2 * mu * change / (t.v[i] - t.v[j]), Lanes{});
   const LaneMask none{};
   const LaneMask equal = (i + j == 1 ? r.on[LaneReturn::edge_12] : none) |
                          (i + j == 3 ? r.on[LaneReturn::edge_23] : none);

@@ -19,8 +19,8 @@ struct BlockRows {
 
 /// y_i = sum_s A_s x_(column of s) of one row, from block `begin` to block `end`.
 template <int block_size>
-inline void multiply_row(const BlockRows& A, std::int32_t begin, std::int32_t end,
-                         const double* x, double* y) {
+inline void multiply_row(const BlockRows& A, std::int32_t begin, std::int32_t end, const double* x,
+                         double* y) {
   double sum[block_size] = {};
   for (std::int32_t s = begin; s < end; ++s) {
     const double* a = A.values + static_cast<std::ptrdiff_t>(s) * block_size * block_size;
@@ -83,8 +83,7 @@ inline void multiply_row<3>(const BlockRows& A, std::int32_t begin, std::int32_t
 
 /// y = A x
 template <int block_size>
-inline void multiply_blocks(const BlockRows& A, std::int32_t num_rows, const double* x,
-                            double* y) {
+inline void multiply_blocks(const BlockRows& A, std::int32_t num_rows, const double* x, double* y) {
   for (std::int32_t i = 0; i < num_rows; ++i) {
     multiply_row<block_size>(A, A.row_starts[i], A.row_starts[i + 1], x,
                              y + static_cast<std::ptrdiff_t>(i) * block_size);
