@@ -8,6 +8,34 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+/// Shares of a point in the masses of its nodes, and its own mass.
+struct PointMass {
+  const double* rho;
+  double m;
+};
+
+// out_i += rho_i sum_j rho_j in_j / m for one point.
+// @tparam num_nodes  where the nodes stand in order: their number
+template <int dim, int num_nodes>
+inline void add_response(int given, const std::uint8_t* local, const PointMass& point,
+                         const double* in, double* out) {
+  const int n = num_nodes > 0 ? num_nodes : given;
+  double dv[dim] = {};
+  for (int i = 0; i < n; ++i) {
+    const double* in_i = in + (num_nodes > 0 ? i : local[i]) * dim;
+    for (int d = 0; d < dim; ++d) dv[d] += point.rho[i] * in_i[d];
+  }
+  for (double& component : dv) component /= point.m;
+  for (int i = 0; i < n; ++i) {
+    double* out_i = out + (num_nodes > 0 ? i : local[i]) * dim;
+    for (int d = 0; d < dim; ++d) out_i[d] += point.rho[i] * dv[d];
+  }
+}
+
+}  // namespace
+
 template <int dim>
 PointInertia<dim>::PointInertia(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                                 const GridNodes<dim>& nodes)
@@ -54,13 +82,12 @@ void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double>
     std::fill_n(out.begin(), grid_nodes.size() * dim, 0.0);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const int n = weights_.num_nodes(e);
-      const std::uint8_t* local = weights_.local_of(e);
-      Vector<dim> dv_p = Vector<dim>::Zero();
-      for (int i = 0; i < n; ++i) {
-        dv_p += rho[i] * Eigen::Map<const Vector<dim>>(&in[local[i] * dim]);
+      const double m = points_.m[weights_.point[e]];
+      if (weights_.whole_cells && n == (1 << dim)) {
+        add_response<dim, (1 << dim)>(n, nullptr, {rho, m}, in.data(), out.data());
+      } else {
+        add_response<dim, 0>(n, weights_.local_of(e), {rho, m}, in.data(), out.data());
       }
-      dv_p /= points_.m[weights_.point[e]];
-      for (int i = 0; i < n; ++i) Eigen::Map<Vector<dim>>(&out[local[i] * dim]) += rho[i] * dv_p;
       rho += n;
     }
     for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
