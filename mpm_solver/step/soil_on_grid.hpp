@@ -38,6 +38,9 @@ class SoilOnGrid {
   };
   void map(Mapping mapping);
 
+  /// Give up the memory of the weights until the next map().
+  void release() { weights_ = {}; }
+
   const PointWeights<dim>& weights() const { return weights_; }
   const GridNodes<dim>& nodes() const { return nodes_; }
   WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }

@@ -50,6 +50,7 @@ class SoilStep {
     equilibrium_.reset();
     trial_ = {};
     system_.release();
+    soil_.release();
   }
 
   const SoilOnGrid<dim>& soil() const { return soil_; }

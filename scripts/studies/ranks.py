@@ -55,12 +55,18 @@ class Count:
     linear: int  #: iterations
     seconds: float  #: of all steps
     memory: float  #: of the largest rank [B]
+    cpu: float = math.inf  #: of the first rank, start and output included [s]
     share: float = 1  #: points of the fullest rank by their mean
     neighbours: int = 0
     messages: float = 0
     message_bytes: float = 0
     collectives: float = 0
     waiting: float = 0  #: share of the time of all ranks
+
+    @property
+    def computing(self) -> float:
+        """Time of an iteration of one rank alone, on a loaded machine not its wall time [s]."""
+        return min(self.seconds, self.cpu) / self.newton
 
 
 def settings_of(soil: Soil, end: float) -> dict:
@@ -101,7 +107,7 @@ def count_of(out: Path) -> Count:
     soil = summary["solver"]
     seconds = sum(float(step["wall_seconds"]) for step in steps)
     count = Count(soil["points"], len(steps), soil["newton_iterations"], soil["linear_iterations"], seconds,
-                  soil["peak_memory"]["largest_rank"])
+                  soil["peak_memory"]["largest_rank"], summary["cpu_seconds"])
     if "ranks" in soil:
         of_ranks, traffic = soil["ranks"], soil["mpi"]
         count.share, count.neighbours = of_ranks["largest_share"], of_ranks["neighbours"]
@@ -141,7 +147,7 @@ def modelled(one: Count, many: Count, ranks: tuple[int, int], dimension: int, fa
     many: of a run on ranks[0]; asked for: ranks[1], with points that are `factor` times as many.
     """
     measured, asked = ranks
-    computing = one.seconds / one.newton * factor / asked * many.share
+    computing = one.computing * factor / asked * many.share
     messages = many.messages / many.newton * most_neighbours(asked, dimension) / max(many.neighbours, 1)
     side = (factor * measured / asked) ** ((dimension - 1) / dimension)
     size = many.message_bytes / many.newton * side * faces(asked, dimension) / faces(measured, dimension)
@@ -159,7 +165,7 @@ def model_rows(name: str, one: Count, many: Count) -> list[list]:
     for factor in FACTORS:
         for ranks in MANY:
             parts = modelled(one, many, (RANKS[-1], ranks), dimension, factor)
-            alone, total = factor * one.seconds / one.newton, sum(parts)
+            alone, total = factor * one.computing, sum(parts)
             rows.append([name.partition(",")[0], round(factor * one.points), ranks, 1e3 * total,
                          *(f"{100 * part / total:.0f} %" for part in parts), alone / total,
                          f"{100 * alone / total / ranks:.0f} %"])

@@ -67,7 +67,7 @@ def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
     memory = soil["peak_memory"]["largest_rank"] - smallest["solver"]["peak_memory"]["largest_rank"]
     return [name, soil["points"], iterations / len(steps), median(float(step["wall_seconds"]) for step in steps),
             1e6 * each / soil["points"], *(f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)]),
-            memory / points / 1e3 if points else None]
+            memory / points / 1e3 if points else ""]
 
 
 def memory_row(name: str, largest: dict, smallest: dict) -> list:

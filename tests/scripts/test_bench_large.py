@@ -87,13 +87,14 @@ class Ranks(ScriptCase):
         made_up.write_table(self.folder / "steps.csv", ["step", "wall_seconds"], [[1, 0.5], [2, 1.5]])
         soil = {"points": 1000, "newton_iterations": 8, "linear_iterations": 80,
                 "peak_memory": {"largest_rank": 5, "all_ranks": 9}}
-        (self.folder / "summary.json").write_text(json.dumps({"solver": soil}))
-        self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5))
+        (self.folder / "summary.json").write_text(json.dumps({"cpu_seconds": 0.5, "solver": soil}))
+        self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5, 0.5))
+        self.assertEqual(ranks.count_of(self.folder).computing, 0.5 / 8)
         soil["ranks"] = {"number": 2, "largest_share": 1.1, "neighbours": 1}
         soil["mpi"] = {"messages": {"largest_rank": 30, "all_ranks": 50}, "message_bytes": {"largest_rank": 7, "all_ranks": 9},
                        "collectives": {"largest_rank": 3, "all_ranks": 6}, "waiting_seconds": {"largest_rank": 1, "all_ranks": 1}}
-        (self.folder / "summary.json").write_text(json.dumps({"solver": soil}))
-        self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5, 1.1, 1, 30, 7, 3, 0.25))
+        (self.folder / "summary.json").write_text(json.dumps({"cpu_seconds": 0.5, "solver": soil}))
+        self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5, 0.5, 1.1, 1, 30, 7, 3, 0.25))
 
     def test_a_row(self) -> None:
         self.assertEqual(ranks.row(8, self.EIGHT, self.ONE), [8, 4, 4, 10, 0.25, 1.2, 7, 100, 400, 200, 800, 50, "25 %"])
