@@ -8,24 +8,24 @@ namespace {
 
 using Seconds = Attention::Seconds;
 
-TEST(Attention, LooksForWhatItDoesNotKnow) {
+TEST(Attention, looks_for_what_it_does_not_know) {
   EXPECT_GT(Attention().before("soil solve_step"), Seconds(0));
 }
 
-TEST(Attention, SleepsThroughLongWaits) {
+TEST(Attention, sleeps_through_long_waits) {
   Attention attention;
   attention.note("soil solve_step", Seconds(5e-3));
   EXPECT_EQ(attention.before("soil solve_step"), Seconds(0));
   EXPECT_GT(attention.before("soil accept_step"), Seconds(0));
 }
 
-TEST(Attention, LooksForWhatComesSoon) {
+TEST(Attention, looks_for_what_comes_soon) {
   Attention attention;
   attention.note("solve_step", Seconds(5e-4));
   EXPECT_GT(attention.before("solve_step"), Seconds(5e-4));
 }
 
-TEST(Attention, LearnsThatWaitsBecameShortOrLong) {
+TEST(Attention, learns_that_waits_became_short_or_long) {
   Attention attention;
   for (int k = 0; k < 20; ++k) attention.note("solve_step", Seconds(5e-3));
   EXPECT_EQ(attention.before("solve_step"), Seconds(0));
