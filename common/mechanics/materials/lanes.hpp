@@ -7,6 +7,10 @@
 #include <immintrin.h>
 #endif
 
+// Where there are no registers of this size, vectors are passed in memory: no call crosses to code
+// that was compiled otherwise.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace gabion {
 
 /// Four doubles, one of each of four points, which the compiler spreads over what registers there
