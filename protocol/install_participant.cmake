@@ -12,7 +12,7 @@ foreach(header base/error.hpp base/json.hpp base/timer.hpp run/solver.hpp run/st
   install(FILES ${PROJECT_SOURCE_DIR}/common/${header}
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
 endforeach()
-install(FILES connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
+install(FILES attention.hpp connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
   process.hpp request_source.hpp serve.hpp socket.hpp state_machine.hpp step_order.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake

@@ -61,10 +61,6 @@ void RemoteSolver::start_accept(const StepRequest& request, bool solved,
   start(std::move(message));
 }
 
-void RemoteSolver::start_accept(const StepRequest& request, bool solved) {
-  start_accept(request, solved, std::nullopt);
-}
-
 AcceptReport RemoteSolver::finish_accept() {
   const Message reply = finish({"accepted"});
   return switchboard_.guarded([&] {
@@ -80,7 +76,7 @@ AcceptReport RemoteSolver::finish_accept() {
 }
 
 AcceptReport RemoteSolver::accept_step(const StepRequest& request, bool solved) {
-  start_accept(request, solved);
+  start_accept(request, solved, std::nullopt);
   return finish_accept();
 }
 

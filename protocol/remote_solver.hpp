@@ -56,14 +56,13 @@ class RemoteSolver : public AsynchronousSolver {
 
   void start_solve(const StepRequest& request, const InterfaceValues& received) override;
   StepReport finish_solve(InterfaceValues& sent) override;
-  void start_accept(const StepRequest& request, bool solved) override;
-  AcceptReport finish_accept() override;
+  void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
+  AcceptReport finish_accept();
 
   const CallTimes& last_call() const { return last_call_; }                 ///< count is 1
   const std::map<std::string, CallTimes>& times() const { return times_; }  ///< by request type
 
  private:
-  void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
   void start(Message request) const;
   Message finish(const std::vector<std::string>& allowed) const;
   Message call(Message request, const std::string& reply) const;

@@ -144,10 +144,6 @@ class AsynchronousSolver : public Solver {
   virtual void start_solve(const StepRequest& request, const InterfaceValues& received) = 0;
   /// Wait for the solution. @throws ConvergenceError  as solve_step; nothing is under way then
   virtual StepReport finish_solve(InterfaceValues& sent) = 0;
-  /// Begin accept_step; nothing else may be asked before finish_accept.
-  virtual void start_accept(const StepRequest& request, bool solved) = 0;
-  /// Wait for what it says.
-  virtual AcceptReport finish_accept() = 0;
 };
 
 }  // namespace gabion

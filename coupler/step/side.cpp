@@ -63,15 +63,9 @@ void Side::skip() {
   solved_ = false;
 }
 
-void Side::start_accept(const StepRequest& request) {
-  accept_watch_ = Stopwatch();
-  if (AsynchronousSolver* solver = asynchronous()) solver->start_accept(request, solved_);
-}
-
-AcceptReport Side::finish_accept(const StepRequest& request, const Eigen::VectorXd& given) {
-  AsynchronousSolver* const solver = asynchronous();
-  const CallTimer timer(*this, solver ? accept_watch_ : Stopwatch());
-  AcceptReport report = solver ? solver->finish_accept() : solver_.accept_step(request, solved_);
+AcceptReport Side::accept(const StepRequest& request, const Eigen::VectorXd& given) {
+  const CallTimer timer(*this);
+  AcceptReport report = solver_.accept_step(request, solved_);
   accepted_details_ = report.details;
   may_sleep_ = report.at_rest && layout_.is_zero_in(given);
   return report;

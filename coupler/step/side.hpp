@@ -13,8 +13,7 @@ namespace gabion {
 /// A participant and what became of it in the step under way. It takes its share of the vectors of
 /// its side, and puts its answers in their place.
 ///
-///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ...,
-///     start_accept, finish_accept
+///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ..., accept
 ///     solution: start_solve, finish_solve; or skip
 class Side {
  public:
@@ -35,10 +34,8 @@ class Side {
   void finish_solve(Eigen::VectorXd& answer);
   /// The solver is not asked in this iteration.
   void skip();
-  /// Begin to accept the last solution, and return at once when the solver is in another process.
-  void start_accept(const StepRequest& request);
   /// @param given  values at all interfaces of this side in the accepted solution
-  AcceptReport finish_accept(const StepRequest& request, const Eigen::VectorXd& given);
+  AcceptReport accept(const StepRequest& request, const Eigen::VectorXd& given);
   void reject();
 
   const StepReport& report() const { return report_; }  ///< of the last solution
@@ -68,7 +65,6 @@ class Side {
   bool solved_ = false;
   bool may_sleep_ = false;
   std::optional<UnderWay> under_way_;
-  Stopwatch accept_watch_;  // since start_accept
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;
   double call_seconds_ = 0;  // of all calls since the step began, rejected tries too

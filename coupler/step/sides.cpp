@@ -210,9 +210,8 @@ AcceptReport Sides::accept(const Attempt& now) {
     both.proposed_dt =
         both.proposed_dt > 0 ? std::min(both.proposed_dt, report.proposed_dt) : report.proposed_dt;
   };
-  for (Side* side : all()) side->start_accept(now.row.request);
-  for (Side& soil : soils_) take(soil.finish_accept(now.row.request, now.u));
-  for (Side& structure : structures_) take(structure.finish_accept(now.row.request, now.f_given));
+  for (Side& soil : soils_) take(soil.accept(now.row.request, now.u));
+  for (Side& structure : structures_) take(structure.accept(now.row.request, now.f_given));
   accepted_x_ = now.x_tilde;
   return both;
 }
