@@ -26,9 +26,9 @@ HEADERS = {
     "common/base": ("error.hpp", "json.hpp", "timer.hpp"),
     "common/run": ("solver.hpp", "state.hpp"),
     "common/settings": ("config_reader.hpp", "json_text.hpp", "keys.hpp", "nearest_word.hpp"),
-    "protocol": ("connection.hpp", "deadlines.hpp", "gabion_participant.h", "handshake.hpp", "heartbeat.hpp", "keys.hpp",
-                 "message.hpp", "participant.hpp", "peer_watch.hpp", "process.hpp", "request_source.hpp", "serve.hpp",
-                 "socket.hpp", "state_machine.hpp", "step_order.hpp"),
+    "protocol": ("attention.hpp", "connection.hpp", "deadlines.hpp", "gabion_participant.h", "handshake.hpp",
+                 "heartbeat.hpp", "keys.hpp", "message.hpp", "participant.hpp", "peer_watch.hpp", "process.hpp",
+                 "request_source.hpp", "serve.hpp", "socket.hpp", "state_machine.hpp", "step_order.hpp"),
 }
 LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"
            r"|lib/cmake/gabion_participant/gabion_participant(-config|_targets)[a-z-]*\.cmake")
