@@ -107,9 +107,7 @@ def plot_column(results: Results, reference: Path, out: Path) -> tuple[Path, Sur
 
     reference: table with the series exp_surface and, if present, exp_failure_line… and others.
     """
-    soil = results.soil
-    if soil is None:
-        raise ResultsError(f"{results.folder}: no mpm/soil.xdmf")
+    soil = results.frames_of_soil()
     series = read_reference(reference)
     if "exp_surface" not in series:
         raise ResultsError(f"{reference}: no series exp_surface; there are {', '.join(series)}")

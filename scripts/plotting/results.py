@@ -146,6 +146,13 @@ class Results:
     def soil(self) -> Series | None:
         return self.series("mpm/soil.xdmf")
 
+    def frames_of_soil(self) -> Series:
+        """@raises ResultsError  there are none"""
+        soil = self.soil
+        if soil is None:
+            raise ResultsError(f"{self.folder}: no mpm/soil.xdmf")
+        return soil
+
     @property
     def structures(self) -> list[Series]:
         """Of each fem_solver, in the order of their folders."""

@@ -59,9 +59,7 @@ class Deposit:
 
 
 def deposit_of(results: Results, series: dict[str, np.ndarray]) -> Deposit:
-    soil = results.soil
-    if soil is None:
-        raise ResultsError(f"{results.folder}: no mpm/soil.xdmf")
+    soil = results.frames_of_soil()
     start, last = soil.frame(0), soil.frame(len(soil) - 1)
     spacing = float(np.sqrt(np.prod(np.ptp(start.points[:, :2], axis=0)) / len(start.points)))
     line = series["exp_failure_line_by_eye"]

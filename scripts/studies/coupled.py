@@ -25,6 +25,21 @@ def step_size(dt: float) -> list[str]:
     return [f"coupler.json:/time/dt={dt:g}", f"coupler.json:/time/dt_min={dt / 64:g}"]
 
 
+ANSWER = ["peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "impulse [N s/m]"]
+
+
+def answer_of(run: Measured) -> list[float]:
+    """ANSWER of a run."""
+    return [1e3 * run.peak()[0], 1e3 * run.displacement().mean_of_last(REST), run.force().mean_of_last(REST),
+            float(run.impulse().values[-1])]
+
+
+def errors_of(run: Measured, reference: Measured) -> list[float]:
+    """Of A's displacement and of the impulse."""
+    return [relative_rms(run.displacement(), reference.displacement()),
+            relative_rms(run.impulse(), reference.impulse())]
+
+
 def speed(runner: Runner) -> None:
     """Wall time of a step of granular_obstacle, in free flow and in contact, and where it goes."""
     table = runner.run("run", SCENE, []).table("steps.csv")
@@ -65,13 +80,9 @@ def error_vs_time(runner: Runner) -> None:
     for kind, of_kind in runs.items():
         errors = {}
         for name, run in of_kind.items():
-            peak, _ = run.peak()
-            row = [name, run.table("steps.csv").num_rows, run.cuts(), 1e3 * peak,
-                   1e3 * run.displacement().mean_of_last(REST), run.force().mean_of_last(REST),
-                   float(run.impulse().values[-1])]
+            row = [name, run.table("steps.csv").num_rows, run.cuts(), *answer_of(run)]
             if run is not reference:
-                errors[name] = [run.seconds(), relative_rms(run.displacement(), reference.displacement()),
-                                relative_rms(run.impulse(), reference.impulse())]
+                errors[name] = [run.seconds(), *errors_of(run, reference)]
             rows.append([*row, *errors.get(name, [run.seconds(), "", ""])])
         seconds, of_a, of_impulse = np.array(list(errors.values())).T
         mark = MARKS[kind]
@@ -80,8 +91,7 @@ def error_vs_time(runner: Runner) -> None:
         for name, (x, *y) in errors.items():
             axes.annotate(name.removeprefix("explicit, ").removeprefix("dt ").removeprefix("time_error "),
                           (x, max(y)), textcoords="offset points", xytext=(0, 8), ha="center", fontsize=9)
-    head = ["", "steps", "cuts", "peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "impulse [N s/m]",
-            "run time [s]", "error of A", "error of impulse"]
+    head = ["", "steps", "cuts", *ANSWER, "run time [s]", "error of A", "error of impulse"]
     runner.report(head, rows)
     runner.remark(f"errors: root mean square over the run, relative to fixed steps, {reference_name}; "
                   f"rest: mean of the last {REST} s")
@@ -132,13 +142,10 @@ def tolerance(runner: Runner) -> None:
     rows = []
     for limit, run in runs.items():
         iterations = run.iterations_in_contact()
-        errors = ["", ""] if run is reference else [relative_rms(run.displacement(), reference.displacement()),
-                                                    relative_rms(run.impulse(), reference.impulse())]
-        rows.append([f"{limit:g}", float(iterations.mean()), int(iterations.max()), run.cuts(), 1e3 * run.peak()[0],
-                     1e3 * run.displacement().mean_of_last(REST), run.force().mean_of_last(REST),
-                     float(run.impulse().values[-1]), run.seconds(), *errors])
-    head = ["limit [N]", "iterations", "most", "cuts", "peak of A [mm]", "rest [mm]", "force at rest [N/m]",
-            "impulse [N s/m]", "run time [s]", "error of A", "error of impulse"]
+        errors = ["", ""] if run is reference else errors_of(run, reference)
+        rows.append([f"{limit:g}", float(iterations.mean()), int(iterations.max()), run.cuts(), *answer_of(run),
+                     run.seconds(), *errors])
+    head = ["limit [N]", "iterations", "most", "cuts", *ANSWER, "run time [s]", "error of A", "error of impulse"]
     runner.report(head, rows)
     runner.remark(f"limit: root mean square over the components of the nodal forces; errors: root mean square over "
                   f"the run, relative to {FORCE_LIMITS[0]:g} N; iterations: mean of the steps in contact; rest: mean "

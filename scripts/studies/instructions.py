@@ -71,22 +71,34 @@ def inclusive(listing: str, function: str) -> int:
     return max((int(number.replace(",", "")) for number in found), default=0)
 
 
-def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
-    """Run that many steps under callgrind."""
+def solve(folder: Path, settings: dict, command: list, environment: dict[str, str] | None = None) -> str:
+    """Run the soil alone with its results in folder/out; returns what it says on its error output.
+
+    command: the solver, with what stands before it and options of its own.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
+    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
+    done = subprocess.run([*command, folder, "--output", folder / "out"], env=os.environ | (environment or {}),
+                          capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise ResultsError(f"{folder.name}: exit code {done.returncode}\n{done.stderr[-600:]}")
+    return done.stderr
+
+
+def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
+    """Run that many steps under callgrind."""
     settings = scene(*form)
     settings["time"]["end"] = steps * settings["time"]["dt"]
-    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
     counts = folder / "callgrind.out"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={counts}",
                "--toggle-collect=gabion::mpm::MpmSolver<*>::solve_step*",
-               "--toggle-collect=gabion::mpm::MpmSolver<*>::accept_step*", SOLVER, folder, "--output", folder / "out"]
-    environment = os.environ | {"GLIBC_TUNABLES": COPIES, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    total = re.search(r"Collected : (\d+)", done.stderr)
-    if done.returncode != 0 or not total:
-        raise ResultsError(f"{folder.name}: exit code {done.returncode}\n{done.stderr[-600:]}")
+               "--toggle-collect=gabion::mpm::MpmSolver<*>::accept_step*", SOLVER]
+    environment = {"GLIBC_TUNABLES": COPIES, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    said = solve(folder, settings, command, environment)
+    total = re.search(r"Collected : (\d+)", said)
+    if not total:
+        raise ResultsError(f"{folder.name}: no count of callgrind\n{said[-600:]}")
     listing = subprocess.run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", counts], check=True,
                              capture_output=True, text=True).stdout
     summary = json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["solver"]

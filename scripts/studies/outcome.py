@@ -91,9 +91,7 @@ def far_face(results: Results, throw: Throw) -> np.ndarray:
 
 def points_behind(results: Results, throw: Throw | None) -> int:
     """Points that are gone, or on the far side of the wall."""
-    soil = results.soil
-    if soil is None:
-        raise ResultsError(f"{results.folder}: no mpm/soil.xdmf")
+    soil = results.frames_of_soil()
     last = soil.frame(len(soil) - 1).points[:, :2]
     through = 0 if throw is None else int(np.sum(beyond(far_face(results, throw), last)))
     return len(soil.frame(0).points) - len(last) + through

@@ -1,19 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The soil on several MPI ranks: time, memory, what they send each other; and how that would go on with many."""
 
-import csv
-import json
 import math
 import os
-import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from plotting.results import ResultsError
-from studies.instructions import FORMS, SOLVER
+from studies.instructions import FORMS, SOLVER, solve
 from studies.runner import Runner, folder_of
-from studies.size import refined
+from studies.size import read, refined
 
 RANKS = (1, 2, 4, 8)
 REPEATS = 3  # of 1 and 2 ranks in turn: the fastest of each counts
@@ -78,18 +73,11 @@ def settings_of(soil: Soil, end: float) -> dict:
 
 def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
     """Run on so many ranks, from the last checkpoint of other results if given; returns the results."""
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
-    out = folder / "out"
     command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", *["--allow-run-as-root"] * (os.geteuid() == 0),
-               "-n", str(ranks), SOLVER, folder, "--output", out, "--log-level", "warn",
-               *([] if restart is None else ["--restart", restart])]
+               "-n", str(ranks), SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
     threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
-    done = subprocess.run(command, env=os.environ | threads, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise ResultsError(f"{folder.name}: exit code {done.returncode}\n{done.stderr[-600:]}")
-    return out
+    solve(folder, settings, command, threads)
+    return folder / "out"
 
 
 def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
@@ -101,9 +89,7 @@ def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: P
 
 
 def count_of(out: Path) -> Count:
-    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    with (out / "steps.csv").open(encoding="utf-8") as table:
-        steps = list(csv.DictReader(table))
+    summary, steps = read(out)
     soil = summary["solver"]
     seconds = sum(float(step["wall_seconds"]) for step in steps)
     count = Count(soil["points"], len(steps), soil["newton_iterations"], soil["linear_iterations"], seconds,

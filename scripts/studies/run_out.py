@@ -4,9 +4,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from plotting.column import area_under, front_of, surface_of
-from plotting.results import ResultsError
 from plotting.style import COLOURS, legend_beside, new_figure
 from studies.columns import box, setting
 from studies.measures import Measured
@@ -53,9 +53,7 @@ class Deposit:
 
 
 def deposit_of(run: Measured, a: float) -> Deposit:
-    soil = run.results.soil
-    if soil is None:
-        raise ResultsError(f"{run.results.folder}: no mpm/soil.xdmf")
+    soil = run.results.frames_of_soil()
     start, last = soil.frame(0), soil.frame(len(soil) - 1)
     spacing = float(np.sqrt(np.prod(np.ptp(start.points[:, :2], axis=0)) / len(start.points)))
     x, height = surface_of(last.points, spacing)
@@ -76,13 +74,24 @@ def run_out(runner: Runner) -> None:
     runner.report(head, rows)
     draw_laws(runner, np.array(rows))
     figure, (axes,) = new_figure(9, 2.2)
-    for a, deposit in deposits.items():
-        axes.plot(deposit.x, deposit.surface, label=f"a = {a:g}")
-    axes.set_aspect("equal")
+    draw_deposits(axes, {a: (deposit.x, deposit.surface) for a, deposit in deposits.items()})
     axes.set_xlabel("x by initial width")
     axes.set_ylabel("height by initial width")
-    legend_beside(axes)
     runner.save(figure, "deposits.png")
+
+
+def draw_deposits(axes: Axes, surfaces: dict[float, tuple[np.ndarray, np.ndarray]]) -> None:
+    """surfaces: places and heights by slenderness."""
+    for a, surface in surfaces.items():
+        axes.plot(*surface, label=f"a = {a:g}")
+    axes.set_aspect("equal")
+    legend_beside(axes)
+
+
+def draw_law(axes: Axes, a: np.ndarray, values: np.ndarray, band: float, label: str | None) -> None:
+    """A law and the band around it that simulations should lie in."""
+    axes.fill_between(a, (1 - band) * values, (1 + band) * values, color=COLOURS[0], alpha=0.2)
+    axes.loglog(a, values, color=COLOURS[0], label=label)
 
 
 def draw_laws(runner: Runner, rows: np.ndarray) -> None:
@@ -93,8 +102,7 @@ def draw_laws(runner: Runner, rows: np.ndarray) -> None:
         # A break in the curve where the branches meet: the laws jump there.
         for branch in np.split(a, np.flatnonzero(np.abs(np.diff([law(value) for value in a])) > 0.09) + 1):
             values = np.array([law(value) for value in branch])
-            axes.fill_between(branch, (1 - BAND) * values, (1 + BAND) * values, color=COLOURS[0], alpha=0.2)
-            axes.loglog(branch, values, color=COLOURS[0], label="Lube et al. (2005)" if branch[0] == a[0] else None)
+            draw_law(axes, branch, values, BAND, "Lube et al. (2005)" if branch[0] == a[0] else None)
         axes.loglog(rows[:, 0], rows[:, column], "o", color=COLOURS[1], label="simulated")
         axes.set_ylabel(name)
         legend_beside(axes)

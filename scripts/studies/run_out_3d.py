@@ -8,16 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from plotting.column import front_of, surface_of
-from plotting.results import ResultsError
 from plotting.style import COLOURS, legend_beside, new_figure
 from studies.columns import setting
 from studies.measures import Measured
+from studies.run_out import GRAVITY, draw_deposits, draw_law
 from studies.runner import ROOT, Runner, folder_of
 
 SCENE = "column_run_out_3d"
 RATIOS = [0.5, 0.9, 1.5, 3.0]  # a = height by radius
 RADIUS = 0.1  # [m]
-GRAVITY = 9.81  # [m/s^2]
 SECTORS = 9  # of the quarter, each with a front of its own
 WANTED = 0.1  # largest error that is asked for
 
@@ -113,9 +112,7 @@ def volume_under(r: np.ndarray, height: np.ndarray) -> float:
 
 
 def deposit_of(run: Measured, cylinder: Cylinder) -> Deposit:
-    soil = run.results.soil
-    if soil is None:
-        raise ResultsError(f"{run.results.folder}: no mpm/soil.xdmf")
+    soil = run.results.frames_of_soil()
     x, y, z = soil.frame(len(soil) - 1).points.T
     radius, edge = cylinder.radius, cylinder.edge
     found = fronts(x, y, edge, radius)
@@ -150,12 +147,9 @@ def run_out_3d(runner: Runner) -> None:
     runner.remark(f"run-out within {100 * WANTED:.0f} % of the law: {met} of {len(rows)}")
     draw_laws(runner, np.array(rows, dtype=float))
     figure, (axes,) = new_figure(9, 2.6)
-    for ratio, deposit in deposits.items():
-        axes.plot(deposit.r, deposit.surface, label=f"a = {ratio:g}")
-    axes.set_aspect("equal")
+    draw_deposits(axes, {ratio: (deposit.r, deposit.surface) for ratio, deposit in deposits.items()})
     axes.set_xlabel("distance from the axis by initial radius")
     axes.set_ylabel("height by initial radius")
-    legend_beside(axes)
     runner.save(figure, "deposits_3d.png")
     changed = []
     for name, (cells, settings) in FACTORS.items():
@@ -180,9 +174,7 @@ def draw_laws(runner: Runner, rows: np.ndarray) -> None:
     laws = ((panels[0], run_out_law, 2, "run-out by initial radius", "Lube et al. (2004)"),
             (panels[1], height_law, 7, "height by initial radius", "Lajeunesse et al. (2004)"))
     for axes, law, column, name, source in laws:
-        values = np.array([law(value) for value in a])
-        axes.fill_between(a, (1 - WANTED) * values, (1 + WANTED) * values, color=COLOURS[0], alpha=0.2)
-        axes.loglog(a, values, color=COLOURS[0], label=source)
+        draw_law(axes, a, np.array([law(value) for value in a]), WANTED, source)
         axes.loglog(rows[:, 0], rows[:, column], "o", color=COLOURS[1], label="simulated")
         axes.set_ylabel(name)
     cone = a[(a > 0.74) & (a < 3)]

@@ -4,14 +4,11 @@
 import csv
 import json
 import math
-import shutil
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
-from plotting.results import ResultsError
-from studies.instructions import FORMS, SOLVER, scene
+from studies.instructions import FORMS, SOLVER, scene, solve
 from studies.runner import Runner, folder_of
 
 STEPS = 10
@@ -44,16 +41,10 @@ def refined(form: tuple[str, str, str], times: int) -> dict:
     return settings
 
 
-def run(folder: Path, settings: dict) -> tuple[dict, list[dict]]:
+def read(out: Path) -> tuple[dict, list[dict]]:
     """Summary and steps of a run."""
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
-    done = subprocess.run([SOLVER, folder, "--output", folder / "out"], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise ResultsError(f"{folder.name}: exit code {done.returncode}\n{done.stderr[-600:]}")
-    with (folder / "out" / "steps.csv").open(encoding="utf-8") as table:
-        return json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8")), list(csv.DictReader(table))
+    with (out / "steps.csv").open(encoding="utf-8") as table:
+        return json.loads((out / "summary.json").read_text(encoding="utf-8")), list(csv.DictReader(table))
 
 
 def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
@@ -90,7 +81,9 @@ def size(runner: Runner) -> None:
         smallest = None
         for times in sizes:
             print(f"{name}, cells / {times}: running", flush=True)
-            summary, steps = run(runner.folder / f"{folder_of(name)}_{times}", refined(FORMS[name], times))
+            folder = runner.folder / f"{folder_of(name)}_{times}"
+            solve(folder, refined(FORMS[name], times), [SOLVER])
+            summary, steps = read(folder / "out")
             smallest = smallest or summary
             of_form.append(row(name, summary, steps, smallest))
         ratio = of_form[-1][4] / of_form[0][4]
