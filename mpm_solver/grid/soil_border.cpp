@@ -29,7 +29,7 @@ std::array<std::int32_t, 2 * dim> neighbours(const BoxGrid<dim>& box, std::int32
 }  // namespace
 
 template <int dim>
-SoilBorder<dim>::SoilBorder(const CellOwners<dim>& owners, std::vector<char> occupied)
+SoilBorder<dim>::SoilBorder(const CellOwners<dim>& owners, std::vector<std::int32_t> occupied)
     : box_(*owners.grid.box), occupied_(std::move(occupied)) {
   if (num_ranks(owners.comm) > 1) exchange(owners);
 }
@@ -75,9 +75,9 @@ int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& 
 }
 
 template <int dim>
-std::vector<char> cells_with_points(const BackgroundGrid<dim>& grid,
-                                    const MaterialPoints<dim>& points) {
-  std::vector<char> occupied(grid.mesh.num_cells(), 0);
+std::vector<std::int32_t> cells_with_points(const BackgroundGrid<dim>& grid,
+                                            const MaterialPoints<dim>& points) {
+  std::vector<std::int32_t> occupied(grid.mesh.num_cells(), 0);
   for (const std::int32_t cell : points.cell) occupied[cell] = 1;
   return occupied;
 }
@@ -116,8 +116,10 @@ template class SoilBorder<2>;
 template class SoilBorder<3>;
 template int part_of_cell<2>(const BoxGrid<2>&, std::int32_t, const Vector<2>&);
 template int part_of_cell<3>(const BoxGrid<3>&, std::int32_t, const Vector<3>&);
-template std::vector<char> cells_with_points<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&);
-template std::vector<char> cells_with_points<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&);
+template std::vector<std::int32_t> cells_with_points<2>(const BackgroundGrid<2>&,
+                                                        const MaterialPoints<2>&);
+template std::vector<std::int32_t> cells_with_points<3>(const BackgroundGrid<3>&,
+                                                        const MaterialPoints<3>&);
 template void split_groups<2>(const SoilBorder<2>&, const BoxGrid<2>&, const MaterialPoints<2>&,
                               PointWeights<2>&);
 template void split_groups<3>(const SoilBorder<3>&, const BoxGrid<3>&, const MaterialPoints<3>&,

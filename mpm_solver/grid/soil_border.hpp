@@ -21,7 +21,7 @@ class SoilBorder {
  public:
   /// @param occupied  of all cells: 1 for those of this rank that hold a point of any body
   /// @note Collective: ranks learn of the occupied cells beside their own ones.
-  SoilBorder(const CellOwners<dim>& owners, std::vector<char> occupied);
+  SoilBorder(const CellOwners<dim>& owners, std::vector<std::int32_t> occupied);
 
   /// Of a cell: its halves along all axes.
   static constexpr int num_parts = 1 << dim;
@@ -33,7 +33,7 @@ class SoilBorder {
   void exchange(const CellOwners<dim>& owners);
 
   const BoxGrid<dim>& box_;
-  std::vector<char> occupied_;
+  std::vector<std::int32_t> occupied_;
 };
 
 /// Bit d: x lies in the upper half of the cell along axis d.
@@ -42,8 +42,8 @@ int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& 
 
 /// 1 for each cell of the grid with a point of this rank, else 0. @pre all points are in the grid
 template <int dim>
-std::vector<char> cells_with_points(const BackgroundGrid<dim>& grid,
-                                    const MaterialPoints<dim>& points);
+std::vector<std::int32_t> cells_with_points(const BackgroundGrid<dim>& grid,
+                                            const MaterialPoints<dim>& points);
 
 /// Part the groups of cells at the border into their halves.
 /// @param[in,out] weights  `point` and `groups` as sorted by cell

@@ -126,8 +126,7 @@ std::vector<double> SoilOnGrid<dim>::body_forces(double time) const {
 
 template <int dim>
 std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
-  std::vector<std::int32_t> occupied(model_.grid.mesh.num_cells(), 0);
-  for (const std::int32_t cell : points_.cell) occupied[cell] = 1;
+  std::vector<std::int32_t> occupied = cells_with_points(model_.grid, points_);
   if (num_ranks(model_.comm) == 1) return occupied;
   Packets to_first;
   if (rank_of(model_.comm) != 0) {

@@ -6,7 +6,6 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/tensor_functions.hpp"
-#include "mpm_solver/stress/point_gradient.hpp"
 
 namespace gabion::mpm {
 
@@ -17,9 +16,9 @@ constexpr int batch_size = num_lanes;
 }  // namespace
 
 template <int dim>
-void AveragedForces<dim>::start(const Range& range) {
+void AveragedForces<dim>::start(const GroupRange& range) {
   const CellGroup* groups = parts_.weights.groups.data();
-  stresses_.start(groups[range.first].first, groups[range.last - 1].last);
+  stresses_.start(parts_.weights, range);
   averages_.resize(stresses_.batches().size());
   sums_.assign(range.last - range.first, {});
   group_of_.resize(averages_.size() * batch_size);
@@ -50,25 +49,17 @@ void AveragedForces<dim>::set_volumes() {
 
 template <int dim>
 template <int n>
-bool AveragedForces<dim>::find_volumes(const Range& range, std::span<const double> du,
+bool AveragedForces<dim>::find_volumes(const GroupRange& range, std::span<const double> du,
                                        std::int32_t& worst) {
   start(range);
-  const auto& weights = parts_.weights;
-  NodeMotion<dim> of_group;
-  for (std::int32_t g = range.first; g < range.last; ++g) {
-    const CellGroup& group = weights.groups[g];
-    parts_.nodes.gather(weights.nodes_of(group), du, of_group.du);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      set_gradient<n>(weights, e, of_group.du, stresses_.batch_of(e), stresses_.lane_of(e));
-    }
-  }
+  stresses_.template set_gradients<n>(parts_, range, du);
   set_volumes();
   for (std::size_t b = 0; b < averages_.size(); ++b) {
     const LaneMask refused = averages_[b].J() < min_J_ratio;
     if (!any(refused)) continue;
     int lane = 0;
     while (!refused[lane]) ++lane;
-    worst = weights.point[stresses_.entry(b, lane)];
+    worst = parts_.weights.point[stresses_.entry(b, lane)];
     return false;
   }
   return true;
@@ -99,7 +90,7 @@ bool AveragedForces<dim>::find_stresses(const Law& law, bool with_K, std::int32_
 template <int dim>
 void AveragedForces<dim>::sum_pressures(bool with_K) {
   for (std::size_t b = 0; b < averages_.size(); ++b) {
-    averages_[b].set_stress(V0(b), stresses_.batches()[b], with_K);
+    averages_[b].set_stress(stresses_.V0(parts_, b), stresses_.batches()[b], with_K);
     for (int l = 0; l < stresses_.points_of(b); ++l) {
       GroupSums& sums = sums_[group_of_[b * batch_size + l]];
       sums.pressure += averages_[b].pressure(l);
@@ -137,7 +128,7 @@ void AveragedForces<dim>::order_all() {
 
 template <int dim>
 template <int n>
-void AveragedForces<dim>::add_forces(const Range& range, std::span<double> f) {
+void AveragedForces<dim>::add_forces(const GroupRange& range, std::span<double> f) {
   order_forces();
   const auto& weights = parts_.weights;
   CellSums<dim, 1, n> sums;
@@ -152,7 +143,8 @@ void AveragedForces<dim>::add_forces(const Range& range, std::span<double> f) {
 
 template <int dim>
 template <int n>
-void AveragedForces<dim>::add_all(const Range& range, BlockMatrix<dim>& K, std::span<double> f) {
+void AveragedForces<dim>::add_all(const GroupRange& range, BlockMatrix<dim>& K,
+                                  std::span<double> f) {
   order_all();
   CellSums<dim, Batch::num_fields, n> sums;
   for (std::int32_t g = range.first; g < range.last; ++g) {
@@ -190,22 +182,8 @@ void AveragedForces<dim>::add_cell(std::int32_t g, CellSums<dim, Batch::num_fiel
 }
 
 template <int dim>
-template <class Visit>
-bool AveragedForces<dim>::for_each_range(const Visit& visit) {
-  const auto& body_groups = parts_.weights.body_groups;
-  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
-    for (Range range{body_groups[b], 0}; range.first < body_groups[b + 1];
-         range.first = range.last) {
-      range.last = std::min(range.first + groups_at_once<dim>, body_groups[b + 1]);
-      if (!visit(parts_.bodies[b], range)) return false;
-    }
-  }
-  return true;
-}
-
-template <int dim>
 template <int n>
-bool AveragedForces<dim>::evaluate_range(const Body<dim>& body, const Range& range,
+bool AveragedForces<dim>::evaluate_range(const Body<dim>& body, const GroupRange& range,
                                          const Target& target) {
   const bool with_K = target.K != nullptr;
   if (!find_volumes<n>(range, target.du, target.worst)) return false;
@@ -224,8 +202,8 @@ template <int dim>
 bool AveragedForces<dim>::evaluate(const Target& target) {
   const auto& weights = parts_.weights;
   require(!weights.constant_gradient, "mpm_solver: F-bar needs gradients of each point");
-  return for_each_range([&](const Body<dim>& body, const Range& range) {
-    return weights.whole_cells ? evaluate_range<num_corners>(body, range, target)
+  return for_each_range(parts_, [&](const Body<dim>& body, const GroupRange& range) {
+    return weights.whole_cells ? evaluate_range<num_brick_nodes<dim>>(body, range, target)
                                : evaluate_range<0>(body, range, target);
   });
 }
@@ -233,7 +211,7 @@ bool AveragedForces<dim>::evaluate(const Target& target) {
 template <int dim>
 std::vector<double> AveragedForces<dim>::find_start_forces(std::size_t num_values) {
   std::vector<double> f(num_values, 0.0);
-  for_each_range([&](const Body<dim>&, const Range& range) {
+  for_each_range(parts_, [&](const Body<dim>&, const GroupRange& range) {
     start(range);
     for (std::size_t b = 0; b < averages_.size(); ++b) {
       PointBatch<dim>& batch = stresses_.batches()[b];

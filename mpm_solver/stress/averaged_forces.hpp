@@ -33,42 +33,30 @@ class AveragedForces {
 
  private:
   using Batch = AveragedBatch<dim>;
-  static constexpr int num_corners = dim == 2 ? 4 : 8;
-  /// Consecutive groups of one body.
-  struct Range {
-    std::int32_t first, last;
-  };
-  /// Visit the ranges in which all groups are evaluated; false ends it.
-  template <class Visit>
-  bool for_each_range(const Visit& visit);
   template <class OfEntry>
   Lanes of_groups(std::size_t b, const OfEntry& of_group) const;
 
   // The three passes over the groups of a range.
-  /// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
+  /// @tparam n  see EntryValues
   template <int n>
-  bool evaluate_range(const Body<dim>& body, const Range& range, const Target& target);
+  bool evaluate_range(const Body<dim>& body, const GroupRange& range, const Target& target);
   template <int n>
-  bool find_volumes(const Range& range, std::span<const double> du, std::int32_t& worst);
+  bool find_volumes(const GroupRange& range, std::span<const double> du, std::int32_t& worst);
   template <class Law>
   bool find_stresses(const Law& law, bool with_K, std::int32_t& worst);
   void sum_pressures(bool with_K);
   template <int n>
-  void add_forces(const Range& range, std::span<double> f);
+  void add_forces(const GroupRange& range, std::span<double> f);
   template <int n>
-  void add_all(const Range& range, BlockMatrix<dim>& K, std::span<double> f);
+  void add_all(const GroupRange& range, BlockMatrix<dim>& K, std::span<double> f);
   template <int n>
   void add_cell(std::int32_t g, CellSums<dim, Batch::num_fields, n>& sums, BlockMatrix<dim>& K);
   void order_forces();
   void order_all();
 
   std::vector<double> find_start_forces(std::size_t num_values);
-  void start(const Range& range);
+  void start(const GroupRange& range);
   void set_volumes();
-  Lanes V0(std::size_t b) const {
-    return stresses_.of_points(
-        b, [this](std::int32_t e) { return parts_.points.V0[parts_.weights.point[e]]; });
-  }
 
   StressParts<dim> parts_;
   // Of the range at hand.

@@ -11,7 +11,7 @@
 namespace gabion::mpm {
 
 /// Forces and stiffness of the cell at hand.
-/// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
+/// @tparam n  see EntryValues
 template <int dim, int num_fields, int n>
 class CellSums {
  public:
@@ -22,32 +22,19 @@ class CellSums {
   /// @param entry  of PointWeights
   void add_forces(const PointWeights<dim>& weights, std::int32_t entry,
                   const PointTerms<dim, num_fields>& terms) {
-    if constexpr (n > 0) {
-      fields.add(n, nullptr, grad_of_whole(weights, entry), terms.nodal[0]);
-    } else {
-      fields.add(weights.num_nodes(entry), weights.local_of(entry), weights.grad_of(entry),
-                 terms.nodal[0]);
-    }
+    const EntryValues<dim, n> values(weights, entry);
+    fields.add(values.n, values.local, values.grad, terms.nodal[0]);
   }
   void add_stiffness(const PointWeights<dim>& weights, std::int32_t entry,
                      const PointTerms<dim, num_fields>& terms) {
-    if constexpr (n > 0) {
-      K.add_point(n, nullptr, grad_of_whole(weights, entry), terms.A);
-    } else {
-      K.add_point(weights.num_nodes(entry), weights.local_of(entry), weights.grad_of(entry),
-                  terms.A);
-    }
+    const EntryValues<dim, n> values(weights, entry);
+    K.add_point(values.n, values.local, values.grad, terms.A);
   }
   /// Add the forces to those of the active nodes.
   void scatter(const StressParts<dim>& parts, const CellGroup& group, double* f) const {
     std::int32_t active[max_group_nodes<dim>];
     parts.nodes.list_active(parts.weights.nodes_of(group), active);
     fields.scatter(group.num_nodes, active, f);
-  }
-
- private:
-  static const Vector<dim>* grad_of_whole(const PointWeights<dim>& weights, std::int32_t entry) {
-    return weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * n;
   }
 };
 

@@ -9,7 +9,6 @@
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/stress/averaged_forces.hpp"
 #include "mpm_solver/stress/cell_sums.hpp"
-#include "mpm_solver/stress/point_gradient.hpp"
 #include "mpm_solver/stress/point_stresses.hpp"
 
 namespace gabion::mpm {
@@ -43,8 +42,7 @@ struct InternalForces<dim>::Work {
     Terms* of_batch = terms.data();
     for (std::size_t b = 0; b < stresses.batches().size(); ++b, of_batch += num_lanes) {
       PointBatch<dim>& batch = stresses.batches()[b];
-      const Lanes V0 = stresses.of_points(
-          b, [&](std::int32_t e) { return parts.points.V0[parts.weights.point[e]]; });
+      const Lanes V0 = stresses.V0(parts, b);
       for (Lanes& P : batch.P) P *= V0;
       spread_stress(batch.P, of_batch);
       if (!with_K) continue;
@@ -157,26 +155,18 @@ template <int dim>
 template <int n, class Law>
 bool InternalForces<dim>::find_terms(const Law& law, const GroupRange& range,
                                      const Request& request) {
-  const auto& weights = parts_.weights;
   PointStresses<dim>& stresses = work_->stresses;
-  stresses.start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
-  NodeMotion<dim> of_group;
-  for (std::int32_t g = range.first; g < range.last; ++g) {
-    const CellGroup& group = weights.groups[g];
-    parts_.nodes.gather(weights.nodes_of(group), request.du, of_group.du);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      set_gradient<n>(weights, e, of_group.du, stresses.batch_of(e), stresses.lane_of(e));
-    }
-  }
+  stresses.start(parts_.weights, range);
+  stresses.template set_gradients<n>(parts_, range, request.du);
   if (!stresses.evaluate(parts_, law, request.K != nullptr, request.worst)) return false;
   work_->order_terms(parts_, request.K != nullptr);
   return true;
 }
 
-// f_int and its derivative of some cells of one body.
+// f_int and its derivative of cells whose points have gradients of their own.
 template <int dim>
 template <int n, class Law>
-bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
+bool InternalForces<dim>::point_forces(const Law& law, const GroupRange& range,
                                        const Request& request) {
   if (!find_terms<n>(law, range, request)) return false;
   const auto& weights = parts_.weights;
@@ -196,33 +186,23 @@ bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
   return true;
 }
 
-// f_int and its derivative of the cells that hold points of one body.
+// f_int and its derivative of some cells of one body.
 template <int dim>
 template <class Law>
-bool InternalForces<dim>::body_forces(const Law& law, std::int32_t body, const Request& request) {
-  constexpr int num_corners = dim == 2 ? 4 : 8;
+bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
+                                       const Request& request) {
   const auto& weights = parts_.weights;
-  const std::int32_t last = weights.body_groups[body + 1];
-  GroupRange range;
-  for (range.first = weights.body_groups[body]; range.first < last; range.first = range.last) {
-    range.last = std::min(range.first + groups_at_once<dim>, last);
-    const bool admissible = weights.constant_gradient ? simplex_forces(law, range, request)
-                            : weights.whole_cells ? range_forces<num_corners>(law, range, request)
-                                                  : range_forces<0>(law, range, request);
-    if (!admissible) return false;
-  }
-  return true;
+  if (weights.constant_gradient) return simplex_forces(law, range, request);
+  return weights.whole_cells ? point_forces<num_brick_nodes<dim>>(law, range, request)
+                             : point_forces<0>(law, range, request);
 }
 
 template <int dim>
 bool InternalForces<dim>::all_forces(const Request& request) {
-  for (std::int32_t b = 0; b < parts_.points.num_bodies(); ++b) {
-    const bool admissible =
-        std::visit([&](const auto& law) { return body_forces(law, b, request); },
-                   parts_.bodies[b].material.law);
-    if (!admissible) return false;
-  }
-  return true;
+  return for_each_range(parts_, [&](const Body<dim>& body, const GroupRange& range) {
+    return std::visit([&](const auto& law) { return range_forces(law, range, request); },
+                      body.material.law);
+  });
 }
 
 template <int dim>

@@ -73,11 +73,6 @@ class InternalForces {
     Tangent<dim> A = Tangent<dim>::Zero();  // sum of V0 dP/dH
   };
 
-  /// Consecutive groups of one body.
-  struct GroupRange {
-    std::int32_t first, last;
-  };
-
   struct Work;
   /// What an evaluation of points is for.
   struct Request {
@@ -88,10 +83,10 @@ class InternalForces {
 
   bool all_forces(const Request& request);
   template <class Law>
-  bool body_forces(const Law& law, std::int32_t body, const Request& request);
-  /// @tparam n  number of nodes of whole cells (PointWeights), otherwise 0
-  template <int n, class Law>
   bool range_forces(const Law& law, const GroupRange& range, const Request& request);
+  /// @tparam n  see EntryValues
+  template <int n, class Law>
+  bool point_forces(const Law& law, const GroupRange& range, const Request& request);
   template <int n, class Law>
   bool find_terms(const Law& law, const GroupRange& range, const Request& request);
   template <class Law>

@@ -9,19 +9,17 @@
 namespace gabion::mpm {
 
 /// H of one entry of a group, sum_i du_i (x) grad N_ip, set in a lane of its batch.
-/// @tparam num_nodes  where all nodes act on all points (PointWeights::whole_cells): their number
+/// @tparam num_nodes  see EntryValues
 /// @param du          of the group's nodes [m], dim each
 template <int num_nodes>
 inline void set_gradient(const PointWeights<2>& weights, std::int32_t entry, const double* du,
                          PointBatch<2>& batch, int lane) {
-  const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
-  const std::uint8_t* local = weights.local_of(entry);
-  const Vector<2>* grad =
-      num_nodes > 0 ? weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes
-                    : weights.grad_of(entry);
+  const EntryValues<2, num_nodes> values(weights, entry);
+  const int n = num_nodes > 0 ? num_nodes : values.n;
+  const Vector<2>* grad = values.grad;
   Lanes H{};  // 00, 10, 01, 11
   for (int i = 0; i < n; ++i) {
-    const double* du_i = du + (num_nodes > 0 ? i : local[i]) * 2;
+    const double* du_i = du + values.number(i) * 2;
 #ifdef __AVX2__
     const Lanes rows = _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(du_i));
     const __m128d g = _mm_loadu_pd(grad[i].data());
@@ -41,14 +39,12 @@ inline void set_gradient(const PointWeights<2>& weights, std::int32_t entry, con
 template <int num_nodes>
 inline void set_gradient(const PointWeights<3>& weights, std::int32_t entry, const double* du,
                          PointBatch<3>& batch, int lane) {
-  const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
-  const std::uint8_t* local = weights.local_of(entry);
-  const Vector<3>* grad =
-      num_nodes > 0 ? weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes
-                    : weights.grad_of(entry);
+  const EntryValues<3, num_nodes> values(weights, entry);
+  const int n = num_nodes > 0 ? num_nodes : values.n;
+  const Vector<3>* grad = values.grad;
   Lanes columns[3] = {};  // and a lane that nobody reads
   for (int i = 0; i < n; ++i) {
-    const Lanes rows = load_lanes(du + (num_nodes > 0 ? i : local[i]) * 3);
+    const Lanes rows = load_lanes(du + values.number(i) * 3);
     for (int J = 0; J < 3; ++J) columns[J] += rows * grad[i][J];
   }
   for (int a = 0; a < 3; ++a) {

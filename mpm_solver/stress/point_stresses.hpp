@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mechanics/materials/point_batch.hpp"
+#include "mpm_solver/stress/point_gradient.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -13,6 +14,22 @@ namespace gabion::mpm {
 /// Groups whose points are evaluated in one go: enough to fill batches, few enough for the cache.
 template <int dim>
 inline constexpr std::int32_t groups_at_once = dim == 2 ? 16 : 4;
+
+/// Visit all groups, body by body, in ranges whose points are evaluated in one go.
+/// @param visit  of body and range; false ends it
+/// @returns whether all were visited
+template <int dim, class Visit>
+bool for_each_range(const StressParts<dim>& parts, const Visit& visit) {
+  const auto& body_groups = parts.weights.body_groups;
+  for (std::int32_t b = 0; b < parts.points.num_bodies(); ++b) {
+    for (GroupRange range{body_groups[b], 0}; range.first < body_groups[b + 1];
+         range.first = range.last) {
+      range.last = std::min(range.first + groups_at_once<dim>, body_groups[b + 1]);
+      if (!visit(parts.bodies[b], range)) return false;
+    }
+  }
+  return true;
+}
 
 /// Stresses of the points of consecutive entries of PointWeights, in batches of four entries. The
 /// last batch is filled up by its last point.
@@ -26,6 +43,9 @@ class PointStresses {
     count_ = last - first;
     batches_.resize((count_ + Batch::size - 1) / Batch::size);
   }
+  void start(const PointWeights<dim>& weights, const GroupRange& range) {
+    start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
+  }
   std::int32_t first() const { return first_; }
   /// Number of points of a batch.
   int points_of(std::size_t b) const {
@@ -36,7 +56,6 @@ class PointStresses {
     return first_ + std::min(static_cast<int>(b) * Batch::size + l, count_ - 1);
   }
   std::span<Batch> batches() { return batches_; }
-  std::span<const Batch> batches() const { return batches_; }
 
   Batch& batch_of(std::int32_t entry) {
     return batches_[static_cast<unsigned>(entry - first_) / Batch::size];
@@ -48,6 +67,20 @@ class PointStresses {
   void set_gradient(std::int32_t entry, const Matrix<dim>& H) {
     const std::int32_t k = entry - first_;
     batches_[k / Batch::size].set_gradient(k % Batch::size, H);
+  }
+  /// The gradients of all entries, those of the groups of a range.
+  /// @tparam n  see EntryValues
+  template <int n>
+  void set_gradients(const StressParts<dim>& parts, const GroupRange& range,
+                     std::span<const double> du) {
+    NodeMotion<dim> of_group;
+    for (std::int32_t g = range.first; g < range.last; ++g) {
+      const CellGroup& group = parts.weights.groups[g];
+      parts.nodes.gather(parts.weights.nodes_of(group), du, of_group.du);
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        gabion::mpm::set_gradient<n>(parts.weights, e, of_group.du, batch_of(e), lane_of(e));
+      }
+    }
   }
   /// All are set.
   void fill_up() {
@@ -69,6 +102,10 @@ class PointStresses {
     Lanes x;
     for (int l = 0; l < Batch::size; ++l) x[l] = of_entry(entry(b, l));
     return x;
+  }
+
+  Lanes V0(const StressParts<dim>& parts, std::size_t b) const {
+    return of_points(b, [&](std::int32_t e) { return parts.points.V0[parts.weights.point[e]]; });
   }
 
   /// Set P, A if wanted, and the trial state.

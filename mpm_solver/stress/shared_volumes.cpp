@@ -100,8 +100,8 @@ class GroupVolumes {
   }
   double* sums_of(std::int64_t group) { return sums_.data() + 2 * group; }
 
-  std::vector<char> occupied_cells() {
-    std::vector<char> occupied(num_cells_, 0);
+  std::vector<std::int32_t> occupied_cells() {
+    std::vector<std::int32_t> occupied(num_cells_, 0);
     for (std::int64_t group = 0; group < std::ssize(sums_) / 2; ++group) {
       if (sums_of(group)[0] > 0) occupied[group / num_parts_ % num_cells_] = 1;
     }

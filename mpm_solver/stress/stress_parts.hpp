@@ -48,19 +48,50 @@ struct StressParts {
 template <int dim>
 using GroupDisplacements = std::array<double, max_group_nodes<dim> * dim>;
 
+/// Consecutive groups of one body.
+struct GroupRange {
+  std::int32_t first, last;
+};
+
+/// Number of nodes of PointWeights::whole_cells that are no simplices.
+template <int dim>
+inline constexpr int num_brick_nodes = dim == 2 ? 4 : 8;
+
+/// The nodes that act on an entry of PointWeights.
+/// @tparam num_nodes  where all nodes act on all points (PointWeights::whole_cells): their number;
+///                    otherwise 0
+template <int dim, int num_nodes>
+struct EntryValues {
+  int n;
+  const Vector<dim>* grad;    ///< of each
+  const std::uint8_t* local;  ///< each one's number in the group; null in whole cells
+
+  EntryValues(const PointWeights<dim>& weights, std::int32_t entry) {
+    if constexpr (num_nodes > 0) {
+      n = num_nodes;
+      grad = weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes;
+      local = nullptr;
+    } else {
+      n = weights.num_nodes(entry);
+      grad = weights.grad_of(entry);
+      local = weights.local_of(entry);
+    }
+  }
+  int number(int i) const { return num_nodes > 0 ? i : local[i]; }
+};
+
 /// H of one entry of a group, sum_i du_i (x) grad N_ip.
-/// @tparam num_nodes  where all nodes act on all points (PointWeights::whole_cells): their number
+/// @tparam num_nodes  see EntryValues
 /// @param du          of the group's nodes [m], dim each
 template <int dim, int num_nodes = 0>
 inline Matrix<dim> displacement_gradient(const PointWeights<dim>& weights, std::int32_t entry,
                                          const double* du) {
-  const int n = num_nodes > 0 ? num_nodes : weights.num_nodes(entry);
-  const std::uint8_t* local = weights.local_of(entry);
-  const Vector<dim>* grad = weights.grad_of(entry);
+  const EntryValues<dim, num_nodes> values(weights, entry);
+  const int n = num_nodes > 0 ? num_nodes : values.n;
   BlockVector<dim> sum = BlockVector<dim>::zero();
   for (int i = 0; i < n; ++i) {
-    sum += BlockVector<dim>::rows(du + (num_nodes > 0 ? i : local[i]) * dim) *
-           BlockVector<dim>::columns(grad[i].data());
+    sum += BlockVector<dim>::rows(du + values.number(i) * dim) *
+           BlockVector<dim>::columns(values.grad[i].data());
   }
   Matrix<dim> H;
   sum.store(H.data());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/mechanics/materials/lane_return.hpp"
 
-#include "common/mechanics/materials/lane_select.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
 #include "common/mechanics/materials/yield_tolerance.hpp"
 

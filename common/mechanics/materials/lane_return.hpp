@@ -19,7 +19,7 @@ struct PrincipalLanes {
 
 inline PrincipalLanes choose(const LaneMask& mask, const PrincipalLanes& a,
                              const PrincipalLanes& b) {
-  return {mask ? a[0] : b[0], mask ? a[1] : b[1], mask ? a[2] : b[2]};
+  return {select(mask, a[0], b[0]), select(mask, a[1], b[1]), select(mask, a[2], b[2])};
 }
 
 // The functions of spectral.hpp for four values.

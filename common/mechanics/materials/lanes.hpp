@@ -14,7 +14,7 @@
 namespace gabion {
 
 /// Four doubles, one of each of four points, which the compiler spreads over what registers there
-/// are. Operators act on each; a comparison gives a mask, which `mask ? a : b` takes.
+/// are. Operators act on each; a comparison gives a mask, which `select` takes.
 using Lanes = double __attribute__((vector_size(32)));
 using LaneMask = decltype(Lanes{} < Lanes{});
 inline constexpr int num_lanes = 4;
@@ -37,6 +37,15 @@ inline bool any(const LaneMask& mask) {
   return !_mm256_testz_si256(reinterpret_cast<__m256i>(mask), reinterpret_cast<__m256i>(mask));
 #else
   return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+#endif
+}
+
+/// a where the mask is set, otherwise b: `mask ? a : b` without testing the mask again.
+inline Lanes select(const LaneMask& mask, const Lanes& a, const Lanes& b) {
+#ifdef __AVX__
+  return _mm256_blendv_pd(b, a, reinterpret_cast<__m256d>(mask));
+#else
+  return mask ? a : b;
 #endif
 }
 

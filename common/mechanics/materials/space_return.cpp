@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/mechanics/materials/lane_select.hpp"
+#include "common/mechanics/materials/lane_tensors.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
 
 namespace gabion {
@@ -131,23 +131,11 @@ SpaceReturn::Trial SpaceReturn::trial_of(const PointBatch<3>& batch) {
     t.gap[l] = state.gap;
     t.plastic_strain[l] = state.plastic_strain;
   }
-  Lanes cofactor[9];  // of F
+  t.J = 1 + determinant_minus_one<3>(H);
+  Lanes G[9];
+  invert_transposed<3>(F, t.J, G);
   for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      cofactor[3 * i + j] = F[3 * i1 + j1] * F[3 * i2 + j2] - F[3 * i1 + j2] * F[3 * i2 + j1];
-    }
-  }
-  // See determinant_minus_one().
-  const Lanes minors =
-      (H[4] * H[8] - H[5] * H[7]) + (H[0] * H[4] - H[1] * H[3]) + (H[0] * H[8] - H[2] * H[6]);
-  const Lanes det = H[0] * (H[4] * H[8] - H[5] * H[7]) - H[1] * (H[3] * H[8] - H[5] * H[6]) +
-                    H[2] * (H[3] * H[7] - H[4] * H[6]);
-  t.J = 1 + (H[0] + H[4] + H[8] + det + minors);
-  const Lanes over_J = 1 / t.J;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) t.F_inverse[3 * i + j] = over_J * cofactor[3 * j + i];
+    for (int j = 0; j < 3; ++j) t.F_inverse[3 * i + j] = G[3 * j + i];
   }
   // See push_forward().
   for (int a = 0; a < 3; ++a) {
