@@ -24,6 +24,7 @@ struct PlacedSurface {
   PlacedSurface(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at, double margin)
       : vertices(at),
         cut(simplices(surface)),
+        bounds(bounds_of<dim>(cut, at)),
         cuts_per_facet(surface.facet_type == CellType::quad4 ? 2 : 1),
         hash(cut, at, margin) {}
 
@@ -34,6 +35,7 @@ struct PlacedSurface {
 
   std::span<const Vector<dim>> vertices;
   std::vector<Simplex<dim>> cut;
+  std::vector<SimplexBounds<dim>> bounds;
   int cuts_per_facet;
   FacetHash<dim> hash;
 };
@@ -54,8 +56,8 @@ void shares_of(const PlacedSurface<2>& surface, const ContactMark<2>& mark,
   const double half = mark.area / 2;
   const Vector<2> along(-mark.normal[1], mark.normal[0]);
   for (const std::int32_t s : surface.hash.near(mark.x)) {
+    if (surface.bounds[s].normal.dot(mark.normal) <= same_side) continue;
     const auto c = surface.corners(s);
-    if (simplex_normal<2>(c).dot(mark.normal) <= same_side) continue;
     const double a = along.dot(c[0] - mark.x), b = along.dot(c[1] - mark.x);
     const double first = std::max(std::min(a, b), -half), last = std::min(std::max(a, b), half);
     if (last <= first) continue;
@@ -79,9 +81,8 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
     double least = width / 2;
     std::int32_t nearest = -1;
     for (const std::int32_t s : near) {
-      const auto corners = surface.corners(s);
-      if (simplex_normal<3>(corners).dot(mark.normal) <= same_side) continue;
-      const double distance = (closest_place<3>(corners, y).x - y).norm();
+      if (surface.bounds[s].normal.dot(mark.normal) <= same_side) continue;
+      const double distance = (closest_place<3>(surface.corners(s), y).x - y).norm();
       if (distance >= least - 1e-9 * width) continue;
       least = distance;
       nearest = s;
@@ -178,12 +179,15 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   for (std::int32_t p = 0; p < points.size(); ++p) {
     widest = std::max(widest, std::pow(points.V0[p] * points.J[p], 1.0 / dim));
   }
-  const PlacedSurface<dim> placed(surface, fields.vertices, reach + widest);
+  const double farthest = reach + widest;
+  const PlacedSurface<dim> placed(surface, fields.vertices, farthest);
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
     for (const std::int32_t s : placed.hash.near(x)) {
+      const SimplexBounds<dim>& bounds = placed.bounds[s];
+      if (bounds.is_beyond(x, farthest)) continue;
       const auto corners = placed.corners(s);
-      const Vector<dim> n = simplex_normal<dim>(corners);
+      const Vector<dim>& n = bounds.normal;
       const double height = (x - corners[0]).dot(n);
       if (height <= 0) continue;
       const double R = radius(p, n);

@@ -129,6 +129,7 @@ class FacetContact final : public Contact<dim> {
   ContactLaw law_of(const Candidate& c, double part) const;
   void add_vertex_forces(const Touch& touch, double share, std::span<double> forces) const;
   double watched_distance(const SoilSurface<dim>& soil, double fastest) const;
+  void find_bounds();
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
   void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
@@ -161,8 +162,10 @@ class FacetContact final : public Contact<dim> {
   FacetSettings method_;
   ContactSurface<dim> surface_;
   std::vector<Simplex<dim>> simplices_;
-  std::vector<Vector<dim>> start_, end_;  // of the vertices: accepted, and in the step
-  std::vector<Vector<dim>> target_;       // at the end of the step
+  std::vector<Vector<dim>> start_, end_;    // of the vertices: accepted, and in the step
+  std::vector<Vector<dim>> target_;         // at the end of the step
+  std::vector<SimplexBounds<dim>> bounds_;  // at start_; empty: not known
+  double size_ = 0;                         // of the largest simplex [m]
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
   std::map<std::int64_t, Vector<dim>> offset_;          // of balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
@@ -186,6 +189,7 @@ class FacetContact final : public Contact<dim> {
   double dt_ = 0;
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
   double watched_ = 0;         // soil and surface may move by this much together in the step [m]
+  double margin_ = 0;          // what is farther from a point cannot be touched in the step [m]
   bool may_touch_ = false;
   double share_ = 1;                  // of the step at which end_ is
   std::optional<Substeps> substeps_;  // none: the step has none

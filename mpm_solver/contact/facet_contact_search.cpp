@@ -68,9 +68,19 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   }
   max_over_ranks(comm_, all.values());
   watched_ = watched_distance(soil, all.fastest);
-  const double margin = watched_ + deepest_ + std::pow(all.widest, 1.0 / dim);
+  margin_ = watched_ + deepest_ + std::pow(all.widest, 1.0 / dim);
+  find_bounds();
   add_candidates(soil,
-                 FacetHash<dim>(simplices_, start_, margin, balls, {-all.minus_low, all.high}));
+                 FacetHash<dim>(simplices_, start_, margin_, balls, {-all.minus_low, all.high}));
+}
+
+// A surface at rest keeps them.
+template <int dim>
+void FacetContact<dim>::find_bounds() {
+  if (!bounds_.empty()) return;
+  bounds_ = bounds_of<dim>(simplices_, start_);
+  size_ = 0;
+  for (const auto& bounds : bounds_) size_ = std::max(size_, 2 * bounds.radius);
 }
 
 template <int dim>
@@ -131,14 +141,16 @@ void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> 
   double nearest_touched = c.distance;
   Vector<dim> through = Vector<dim>::Zero();  // normal of the touched facet that it is behind
   for (const std::int32_t s : near) {
+    const SimplexBounds<dim>& bounds = bounds_[s];
+    if (bounds.is_beyond(c.x, margin_)) continue;
     const auto corners = corners_of<dim>(simplices_[s], start_);
-    const Vector<dim> normal = simplex_normal<dim>(corners);
+    const Vector<dim>& normal = bounds.normal;
     const double height = (c.x - corners[0]).dot(normal);
     const bool touched = remembered(c, normal) != nullptr;
     if (height <= 0 && !touched) continue;
-    facing_.push_back({s, height, touched});
     const auto place = closest_place<dim>(corners, c.x);
     const double distance = (place.x - c.x).norm();
+    facing_.push_back({s, height, touched, distance});
     if (touched && distance < nearest_touched) {
       nearest_touched = distance;
       through = height <= 0 ? normal : Vector<dim>(Vector<dim>::Zero());
@@ -158,8 +170,7 @@ void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> 
 template <int dim>
 void FacetContact<dim>::drop_far_side(const Candidate& c, const Vector<dim>& normal) {
   const auto is_far = [&](const FacingSimplex& facing) {
-    const auto corners = corners_of<dim>(simplices_[facing.simplex], start_);
-    return simplex_normal<dim>(corners).dot(normal) < -same_normal;
+    return bounds_[facing.simplex].normal.dot(normal) < -same_normal;
   };
   facing_.erase(std::remove_if(facing_.begin() + c.first_facing, facing_.end(), is_far),
                 facing_.end());
@@ -171,7 +182,9 @@ FacingSurface<dim> FacetContact<dim>::surface_of(const Candidate& c,
   return {.simplices = simplices_,
           .start = start_,
           .end = end,
-          .facing = std::span(facing_).subspan(c.first_facing, c.num_facing)};
+          .facing = std::span(facing_).subspan(c.first_facing, c.num_facing),
+          .motion = surface_motion_,
+          .size = size_};
 }
 
 template class FacetContact<2>;

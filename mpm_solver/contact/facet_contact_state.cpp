@@ -154,6 +154,7 @@ void FacetContact<dim>::accept() {
     if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
   }
   start_ = end_;
+  if (surface_motion_ > 0) bounds_.clear();
   last_motion_ = surface_motion_;
   candidates_.clear();  // they refer to the memory before
   touches_.clear();
@@ -217,6 +218,7 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
 template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
+  bounds_.clear();
   visitor.real(prefix + "last_motion", last_motion_);
   visitor.real(prefix + "deepest", deepest_);
   visit_memory(visitor, prefix);

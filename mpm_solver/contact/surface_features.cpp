@@ -154,6 +154,24 @@ Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners) {
 }
 
 template <int dim>
+std::vector<SimplexBounds<dim>> bounds_of(std::span<const Simplex<dim>> simplices,
+                                          std::span<const Vector<dim>> vertices) {
+  std::vector<SimplexBounds<dim>> result;
+  result.reserve(simplices.size());
+  for (const Simplex<dim>& simplex : simplices) {
+    const auto corners = corners_of<dim>(simplex, vertices);
+    SimplexBounds<dim>& bounds = result.emplace_back();
+    bounds.normal = simplex_normal<dim>(corners);
+    bounds.centre.setZero();
+    for (const Vector<dim>& corner : corners) bounds.centre += corner / dim;
+    for (const Vector<dim>& corner : corners) {
+      bounds.radius = std::max(bounds.radius, (corner - bounds.centre).norm());
+    }
+  }
+  return result;
+}
+
+template <int dim>
 int ClosestPlace<dim>::num_corners() const {
   return static_cast<int>(
       std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }));
@@ -311,6 +329,16 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
   return true;
 }
 
+// Simplices that were farther from the point cannot count: not within reach, not crossed, and no
+// neighbour of one that counts. A way longer than the reach may lead round a corner behind one.
+template <int dim>
+double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
+                            const Vector<dim>& y, double reach) {
+  const double way = (y - x).norm() + surface.motion;
+  if (way > reach) return std::numeric_limits<double>::infinity();
+  return (1 + fading_share) * reach + surface.size + way;
+}
+
 }  // namespace
 
 template <int dim>
@@ -319,7 +347,9 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   features.clear();
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
+  const double farthest = farthest_that_counts<dim>(surface, x, y, reach);
   for (const FacingSimplex& facing : surface.facing) {
+    if (facing.distance > farthest) continue;
     sights.push_back(sight_of<dim>(surface, facing, x, y));
   }
   const Sight<dim>* touched = nearest_touched<dim>(sights);
@@ -349,6 +379,10 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
 
 template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);
 template std::vector<Simplex<3>> simplices<3>(const ContactSurface<3>&);
+template std::vector<SimplexBounds<2>> bounds_of<2>(std::span<const Simplex<2>>,
+                                                    std::span<const Vector<2>>);
+template std::vector<SimplexBounds<3>> bounds_of<3>(std::span<const Simplex<3>>,
+                                                    std::span<const Vector<3>>);
 template Vector<2> simplex_normal<2>(const std::array<Vector<2>, 2>&);
 template Vector<3> simplex_normal<3>(const std::array<Vector<3>, 3>&);
 template struct ClosestPlace<2>;

@@ -55,11 +55,31 @@ struct SurfaceFeature {
   double distance = 0;                       ///< [m], < 0: the point is behind the surface
 };
 
+/// Where a simplex is, for a quick look.
+template <int dim>
+struct SimplexBounds {
+  Vector<dim> centre;  ///< of a ball that holds it [m]
+  double radius = 0;   ///< [m]
+  Vector<dim> normal;
+
+  /// Whether it surely is farther from x than this.
+  bool is_beyond(const Vector<dim>& x, double distance) const {
+    const double limit = radius + distance;
+    return (x - centre).squaredNorm() > limit * limit;
+  }
+};
+
+/// @param vertices  their positions [m]
+template <int dim>
+std::vector<SimplexBounds<dim>> bounds_of(std::span<const Simplex<dim>> simplices,
+                                          std::span<const Vector<dim>> vertices);
+
 /// A simplex that a point may touch in a step, seen from the point at the start of the step.
 struct FacingSimplex {
   std::int32_t simplex = 0;
   double height = 0;     ///< of the point above its plane [m]; > 0 unless touched
   bool touched = false;  ///< the point touched the surface with about this normal
+  double distance = 0;   ///< of the point, or less [m]
 };
 
 /// Positions of the surface and the simplices that faced a point when a step began.
@@ -69,6 +89,8 @@ struct FacingSurface {
   std::span<const Vector<dim>> start;  ///< of the vertices at the start of the step [m]
   std::span<const Vector<dim>> end;    ///< at its end [m]
   std::span<const FacingSimplex> facing;
+  double motion = 0;  ///< the largest of a vertex in the step [m]
+  double size = 0;    ///< no two places of a simplex are farther from each other [m]
 };
 
 /// The features of a surface that are nearer than `reach` to a point that came from x to y, or that

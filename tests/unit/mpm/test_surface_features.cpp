@@ -47,6 +47,23 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
   return found;
 }
 
+/// Hills over [-1, 1]^2, of 2 n^2 triangles.
+ContactSurface<3> hills(int n) {
+  ContactSurface<3> surface{.vertices = {}, .facet_type = CellType::tri3, .facets = {}};
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      const double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1;
+      surface.vertices.emplace_back(x, y, 0.1 * std::sin(7 * x) * std::cos(5 * y));
+      if (i == n || j == n) continue;
+      const std::int32_t v = j * (n + 1) + i;
+      for (const std::int32_t k : {v, v + 1, v + n + 2, v, v + n + 2, v + n + 1}) {
+        surface.facets.push_back(k);
+      }
+    }
+  }
+  return surface;
+}
+
 /// A wall 0.2 thick from the ground to the height 1, soil on all sides.
 ContactSurface<2> thin_wall() {
   return {.vertices = {{1.2, 0}, {1.2, 1}, {1, 1}, {1, 0}},
@@ -83,6 +100,47 @@ void check_closest_place() {
 TEST(SurfaceFeatures, the_closest_place_of_a_simplex) {
   check_closest_place<2>();
   check_closest_place<3>();
+}
+
+/// Simplices that are known to be far are not looked at; what is found stays the same.
+TEST(SurfaceFeatures, far_simplices_change_nothing) {
+  const ContactSurface<3> surface = hills(20);
+  Random random;
+  std::size_t found = 0, skipped = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector<3> x(0.7 * random(), 0.7 * random(), 0.2);
+    const Vector<3> y = x + Vector<3>(0.05 * random(), 0.05 * random(), -0.15);
+    for (const double reach : {0.2, 0.05}) {  // longer and shorter than the way
+      const Sighted<3> seen(surface, x);
+      const auto bounds = mpm::bounds_of<3>(seen.simplices, seen.vertices);
+      std::vector<FacingSimplex> facing = seen.facing;
+      double size = 0;
+      for (FacingSimplex& it : facing) {
+        const auto corners = mpm::corners_of<3>(seen.simplices[it.simplex], seen.vertices);
+        it.distance = (mpm::closest_place<3>(corners, x).x - x).norm();
+        size = std::max(size, 2 * bounds[it.simplex].radius);
+        skipped += it.distance > 1.1 * reach + size + (y - x).norm() ? 1 : 0;
+        EXPECT_FALSE(bounds[it.simplex].is_beyond(x, it.distance));
+      }
+      std::vector<SurfaceFeature<3>> few;
+      mpm::find_features<3>({.simplices = seen.simplices,
+                             .start = seen.vertices,
+                             .end = seen.vertices,
+                             .facing = facing,
+                             .size = size},
+                            x, y, reach, few);
+      const auto all = features<3>(surface, x, y, reach);
+      ASSERT_EQ(few.size(), all.size());
+      found += all.size();
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        EXPECT_EQ(few[k].simplex, all[k].simplex);
+        EXPECT_EQ(few[k].weights, all[k].weights);
+        EXPECT_EQ(few[k].distance, all[k].distance);
+      }
+    }
+  }
+  EXPECT_GT(found, 100U);
+  EXPECT_GT(skipped, 1000U);
 }
 
 TEST(SurfaceFeatures, a_face_gives_its_normal_and_height) {
