@@ -74,6 +74,7 @@ class SidedSurface {
   SidedSurface(const StartSurface<dim>& surface, double reach)
       : vertices_(surface.vertices),
         simplices_(simplices(surface.settings.surface)),
+        bounds_(bounds_of<dim>(simplices_, vertices_)),
         rim_(surface.vertices.size()),
         hash_(simplices_, vertices_, reach) {
     for (const auto& [edge, owners] : edge_owners<dim>(simplices_)) {
@@ -84,9 +85,12 @@ class SidedSurface {
 
   /// Of the nearest simplex; of equally near ones, which meet in an edge, that whose plane the
   /// point is farthest from: it sees the side right.
-  Side side(const Vector<dim>& x) const {
+  /// @param within  simplices that are farther may be left out [m]
+  Side side(const Vector<dim>& x, double within = std::numeric_limits<double>::infinity()) const {
     Side nearest;
     for (const std::int32_t s : hash_.near(x)) {
+      const double farthest = (1 + 2 * same_distance) * std::min(within, nearest.distance);
+      if (bounds_[s].is_beyond(x, farthest)) continue;
       const Side side = side_of(s, x);
       const double margin = same_distance * side.distance;
       const bool nearer = side.distance < nearest.distance - margin;
@@ -103,7 +107,7 @@ class SidedSurface {
     const auto place = closest_place<dim>(corners, x);
     Side side;
     side.distance = (x - place.x).norm();
-    side.height = (x - corners[0]).dot(simplex_normal<dim>(corners));
+    side.height = (x - corners[0]).dot(bounds_[s].normal);
     const bool aside = std::abs(side.height) < (1 - 1e-6) * side.distance;
     side.beyond_rim = aside && place.num_corners() < dim;
     for (int k = 0; k < dim; ++k) {
@@ -114,6 +118,7 @@ class SidedSurface {
 
   std::vector<Vector<dim>> vertices_;
   std::vector<Simplex<dim>> simplices_;
+  std::vector<SimplexBounds<dim>> bounds_;
   std::vector<char> rim_;  // 1 for vertices on the rim of an open surface
   FacetHash<dim> hash_;
 };
@@ -271,7 +276,7 @@ double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
     const SidedSurface<dim> sided(surface, reach + widest);
     double gap = std::numeric_limits<double>::infinity();
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      const Side side = sided.side(points.x[p]);
+      const Side side = sided.side(points.x[p], gap + points.depth[p]);
       if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
     }
     gap = -max_over_ranks(comm, -gap);
