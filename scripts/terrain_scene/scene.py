@@ -88,6 +88,7 @@ def soil_settings(made: Made) -> dict:
         "grid": {"box": {"low": [0, 0, 0], "high": [n * h for n in made.cells], "cells": list(made.cells), "type": "hex8"}},
         "gravity": [0, 0, -GRAVITY],
         "outside": "remove",
+        "time_integration": {"scheme": "explicit"},
         "bodies": [{"name": "slide", "mesh": {"file": "slide.msh"}, "points_per_cell": 8,
                     "material": plan.slide.material}],
         "rigid_walls": [{"name": "terrain", "surface": {"triangles": "terrain.ply", "normals": "up"},
