@@ -12,7 +12,7 @@ struct Key;
 /// How long each wait lasts at most [s]. The coupler's values hold for all; a participant has its
 /// own `connect` and gets the others in the welcome.
 struct Deadlines {
-  double connect = 30;     ///< until every participant has connected
+  double connect = 300;    ///< until every participant has connected
   double silence = 10;     ///< without any sign of life: the peer is dead, frozen or unreachable
   double answer = 3600;    ///< alive, but the answer to one request does not come
   double idle = 14400;     ///< the coupler is alive, but asks a participant nothing
