@@ -75,6 +75,17 @@ void number_nodes(const BoxGrid<dim>& box, Neighbourhood<dim>& around, CellGroup
   }
 }
 
+// An empty list with room for some more than it had: one that grows later has its old and its new
+// memory at once.
+template <class Value>
+void begin_again(std::vector<Value>& values) {
+  const std::size_t likely = values.size() + values.size() / 32;
+  values.clear();
+  if (likely <= values.capacity()) return;
+  values = {};
+  reserve_tightly(values, likely);
+}
+
 // Room for the values of a group: three nodes along each axis act on a point.
 template <int dim>
 void make_room(const CellGroup& group, PointWeights<dim>& weights) {
@@ -101,9 +112,9 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
   weights.whole_cells = false;
   weights.num_capped = 0;
   weights.starts.assign(1, 0);
-  weights.local.clear();
-  weights.N.clear();
-  weights.grad_N.clear();
+  begin_again(weights.local);
+  begin_again(weights.N);
+  begin_again(weights.grad_N);
   weights.group_nodes.clear();
   for (CellGroup& group : weights.groups) {
     const auto cell = box.cell_index(group.cell);

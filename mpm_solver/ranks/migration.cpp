@@ -3,8 +3,9 @@
 
 #include <span>
 
-#include "common/mechanics/ranks/sum.hpp"
+#include "common/base/reserve.hpp"
 #include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
 
@@ -49,6 +50,7 @@ void take_points(Packet& packet, MaterialPoints<dim>& points) {
   for_each_field<dim>([&](const char*, auto field) {
     if (packet.take<int>() == 0) return;
     auto& values = points.*field;
+    reserve_tightly(values, values.size() + static_cast<std::size_t>(count));
     for (std::int64_t k = 0; k < count; ++k) take_value(packet, values.emplace_back());
   });
 }

@@ -41,11 +41,11 @@ double bytes_of(const GridNodes<dim>& nodes) {
          bytes_of(nodes.x) + bytes_of(nodes.m) + bytes_of(nodes.v) + bytes_of(nodes.a);
 }
 
-// Several ranks: K keeps its own values, and PETSc's rows hold about as many.
+// Alone: with PETSc's list of columns.
 template <int dim>
 double bytes_of_stiffness(const BlockMatrix<dim>& K, bool alone) {
-  return (alone ? 1.0 : 2.0) * static_cast<double>(K.columns().size()) *
-         (dim * dim * sizeof(double) + sizeof(std::int32_t));
+  return static_cast<double>(K.columns().size()) *
+         (dim * dim * sizeof(double) + (alone ? sizeof(std::int32_t) : 0));
 }
 
 }  // namespace

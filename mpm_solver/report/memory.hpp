@@ -11,9 +11,8 @@
 namespace gabion::mpm {
 
 /// Memory of what grows with the soil, the most of it in a step: material points, their weights on
-/// the nodes, their trial state, nodes, the values of the stiffness with PETSc's list of their
-/// columns, its pattern, the preconditioner. On several ranks the stiffness stands for its own
-/// parts and for PETSc's rows.
+/// the nodes, their trial state, nodes, the values of the stiffness (one rank: with PETSc's list of
+/// their columns), its pattern, the preconditioner.
 template <int dim>
 class Memory {
  public:

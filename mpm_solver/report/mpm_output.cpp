@@ -2,6 +2,7 @@
 #include "mpm_solver/report/mpm_output.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -12,23 +13,56 @@ namespace gabion::mpm {
 
 namespace {
 
-using Values = std::span<const double>;
+using Values = std::vector<double>;
 
-/// Of all points.
-struct FrameValues {
-  Values u, v, stress, pressure, plastic_strain, J, volume, body;
-};
-
+// Of the points of this rank. The fields refer to them.
 template <int dim>
-std::vector<OutputField> frame_fields(const FrameValues& of) {
-  return {{"displacement", dim, of.u},
-          {"velocity", dim, of.v},
-          {"stress", symmetric_size<dim>, of.stress},
-          {"pressure", 1, of.pressure},
-          {"plastic_strain", 1, of.plastic_strain},
-          {"volume_ratio", 1, of.J},
-          {"volume", 1, of.volume},
-          {"body", 1, of.body}};
+std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
+  const auto of_each = [&points](auto value) {
+    return [&points, value] {
+      Values values;
+      values.reserve(points.x.size());
+      for (std::int32_t p = 0; p < points.size(); ++p) values.push_back(value(p));
+      return values;
+    };
+  };
+  const auto copy = [](std::span<const double> values) {
+    return Values(values.begin(), values.end());
+  };
+  const auto stress = [&points] {
+    Values values;
+    values.reserve(points.x.size() * symmetric_size<dim>);
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      const Symmetric<dim> sigma = points.tau[p] / points.J[p];
+      values.insert(values.end(), sigma.data(), sigma.data() + sigma.size());
+    }
+    return values;
+  };
+  const auto body = [&points] {
+    Values values;
+    values.reserve(points.x.size());
+    for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+      values.insert(values.end(), points.body_starts[b + 1] - points.body_starts[b], b);
+    }
+    return values;
+  };
+  const auto pressure = [&points](std::int32_t p) {
+    const Symmetric<dim> sigma = points.tau[p] / points.J[p];
+    return -(sigma[0] + sigma[1] + sigma[2]) / 3;
+  };
+  const auto field = [](std::string name, int components, std::function<Values()> make) {
+    return OutputField{.name = std::move(name), .components = components, .make = std::move(make)};
+  };
+  return {
+      field("displacement", dim, [&points, copy] { return copy(flat(points.u)); }),
+      field("velocity", dim, [&points, copy] { return copy(flat(points.v)); }),
+      field("stress", symmetric_size<dim>, stress),
+      field("pressure", 1, of_each(pressure)),
+      field("plastic_strain", 1,
+            of_each([&points](std::int32_t p) { return points.history[p].plastic_strain; })),
+      field("volume_ratio", 1, [&points] { return points.J; }),
+      field("volume", 1, of_each([&points](std::int32_t p) { return points.V0[p] * points.J[p]; })),
+      field("body", 1, body)};
 }
 
 // Places of the ids in ascending order; empty: they are in order.
@@ -59,7 +93,8 @@ std::vector<double> ordered(const std::vector<std::size_t>& order, std::vector<d
 
 template <int dim>
 std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
-  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points, frame_fields<dim>({}));
+  return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
+                                 frame_fields<dim>(MaterialPoints<dim>()));
 }
 
 template <int dim>
@@ -71,42 +106,25 @@ MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder)
 template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   if (!writes_) return;
-  const std::size_t n = points.x.size();
-  std::vector<double> body(n), pressure(n), plastic(n), volume(n), stress;
-  stress.reserve(n * symmetric_size<dim>);
-  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) body[p] = b;
-  }
-  for (std::size_t p = 0; p < n; ++p) {
-    const Symmetric<dim> sigma = points.tau[p] / points.J[p];
-    stress.insert(stress.end(), sigma.data(), sigma.data() + sigma.size());
-    pressure[p] = -(sigma[0] + sigma[1] + sigma[2]) / 3;
-    plastic[p] = points.history[p].plastic_strain;
-    volume[p] = points.V0[p] * points.J[p];
-  }
   const auto order = order_of(gather<std::int64_t>(comm_, points.id));
-  const auto all = [&](Values own) { return ordered(order, gather<double>(comm_, own)); };
-  const auto x = all(flat(points.x));
-  const auto u = all(flat(points.u));
-  const auto v = all(flat(points.v));
-  body = all(body);
-  pressure = all(pressure);
-  plastic = all(plastic);
-  volume = all(volume);
-  stress = all(stress);
-  const auto J = all(points.J);
-  if (!series_) return;
-  series_->write({.time = time,
-                  .dim = dim,
-                  .coordinates = x,
-                  .fields = frame_fields<dim>({.u = u,
-                                               .v = v,
-                                               .stress = stress,
-                                               .pressure = pressure,
-                                               .plastic_strain = plastic,
-                                               .J = J,
-                                               .volume = volume,
-                                               .body = body})});
+  const auto of_all = [&](Values own) {
+    if (num_ranks(comm_) == 1) return ordered(order, std::move(own));
+    Values all = gather<double>(comm_, own);
+    own = {};
+    return ordered(order, std::move(all));
+  };
+  std::vector<OutputField> fields = frame_fields(points);
+  for (OutputField& field : fields) {
+    field.make = [own = std::move(field.make), &of_all] { return of_all(own()); };
+  }
+  const auto x = flat(points.x);
+  const Values x_of_all = of_all({x.begin(), x.end()});
+  if (series_) {
+    series_->write(
+        {.time = time, .dim = dim, .coordinates = x_of_all, .fields = std::move(fields)});
+  } else {
+    for (const OutputField& field : fields) field.make();  // gathered in the same order
+  }
 }
 
 template class MpmOutput<2>;

@@ -12,8 +12,9 @@
 
 namespace gabion::mpm {
 
-/// Frames of the material points, gathered on the first rank and ordered by id: displacement,
-/// velocity, Cauchy stress, mean pressure, plastic strain, volume ratio, volume, body.
+/// Frames of the material points, gathered on the first rank field by field and ordered by id:
+/// displacement, velocity, Cauchy stress, mean pressure, plastic strain, volume ratio, volume,
+/// body.
 template <int dim>
 class MpmOutput {
  public:

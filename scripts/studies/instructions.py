@@ -39,8 +39,8 @@ def scene(basis: str, cure: str, cell: str) -> dict:
         points = 3
     gravity, dt = [0, -9.81], 2e-4
     if cell == "hex8":
-        box, grid = [[0.1, 0.1, 0.1], [10, 10, 10]], [[0.2, 0.12, 0.1], [20, 12, 10]]
-        walls, points, gravity, dt = [*walls, "front", "back"], 8, [0, -9.81, 0], 5e-4
+        box, grid = [[0.1, 0.1, 0.1], [10, 10, 10]], [[0.2, 0.1, 0.12], [20, 10, 12]]
+        walls, points, gravity, dt = [*walls, "front", "back"], 8, [0, 0, -9.81], 5e-4
 
     def mesh(size: list[float], cells: list[int]) -> dict:
         return {"box": {"low": [0] * len(size), "high": size, "cells": cells, "type": cell}}

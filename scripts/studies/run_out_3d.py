@@ -15,7 +15,7 @@ from studies.run_out import GRAVITY, draw_deposits, draw_law
 from studies.runner import ROOT, Runner, folder_of
 
 SCENE = "column_run_out_3d"
-RATIOS = [0.5, 0.9, 1.5, 3.0]  # a = height by radius
+RATIOS = {10: (0.5, 0.9, 1.5, 3.0), 15: (0.5, 0.9, 1.5)}  # a = height by radius, by cells a radius
 RADIUS = 0.1  # [m]
 SECTORS = 9  # of the quarter, each with a front of its own
 WANTED = 0.1  # largest error that is asked for
@@ -138,19 +138,23 @@ def measure(runner: Runner, label: str, cylinder: Cylinder, settings: list[str])
 
 def run_out_3d(runner: Runner) -> None:
     """Cylinders of sand of four slendernesses: run-out and height against Lube and Lajeunesse et al. (2004)."""
-    rows, deposits = [], {}
-    for ratio in RATIOS:
-        found, deposits[ratio] = measure(runner, f"a_{ratio:g}", Cylinder(ratio), [])
-        rows.append([ratio, *found])
-    runner.report(["a", *HEAD], rows)
-    met = sum(abs(row[4]) <= WANTED for row in rows)
-    runner.remark(f"run-out within {100 * WANTED:.0f} % of the law: {met} of {len(rows)}")
-    draw_laws(runner, np.array(rows, dtype=float))
-    figure, (axes,) = new_figure(9, 2.6)
-    draw_deposits(axes, {ratio: (deposit.r, deposit.surface) for ratio, deposit in deposits.items()})
-    axes.set_xlabel("distance from the axis by initial radius")
-    axes.set_ylabel("height by initial radius")
-    runner.save(figure, "deposits_3d.png")
+    found: dict[int, np.ndarray] = {}
+    met = []
+    for cells, ratios in RATIOS.items():
+        rows, deposits = [], {}
+        for ratio in ratios:
+            row, deposits[ratio] = measure(runner, f"a_{ratio:g}_cells_{cells}", Cylinder(ratio, cells), [])
+            rows.append([ratio, *row])
+        runner.report(["a", *HEAD], rows, f"{cells} cells a radius")
+        found[cells] = np.array(rows, dtype=float)
+        met.append(f"{cells} cells {sum(abs(row[4]) <= WANTED for row in rows)} of {len(rows)}")
+        figure, (axes,) = new_figure(9, 2.6)
+        draw_deposits(axes, {ratio: (deposit.r, deposit.surface) for ratio, deposit in deposits.items()})
+        axes.set_xlabel("distance from the axis by initial radius")
+        axes.set_ylabel("height by initial radius")
+        runner.save(figure, f"deposits_3d_{cells}.png")
+    runner.remark(f"run-out within {100 * WANTED:.0f} % of the law: {', '.join(met)}")
+    draw_laws(runner, found)
     changed = []
     for name, (cells, settings) in FACTORS.items():
         label = "changed_" + folder_of(name).replace("/", "_by_")
@@ -164,18 +168,19 @@ FACTORS = {
     "linear": (10, [setting("basis", "linear")]),
     "linear, no F-bar": (10, [setting("basis", "linear"), setting("locking/method", "none")]),
     "6 cells a radius": (6, []),
-    "15 cells a radius": (15, []),
 }
 
 
-def draw_laws(runner: Runner, rows: np.ndarray) -> None:
+def draw_laws(runner: Runner, found: dict[int, np.ndarray]) -> None:
+    """found: rows of the tables by cells a radius."""
     figure, panels = new_figure(8, 7, 2)
     a = np.geomspace(0.4, 4, 200)
     laws = ((panels[0], run_out_law, 2, "run-out by initial radius", "Lube et al. (2004)"),
             (panels[1], height_law, 7, "height by initial radius", "Lajeunesse et al. (2004)"))
     for axes, law, column, name, source in laws:
         draw_law(axes, a, np.array([law(value) for value in a]), WANTED, source)
-        axes.loglog(rows[:, 0], rows[:, column], "o", color=COLOURS[1], label="simulated")
+        for marker, (cells, rows) in zip("os", found.items()):
+            axes.loglog(rows[:, 0], rows[:, column], marker, color=COLOURS[1], label=f"{cells} cells a radius")
         axes.set_ylabel(name)
     cone = a[(a > 0.74) & (a < 3)]
     panels[0].loglog(cone, [cone_law(value) for value in cone], "--", color=COLOURS[2], label="cone of Lajeunesse's height")

@@ -121,8 +121,28 @@ std::size_t num_rows(const OutputFrame& frame, const OutputField& field) {
   return field.on_cells ? num_cells(frame) : num_points(frame);
 }
 
+void check_size(const OutputFrame& frame, const OutputField& field) {
+  const std::size_t rows = num_rows(frame, field);
+  require(field.values.size() == rows * field.components,
+          "output field {}: found {} values, expected {} x {}", field.name, field.values.size(),
+          rows, field.components);
+}
+
 std::string dataset_of(const OutputField& field) {
   return (field.on_cells ? "cell/" : "point/") + field.name;
+}
+
+void write_field(const OutputFrame& frame, OutputField field, Hdf5File& file) {
+  std::vector<double> made;
+  if (field.make) {
+    made = field.make();
+    field.values = made;
+    check_size(frame, field);
+  }
+  const Layout stored = layout(field);
+  const auto values = arrange<float>(field.values, field.components, stored.columns, field.name);
+  made = {};
+  file.write(dataset_of(field), static_cast<int>(stored.columns.size()), values);
 }
 
 }  // namespace
@@ -144,10 +164,7 @@ void XdmfSeries::check(const OutputFrame& frame) const {
   for (const OutputField& field : frame.fields) {
     check_name("output field", field.name);
     layout(field);
-    const std::size_t rows = num_rows(frame, field);
-    require(field.values.size() == rows * field.components,
-            "output field {}: found {} values, expected {} x {}", field.name, field.values.size(),
-            rows, field.components);
+    if (!field.make) check_size(frame, field);
   }
 }
 
@@ -172,11 +189,7 @@ void XdmfSeries::write(OutputFrame frame) {
   const std::vector<int> xyz = frame.dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
   file.write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));
   file.write("connectivity", num_nodes(frame.cell_type), frame.connectivity);
-  for (const OutputField& field : frame.fields) {
-    const Layout stored = layout(field);
-    file.write(dataset_of(field), static_cast<int>(stored.columns.size()),
-               arrange<float>(field.values, field.components, stored.columns, field.name));
-  }
+  for (const OutputField& field : frame.fields) write_field(frame, field, file);
   file.finish();
   times_.push_back(frame.time);
   grids_.push_back(grid_text(frame, file_name));

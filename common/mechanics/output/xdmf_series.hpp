@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct OutputField {
   int components = 1;
   std::span<const double> values = {};
   bool on_cells = false;
+  /// Instead of `values`: makes them when they are written, and they are given up then.
+  std::function<std::vector<double>()> make = {};
 };
 
 /// What is written of one instant.

@@ -50,6 +50,7 @@ void BlockMatrix<block_size>::place_values() {
   const std::size_t size = columns_.size() * block_size * block_size;
   values_ = storage_ ? storage_(*this) : std::span<double>();
   if (values_.empty()) {
+    if (size > own_values_.capacity()) own_values_ = {};  // not the old and the new ones at once
     reserve_tightly(own_values_, size);
     own_values_.resize(size);
     values_ = own_values_;

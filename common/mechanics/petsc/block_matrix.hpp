@@ -97,6 +97,7 @@ class BlockMatrix {
 
   std::span<const std::int32_t> row_starts() const { return row_starts_; }
   std::span<const std::int32_t> columns() const { return columns_; }
+  std::span<const std::int32_t> diagonal() const { return diagonal_; }  ///< slots of (i, i)
   std::span<const double> values() const { return values_; }
   std::span<double> values() { return values_; }
   std::size_t pattern_bytes() const;  ///< memory of all but the values

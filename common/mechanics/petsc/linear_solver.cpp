@@ -68,7 +68,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolve
                                                                       double b_norm,
                                                                       double tolerance) {
   Vec b = matrix.right_hand_side();
-  PetscSolver::Result result = solver.solve(matrix.get(), b, matrix.solution(), tolerance);
+  PetscSolver::Result result = solver.solve(matrix, b, matrix.solution(), tolerance);
   const bool direct = solver.method().direct();
   if (!result.converged) return result;
   if (!direct && result.iterations <= trusted_iterations && tolerance >= trusted_tolerance) {

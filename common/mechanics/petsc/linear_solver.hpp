@@ -20,9 +20,10 @@ namespace gabion {
 /// Solves K x = b with PETSc. b and x hold the nodes of K: all of them on every rank, or those that
 /// SharedNodes names.
 ///
-/// PETSc gets a copy of K, unless K keeps its values in the room of make_room; on several ranks
-/// each rank adds its blocks to a matrix whose rows belong to the owners of the nodes, or are
-/// shared out in equal contiguous parts where every rank has all.
+/// PETSc gets a copy of K, unless K keeps its values in the room of make_room. On several ranks
+/// with SharedNodes K stays where it is, in parts, see MatrixParts; direct methods and multigrid
+/// get rows that belong to the owners of the nodes. Where every rank has all nodes the ranks'
+/// blocks are added up in rows that are shared out in equal contiguous parts.
 /// @tparam block_size  number of unknowns of a node, as of BlockMatrix
 /// @pre  destroyed before the PetscSession ends
 template <int block_size>
@@ -63,6 +64,8 @@ class LinearSolver {
 
   /// Take over new values of K, and its pattern where its pattern_id is another than in the last
   /// call. A direct method factorises at the next solve.
+  /// @param K       with `shared` nodes of several ranks: must stay as it is until the next
+  ///                set_matrix or release
   /// @param shared  whose the nodes of K are; the default: every rank has all
   /// @note Collective.
   void set_matrix(const BlockMatrix<block_size>& K, const SharedNodes& shared = {});

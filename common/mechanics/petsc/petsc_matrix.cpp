@@ -57,12 +57,16 @@ std::span<double> PetscMatrix<block_size>::make_room(const BlockMatrix<block_siz
 
 template <int block_size>
 bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K, const SharedNodes& shared) {
-  int renew = !matrix_ || K.pattern_id() != pattern_id_ || shared.id() != shared_id_;
+  int renew =
+      !get() || (parts_ && &K != K_) || K.pattern_id() != pattern_id_ || shared.id() != shared_id_;
   if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &renew, 1, MPI_INT, MPI_MAX, comm_);
   pattern_id_ = K.pattern_id();
   shared_id_ = shared.id();
   shared_ = shared;
   if (renew) create(K);
+  K_ = &K;
+  rows_are_old_ = true;
+  if (parts_) return renew;
   if (size_ == 1) {
     copy_values(K);
   } else {
@@ -71,6 +75,27 @@ bool PetscMatrix<block_size>::set(const BlockMatrix<block_size>& K, const Shared
   }
   assemble();
   return std::exchange(is_new_, false) || renew;
+}
+
+template <int block_size>
+Mat PetscMatrix<block_size>::rows() {
+  if (!parts_ || !rows_are_old_) return matrix_.get();
+  const bool is_new = !matrix_;
+  if (is_new) {
+    create_shared(*K_);
+  } else {
+    check_petsc(MatZeroEntries(matrix_.get()), "MatZeroEntries");
+  }
+  insert_blocks(*K_, is_new);
+  assemble();
+  rows_are_old_ = false;
+  return matrix_.get();
+}
+
+template <int block_size>
+std::unique_ptr<PartsPreconditioner> PetscMatrix<block_size>::preconditioner(
+    const LinearMethod& method) const {
+  return parts_ ? parts_->preconditioner(method) : nullptr;
 }
 
 // Every rank has all nodes: equal parts.
@@ -113,8 +138,16 @@ void PetscMatrix<block_size>::create(const BlockMatrix<block_size>& K) {
   for (std::int32_t i = 0; i < K.num_nodes(); ++i) {
     if (owners_[i] == rank_) owned_.push_back(i);
   }
-  size_ == 1 ? create_alone(K) : create_shared(K);
-  check_petsc(MatCreateVecs(matrix_.get(), x_.receive(), b_.receive()), "MatCreateVecs");
+  matrix_.reset();
+  parts_.reset();
+  if (size_ == 1) {
+    create_alone(K);
+  } else if (shared_.alone()) {
+    create_shared(K);
+  } else {
+    parts_ = std::make_unique<MatrixParts<block_size>>(comm_, K, shared_);
+  }
+  check_petsc(MatCreateVecs(get(), x_.receive(), b_.receive()), "MatCreateVecs");
   check_petsc(VecDuplicate(b_.get(), r_.receive()), "VecDuplicate");
 }
 
@@ -262,7 +295,7 @@ void PetscMatrix<block_size>::set_right_hand_side(std::span<const double> b) {
 template <int block_size>
 double PetscMatrix<block_size>::residual_norm() {
   PetscReal norm = 0;
-  check_petsc(MatMult(matrix_.get(), x_.get(), r_.get()), "MatMult");
+  check_petsc(MatMult(get(), x_.get(), r_.get()), "MatMult");
   check_petsc(VecAYPX(r_.get(), -1, b_.get()), "VecAYPX");
   check_petsc(VecNorm(r_.get(), NORM_2, &norm), "VecNorm");
   return norm;

@@ -2,19 +2,23 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/petsc/matrix_parts.hpp"
 #include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
+#include "common/mechanics/petsc/petsc_operator.hpp"
 #include "common/mechanics/petsc/shared_nodes.hpp"
 
 namespace gabion {
 
-/// A BlockMatrix as PETSc sees it, with vectors that fit.
+/// A BlockMatrix as PETSc sees it, with vectors that fit. Where ranks hold nodes of their own each
+/// keeps its part, see MatrixParts; rows are made when a method wants entries.
 template <int block_size>
-class PetscMatrix {
+class PetscMatrix final : public PetscOperator {
  public:
   explicit PetscMatrix(MPI_Comm comm);
 
@@ -22,7 +26,8 @@ class PetscMatrix {
   /// `set` then has nothing to copy. @pre one rank; several exchange blocks
   std::span<double> make_room(const BlockMatrix<block_size>& K);
 
-  /// Take a copy of K; on several ranks the sum over the ranks.
+  /// Take a copy of K; on several ranks the sum over the ranks, and where ranks hold nodes of their
+  /// own not a copy: K must stay as it is until the next `set` or `release`.
   /// @param shared  whose the nodes of K are; alone() on several ranks: every rank has all
   /// @returns true when the pattern is new and PETSc's matrix is another object than before
   /// @note Collective.
@@ -31,11 +36,15 @@ class PetscMatrix {
   /// Give up the matrix, its vectors and their memory. @note Collective.
   void release() {
     matrix_.reset();
+    parts_.reset();
+    K_ = nullptr;
     for (VecHandle* vector : {&x_, &b_, &r_}) vector->reset();
   }
 
   const SharedNodes& shared() const { return shared_; }
-  Mat get() const { return matrix_.get(); }
+  Mat get() const override { return parts_ ? parts_->get() : matrix_.get(); }
+  Mat rows() override;
+  std::unique_ptr<PartsPreconditioner> preconditioner(const LinearMethod& method) const override;
   std::int64_t num_dofs() const { return num_nodes_of_all_ * block_size; }
 
   /// Vectors: right-hand side, solution, residual. @param b  of the nodes of K
@@ -73,7 +82,10 @@ class PetscMatrix {
   std::vector<int> owners_;           // of them; one rank: empty
   std::vector<std::int32_t> owned_;   // ascending, with consecutive numbers
   std::vector<int> counts_, starts_;  // dofs of each rank, where every rank has all nodes
-  MatHandle matrix_;
+  MatHandle matrix_;                  // with parts: made when rows are asked for
+  std::unique_ptr<MatrixParts<block_size>> parts_;
+  const BlockMatrix<block_size>* K_ = nullptr;  // of the parts
+  bool rows_are_old_ = false;
   VecHandle b_, x_, r_;
 };
 

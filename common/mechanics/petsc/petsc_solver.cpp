@@ -28,6 +28,22 @@ const char* ksp_type(SolutionMethod method) {
   }
 }
 
+PetscErrorCode apply_parts(PC pc, Vec r, Vec z) {
+  void* context = nullptr;
+  const double* from = nullptr;
+  double* to = nullptr;
+  PetscInt size = 0;
+  PetscCall(PCShellGetContext(pc, static_cast<void*>(&context)));
+  PetscCall(VecGetLocalSize(r, &size));
+  PetscCall(VecGetArrayRead(r, &from));
+  PetscCall(VecGetArrayWrite(z, &to));
+  const auto count = static_cast<std::size_t>(size);
+  static_cast<PartsPreconditioner*>(context)->apply({from, count}, {to, count});
+  PetscCall(VecRestoreArrayWrite(z, &to));
+  PetscCall(VecRestoreArrayRead(r, &from));
+  return 0;
+}
+
 }  // namespace
 
 void PetscSolver::configure(const LinearMethod& method, int max_iterations) {
@@ -83,6 +99,7 @@ void PetscSolver::invalidate(bool new_pattern) {
 
 void PetscSolver::release() {
   if (ksp_) check_petsc(KSPReset(ksp_.get()), "KSPReset");
+  of_parts_.reset();
   is_set_up_ = false;
   new_pattern_ = true;
 }
@@ -92,16 +109,29 @@ void PetscSolver::begin_step() {
   if (has_new_values_) is_set_up_ = false;
 }
 
-void PetscSolver::set_up(Mat matrix) {
+void PetscSolver::set_up_parts(const PetscOperator& matrix) {
+  of_parts_.reset();  // memory of the last one
+  of_parts_ = matrix.preconditioner(method_);
+  if (!of_parts_) return;
+  PC pc = nullptr;
+  check_petsc(KSPGetPC(ksp_.get(), &pc), "KSPGetPC");
+  check_petsc(PCSetType(pc, PCSHELL), "PCSetType");
+  check_petsc(PCShellSetContext(pc, of_parts_.get()), "PCShellSetContext");
+  check_petsc(PCShellSetApply(pc, &apply_parts), "PCShellSetApply");
+}
+
+void PetscSolver::set_up(PetscOperator& matrix) {
   const bool multigrid = method_.preconditioner == Preconditioner::multigrid;
   // Levels of multigrid may have other sizes with other values, which PETSc 3.18 does not bear.
   if (multigrid && set_ups_ > 0) create();
   if (new_pattern_) check_petsc(KSPReset(ksp_.get()), "KSPReset");
-  Mat preconditioned = multigrid ? multigrid_.copy(matrix, new_pattern_) : matrix;
+  if (!method_.direct() && !multigrid) set_up_parts(matrix);
+  Mat multiplied = method_.direct() ? matrix.rows() : matrix.get();
+  Mat preconditioned = multigrid ? multigrid_.copy(matrix.rows(), new_pattern_) : multiplied;
   if (multigrid && method_.method == SolutionMethod::cg)
     check_petsc(MatSetOption(preconditioned, MAT_SPD, PETSC_TRUE), "MatSetOption");
   check_petsc(KSPSetReusePreconditioner(ksp_.get(), PETSC_FALSE), "KSPSetReusePreconditioner");
-  check_petsc(KSPSetOperators(ksp_.get(), matrix, preconditioned), "KSPSetOperators");
+  check_petsc(KSPSetOperators(ksp_.get(), multiplied, preconditioned), "KSPSetOperators");
   if (new_pattern_ && method_.method == SolutionMethod::mumps) set_up_mumps();
   check_petsc(KSPSetUp(ksp_.get()), "KSPSetUp");
   is_set_up_ = true;
@@ -133,10 +163,10 @@ void PetscSolver::keep_preconditioner(Mat matrix) {
   check_petsc(KSPSetReusePreconditioner(ksp_.get(), PETSC_TRUE), "KSPSetReusePreconditioner");
 }
 
-PetscSolver::Result PetscSolver::solve(Mat matrix, Vec b, Vec x, double tolerance) {
+PetscSolver::Result PetscSolver::solve(PetscOperator& matrix, Vec b, Vec x, double tolerance) {
   const bool is_old = is_set_up_ && has_new_values_;
   if (!is_set_up_) set_up(matrix);
-  if (is_old) keep_preconditioner(matrix);
+  if (is_old) keep_preconditioner(matrix.get());
   Result result = run(b, x, tolerance);
   if (is_old && !result.converged) {
     set_up(matrix);
@@ -152,6 +182,7 @@ PetscSolver::Result PetscSolver::solve(Mat matrix, Vec b, Vec x, double toleranc
 }
 
 double PetscSolver::factor_bytes() const {
+  if (of_parts_) return of_parts_->bytes();
   const bool has_factor = method_.preconditioner == Preconditioner::ilu || method_.direct();
   int size = 1;
   MPI_Comm_size(comm_, &size);

@@ -4,11 +4,13 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/petsc/multigrid.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
+#include "common/mechanics/petsc/petsc_operator.hpp"
 
 namespace gabion {
 
@@ -41,17 +43,19 @@ class PetscSolver {
   };
   /// Solve matrix x = b from x = 0.
   /// @note Collective.
-  Result solve(Mat matrix, Vec b, Vec x, double tolerance);
+  Result solve(PetscOperator& matrix, Vec b, Vec x, double tolerance);
 
   std::int64_t set_ups() const { return set_ups_; }
-  /// Memory of the factor that is set up, on one rank; 0 without one, for MUMPS and multigrid.
+  /// Memory of what is set up for a matrix in parts, or of PETSc's factor on one rank; 0 without
+  /// one, for MUMPS and multigrid.
   double factor_bytes() const;
 
  private:
   void create();
   void configure_preconditioner();
   void configure_factor(PC pc);
-  void set_up(Mat matrix);
+  void set_up(PetscOperator& matrix);
+  void set_up_parts(const PetscOperator& matrix);
   void set_up_mumps();
   void keep_preconditioner(Mat matrix);
   Result run(Vec b, Vec x, double tolerance);
@@ -60,6 +64,7 @@ class PetscSolver {
   int dim_;
   LinearMethod method_;
   int max_iterations_ = 0;
+  std::unique_ptr<PartsPreconditioner> of_parts_;  // what ksp_ refers to, if the matrix has parts
   KspHandle ksp_;
   Multigrid multigrid_;
   bool is_set_up_ = false;

@@ -178,6 +178,10 @@ std::span<const std::int32_t> SharedNodes::numbers() const {
   return graph_->numbers;
 }
 
+std::span<const std::int32_t> SharedNodes::owned() const {
+  return graph_->owned;
+}
+
 std::int32_t SharedNodes::num_owned() const {
   return static_cast<std::int32_t>(graph_->owned.size());
 }
@@ -196,6 +200,14 @@ std::int32_t SharedNodes::num_shared() const {
 
 int SharedNodes::num_neighbours() const {
   return static_cast<int>(graph_->neighbours.size());
+}
+
+int SharedNodes::neighbour(int n) const {
+  return graph_->neighbours[n].rank;
+}
+
+std::span<const std::int32_t> SharedNodes::shared_with(int n) const {
+  return graph_->neighbours[n].shared;
 }
 
 // Parts are added in the order of the ranks: each holder gets the same bits.
@@ -246,6 +258,20 @@ void SharedNodes::sum(std::span<double> a, std::span<double> b, int components) 
     std::copy_n(next, width, &a[k]);
     std::copy_n(next + width, width, &b[k]);
     next += 2 * width;
+  }
+}
+
+void SharedNodes::add_to_owners(std::span<double> values, int components) const {
+  if (alone()) return;
+  const auto width = static_cast<std::size_t>(components);
+  const auto parts = graph_->exchange(values, components, &Neighbour::theirs, &Neighbour::owned);
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const double* part = parts[n].data();
+    for (const std::int32_t i : graph_->neighbours[n].owned) {
+      for (std::size_t k = 0; k < width; ++k) {
+        values[static_cast<std::size_t>(i) * width + k] += *part++;
+      }
+    }
   }
 }
 

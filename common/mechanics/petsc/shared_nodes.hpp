@@ -35,16 +35,22 @@ class SharedNodes {
   /// Number of a held node among those of all ranks: the owned ones of each rank are consecutive.
   /// @pre not alone
   std::span<const std::int32_t> numbers() const;
-  std::int32_t num_owned() const;   ///< @pre not alone
-  std::int64_t num_of_all() const;  ///< owned by any rank; @pre not alone
-  std::int32_t num_shared() const;  ///< held by this rank and others; @pre not alone
-  int num_neighbours() const;       ///< ranks that hold some of these; @pre not alone
+  std::span<const std::int32_t> owned() const;  ///< held nodes, ascending; @pre not alone
+  std::int32_t num_owned() const;               ///< @pre not alone
+  std::int64_t num_of_all() const;              ///< owned by any rank; @pre not alone
+  std::int32_t num_shared() const;              ///< held by this rank and others; @pre not alone
+  int num_neighbours() const;                   ///< ranks that hold some of these; @pre not alone
+  int neighbour(int n) const;                   ///< rank, ascending with n; @pre not alone
+  /// Held nodes that neighbour n holds too, in the same order as there. @pre not alone
+  std::span<const std::int32_t> shared_with(int n) const;
 
   /// Replace the values of each node, of which every holder has a part, by their sum.
   /// @param values  num_held x components
   void sum(std::span<double> values, int components) const;
   /// The same for two fields at once.
   void sum(std::span<double> a, std::span<double> b, int components) const;
+  /// The same at the owner of each node only; values at nodes of others are left as they are.
+  void add_to_owners(std::span<double> values, int components) const;
   /// Replace the values of each node by its owner's.
   void take_from_owners(std::span<double> values, int components) const;
 

@@ -102,8 +102,9 @@ TEST(LinearSolver, number_of_ranks_does_not_matter) {
 }
 
 /// Each rank holds the nodes of its cells and no others.
-TEST(LinearSolver, ranks_may_hold_the_nodes_of_their_cells_only) {
-  const auto system = random_system<2>(61, 80, 3, 0.3, 5);
+void expect_solution_on_held_nodes(const LinearSolverSettings& settings, double skew) {
+  SCOPED_TRACE(settings.method + " " + settings.preconditioner);
+  const auto system = random_system<2>(61, 80, 3, skew, 5);
   const auto is_own = [](int c) { return c % test::size() == test::rank(); };
   std::vector<std::int32_t> ids;
   for (int c = 0; c < system.num_cells(); ++c) {
@@ -129,26 +130,35 @@ TEST(LinearSolver, ranks_may_hold_the_nodes_of_their_cells_only) {
   const Eigen::VectorXd expected = system.dense.partialPivLu().solve(b);
   std::vector<double> own_b, x(2 * ids.size());
   for (const std::int32_t id : ids) own_b.insert(own_b.end(), {b[2 * id], b[2 * id + 1]});
-  for (const char* method : {"bicgstab", "mumps"}) {
-    LinearSolver<2> solver(test::comm(), 2, settings_of(method, "auto", 1e-12));
-    for (const double factor : {1.0, 2.0}) {  // the second time in the pattern of the first
-      K.set_zero();
-      std::int32_t own = 0;
-      for (int c = 0; c < system.num_cells(); ++c) {
-        if (!is_own(c)) continue;
-        auto cell = system.cells[c];
-        for (double& value : cell) value *= factor;
-        K.add_cell(own++, cell.data());
-      }
-      solver.set_matrix(K, shared);
-      solver.solve(own_b, x);
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        for (int d = 0; d < 2; ++d) {
-          EXPECT_NEAR(factor * x[2 * i + d], expected[2 * ids[i] + d], 1e-9 * expected.norm());
-        }
+  LinearSolver<2> solver(test::comm(), 2, settings);
+  for (const double factor : {1.0, 2.0}) {  // the second time in the pattern of the first
+    K.set_zero();
+    std::int32_t own = 0;
+    for (int c = 0; c < system.num_cells(); ++c) {
+      if (!is_own(c)) continue;
+      auto cell = system.cells[c];
+      for (double& value : cell) value *= factor;
+      K.add_cell(own++, cell.data());
+    }
+    solver.set_matrix(K, shared);
+    solver.solve(own_b, x);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      for (int d = 0; d < 2; ++d) {
+        EXPECT_NEAR(factor * x[2 * i + d], expected[2 * ids[i] + d], 1e-9 * expected.norm());
       }
     }
   }
+  EXPECT_EQ(solver.fallbacks(), 0);
+}
+
+TEST(LinearSolver, ranks_may_hold_the_nodes_of_their_cells_only) {
+  for (const char* preconditioner : {"jacobi", "ilu"}) {
+    expect_solution_on_held_nodes(settings_of("bicgstab", preconditioner, 1e-12), 0.3);
+    expect_solution_on_held_nodes(settings_of("gmres", preconditioner, 1e-12), 0.3);
+    expect_solution_on_held_nodes(settings_of("cg", preconditioner, 1e-12), 0);
+  }
+  expect_solution_on_held_nodes(settings_of("cg", "multigrid", 1e-12), 0);
+  expect_solution_on_held_nodes(settings_of("mumps", "auto", 1e-12), 0.3);
 }
 
 TEST(LinearSolver, ranks_may_hold_different_patterns) {

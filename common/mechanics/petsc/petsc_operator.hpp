@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "common/mechanics/petsc/linear_method.hpp"
+#include "common/mechanics/petsc/parts_preconditioner.hpp"
+#include "common/mechanics/petsc/petsc_handle.hpp"
+
+namespace gabion {
+
+/// A matrix as PetscSolver needs it.
+class PetscOperator {
+ public:
+  virtual ~PetscOperator() = default;
+  /// To multiply vectors with.
+  virtual Mat get() const = 0;
+  /// The same matrix with its entries, for direct methods and multigrid. @note Collective.
+  virtual Mat rows() = 0;
+  /// Where get() has no entries: that of the method, for the present values; else null.
+  /// @note Collective.
+  virtual std::unique_ptr<PartsPreconditioner> preconditioner(const LinearMethod& method) const = 0;
+};
+
+}  // namespace gabion
