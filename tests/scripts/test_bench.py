@@ -18,7 +18,7 @@ from script_case import ROOT, ScriptCase
 import made_up_results as made_up
 import measured
 from plotting.results import Results, ResultsError
-from studies import codes, coupling, instructions
+from studies import codes, contact, coupling, ensemble, instructions
 from studies.columns import COLLAPSE, FACTORS, columns, compare
 from studies.coupled import FORCE_LIMITS, LIMITS, STUDIES, acceleration, error_vs_time, speed, tolerance
 from studies.measures import Curve, Measured, relative_rms
@@ -147,6 +147,63 @@ class Measures(ScriptCase):
         (self.folder / "summary.json").write_text(json.dumps({"completed": False, "reason": "x"}))
         with self.assertRaisesRegex(ResultsError, "did not come to its end"):
             Measured(Results(self.folder))
+
+
+class Ensembles(ScriptCase):
+    def labelled(self, make) -> list[tuple[str, str]]:
+        """Label and last setting of each run that `make` asks a runner for."""
+        runs = []
+
+        class Recording(Runner):
+            def run(self, label: str, scene: str, settings: list[str]) -> Measured:
+                runs.append((label, settings[-1]))
+                return Measured(Results(made_up.write_results(self.folder / label)))
+
+        self.assertEqual(len(make(Recording(self.folder, reuse=False, settings=[]))), len(runs))
+        return runs
+
+    def test_members_differ_in_their_steps(self) -> None:
+        runs = self.labelled(lambda runner: ensemble.ensemble(runner, "a, b", "granular_obstacle", ["x"], 3, 1e-3))
+        self.assertEqual(runs, [("a_b_0", "coupler.json:/time/dt=0.001"), ("a_b_1", "coupler.json:/time/dt=0.00096"),
+                                ("a_b_2", "coupler.json:/time/dt=0.00092")])
+
+    def test_members_differ_in_their_modulus(self) -> None:
+        runs = self.labelled(
+            lambda runner: ensemble.with_other_modulus(runner, "a", "granular_obstacle", ["x"], 2, 1e-3))
+        self.assertEqual(runs, [("a_0", "x"),
+                                ("a_1", f"mpm.json:/bodies/0/material/young_modulus={840e3 * 1.001!r}")])
+
+    def test_mean_has_the_digits_that_its_error_allows(self) -> None:
+        self.assertAlmostEqual(ensemble.error([1.0, 2.0, 3.0]), 1 / np.sqrt(3))
+        self.assertEqual(ensemble.mean_and_error([1.0, 2.0, 3.0]), "2.00 ± 0.58")
+        self.assertEqual(ensemble.mean_and_error([100.0, 200.0, 300.0]), "200 ± 58")
+        self.assertEqual(ensemble.mean_and_error((1234.56,)), "1235")
+        self.assertEqual(ensemble.mean_and_error([5.0, 5.0]), "5.0000 ± 0.0000")
+
+    def test_range_is_that_of_the_means(self) -> None:
+        runs = {name: [Measured(Results(made_up.write_results(self.folder / f"{name}{k}", scale)))
+                       for k, scale in enumerate(scales)]
+                for name, scales in {"one": (0.9, 1.1), "other": (1.1, 1.3)}.items()}
+        with contextlib.redirect_stdout(io.StringIO()):
+            contact.report_range(Runner(self.folder, False, []), runs, "forms")
+        for row in list(csv.reader((self.folder / "forms.csv").read_text().splitlines()))[1:]:  # means 1 and 1.2, deviation of each 0.1 sqrt(2)
+            np.testing.assert_allclose([float(value) for value in row[1:]],
+                                       [20 / 1.1, 10 / 1.1, 10 * np.sqrt(2) / 1.1], rtol=1e-6)
+
+    def test_order_only_where_the_differences_are_clear(self) -> None:
+        def of(*scales: float) -> list[Measured]:
+            return [Measured(Results(made_up.write_results(self.folder / str(scale), scale))) for scale in scales]
+
+        with contextlib.redirect_stdout(io.StringIO()):
+            for name, finest in (("clear", 1.001), ("unclear", 1.06)):
+                sizes = {"5": of(1.4, 1.402), "2.5": of(1.1, 1.102), "1.25": of(finest, finest + 0.05)}
+                contact.report_orders(Runner(self.folder, False, []), sizes, name)
+        for name, exact in (("clear", np.log2(0.3 / 0.075)), ("unclear", None)):
+            for row in list(csv.reader((self.folder / f"{name}.csv").read_text().splitlines()))[1:]:
+                if exact is None:
+                    self.assertEqual(row[3], "none")
+                else:
+                    self.assertAlmostEqual(float(row[3]), exact, places=6)
 
 
 class Stability(ScriptCase):

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far runs of granular_obstacle part whose soil differs by a last digit, and when."""
+
+import numpy as np
+
+from plotting.style import legend_beside, new_figure
+from studies.contact import STEPS, explicit
+from studies.coupled import REST, SCENE, answer_of
+from studies.ensemble import SHORTER, deviation, ensemble, with_other_modulus
+from studies.measures import Curve, Measured
+from studies.runner import Runner
+
+CHANGES = [1e-12, 1e-9, 1e-6, 1e-4]  # of the modulus from member to member
+TIMES = [0.02, 0.06, 0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.2, 0.3, 0.5]  # [s]
+MEMBERS = 5
+COUPLING = [f"coupler.json:/coupling/convergence/{limit}" for limit in
+            ("displacement/absolute=1e-9", "displacement/relative=1e-9", "displacement/floor=1e-13",
+             "force/absolute=1e-5")]
+OTHERS = {
+    "as it is": [],
+    "coupling to 1e-9 and 1e-5 N": COUPLING,
+    "wall 1000 times as stiff": ["fem.json:/material/young_modulus=1e9"],
+}
+
+
+def kinetic_energy(run: Measured) -> Curve:
+    """Of the soil [J/m]."""
+    table = run.table("probes.csv")
+    return Curve(table["time"], table["soil.kinetic_energy"])
+
+
+def parting(runs: list[Measured], curve_of) -> Curve:
+    """Root mean square over the members of the difference from the first, by the largest value of it."""
+    first, *others = map(curve_of, runs)
+    squares = [(other.at(first.time) - first.values) ** 2 for other in others]
+    return Curve(first.time, np.sqrt(np.mean(squares, axis=0)) / np.max(np.abs(first.values)))
+
+
+def deviations(name: str, runs: list[Measured]) -> list:
+    return [name, len(runs), *(100 * deviation(values) / abs(float(np.mean(values)))
+                               for values in zip(*map(answer_of, runs)))]
+
+
+def scatter(runner: Runner) -> None:
+    """How far runs of granular_obstacle part whose soil differs by a last digit."""
+    dt = STEPS["5"]
+    of_change = {change: with_other_modulus(runner, f"modulus {change:g}", SCENE, explicit(dt), MEMBERS, change)
+                 for change in CHANGES}
+    of_steps = {name: ensemble(runner, name, SCENE, [*explicit(dt), *settings], MEMBERS, dt)
+                for name, settings in OTHERS.items()}
+    head = ["", "runs", "peak of A [%]", "rest of A [%]", "force at rest [%]", "impulse [%]"]
+    runner.report(head, [deviations(f"modulus by {change:g}", runs) for change, runs in of_change.items()]
+                  + [deviations(f"steps by {SHORTER:g}; {name}", runs) for name, runs in of_steps.items()],
+                  "standard deviation of a run; what differs from one to the next")
+    figure, (axes,) = new_figure(9, 4.5)
+    rows = []
+    for change, runs in of_change.items():
+        energy = parting(runs, kinetic_energy)
+        rows.append([f"{change:g}", *map(float, energy.at(np.array(TIMES)))])
+        axes.semilogy(energy.time, energy.values, label=f"{change:g}")
+    runner.report(["change", *(f"{t:g} s" for t in TIMES)], rows, "difference of the soil's kinetic energy")
+    runner.remark("difference: root mean square over the runs from the first one, by the largest kinetic "
+                  f"energy; rest: mean of the last {REST} s; explicit steps of {1e3 * dt:g} ms")
+    axes.set_ylim(1e-15, 1)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("difference of the kinetic energy")
+    legend_beside(axes)
+    runner.save(figure, "scatter.png")
+
+
+STUDIES = {"scatter": scatter}
