@@ -3,6 +3,8 @@
 
 #include <sys/resource.h>
 
+#include <ctime>
+
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "solver_program/ranked_state.hpp"
@@ -39,6 +41,11 @@ std::int64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return std::int64_t{1024} * usage.ru_maxrss;
+}
+
+/// CPU time of this process so far [s].
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 }  // namespace
@@ -116,6 +123,7 @@ Json RankedSolver::summary() const {
   Json result;
   together([&] { result = inner_.summary(); });
   result["peak_memory"] = over_ranks(peak_memory());
+  result["cpu_seconds"] = over_ranks(cpu_seconds());
   if (size_ > 1) {
     result["mpi"] = {{"messages", over_ranks(traffic_.messages)},
                      {"message_bytes", over_ranks(traffic_.message_bytes)},

@@ -286,6 +286,9 @@ TEST(RankedSolver, the_summary_says_what_the_steps_sent) {
   solver.accept_step(step, true);
   const Json summary = solver.summary();
   EXPECT_GT(summary.at("peak_memory").at("largest_rank"), 1e6);
+  const auto seconds = summary.at("cpu_seconds").at("largest_rank").get<double>();
+  EXPECT_GT(seconds, 0);
+  EXPECT_GE(summary.at("cpu_seconds").at("all_ranks").get<double>(), seconds);
   EXPECT_EQ(summary.contains("mpi"), size() > 1);
   if (size() == 1) return;
   const Json& mpi = summary.at("mpi");
