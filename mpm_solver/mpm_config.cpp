@@ -28,7 +28,7 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   SmallCutSettings settings;
   const std::string word = in.choice("method");
   if (word != "auto") settings.method = small_cut_methods.at(word);
-  if (settings.method == SmallCutMethod::ghost && mpm.basis != Basis::linear) {
+  if (settings.method == SmallCutMethod::ghost && mpm.basis == Basis::bspline) {
     in.fail("method",
             fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
                         basis_name(mpm.basis)));

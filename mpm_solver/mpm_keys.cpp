@@ -55,21 +55,22 @@ KeyTable locking_keys() {
 
 KeyTable small_cut_keys() {
   const SmallCutSettings defaults;
-  return {"small_cuts",
-          "What is done about cells and nodes that hold little soil.",
-          {key::choice("method", {"auto", "none", "ghost", "mass_cutoff"},
-                       "`auto`: `ghost` in quasi-static phases with the linear basis, else `none`; "
-                       "another word holds for all phases, `ghost` with the linear basis only.")
-               .or_else("auto"),
-           key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
-               .in(positive())
-               .or_else(defaults.ghost_factor)
-               .only("where a phase has `ghost`"),
-           key::number("mass_share", "",
-                       "Share of the mass of its points below which a node joins another.")
-               .in({.low = 0, .high = 0.01, .low_open = true, .allowed = "a number in (0, 0.01]"})
-               .or_else(defaults.mass_share)
-               .only("where a phase is quasi-static or has `mass_cutoff`")}};
+  return {
+      "small_cuts",
+      "What is done about cells and nodes that hold little soil.",
+      {key::choice("method", {"auto", "none", "ghost", "mass_cutoff"},
+                   "`auto`: `ghost` in quasi-static phases with `linear` or `gimp`, else `none`; "
+                   "another word holds for all phases, `ghost` not with `bspline`.")
+           .or_else("auto"),
+       key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
+           .in(positive())
+           .or_else(defaults.ghost_factor)
+           .only("where a phase has `ghost`"),
+       key::number("mass_share", "",
+                   "Share of the mass of its points below which a node joins another.")
+           .in({.low = 0, .high = 0.01, .low_open = true, .allowed = "a number in (0, 0.01]"})
+           .or_else(defaults.mass_share)
+           .only("where a phase is quasi-static or has `mass_cutoff`")}};
 }
 
 KeyTable probe_keys() {

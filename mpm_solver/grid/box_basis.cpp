@@ -2,6 +2,7 @@
 #include "mpm_solver/grid/box_basis.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/reserve.hpp"
 #include "mpm_solver/grid/axis_basis.hpp"
@@ -105,6 +106,31 @@ Vector<dim> gimp_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& poin
 }
 
 template <int dim>
+std::vector<DomainPart> cells_of_domain(const BoxGrid<dim>& box, const MaterialPoints<dim>& points,
+                                        std::int32_t p) {
+  const auto cell = box.cell_index(points.cell[p]);
+  const Vector<dim> t = box.lattice_position(points.x[p]);
+  const Vector<dim> domain = gimp_domain(box, points, p);
+  std::vector<DomainPart> parts = {{points.cell[p], 1}};
+  std::int32_t stride = 1;
+  for (int d = 0; d < dim; ++d) {
+    const double l = gimp_half_length(t[d], domain[d], box.num_cells[d]);
+    const double before = cell[d] - (t[d] - l), after = t[d] + l - (cell[d] + 1);
+    const std::size_t count = parts.size();
+    for (const auto& [beyond, step] : {std::pair{before, -stride}, std::pair{after, stride}}) {
+      if (beyond <= reach_by_rounding) continue;
+      for (std::size_t k = 0; k < count; ++k) {
+        parts.push_back({parts[k].cell + step, parts[k].share * beyond / (2 * l)});
+      }
+    }
+    const double inside = 1 - (std::max(before, 0.0) + std::max(after, 0.0)) / (2 * l);
+    for (std::size_t k = 0; k < count; ++k) parts[k].share *= inside;
+    stride *= box.num_cells[d];
+  }
+  return parts;
+}
+
+template <int dim>
 void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                         PointWeights<dim>& weights) {
   const BoxGrid<dim>& box = *grid.box;
@@ -141,6 +167,10 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
 
 template Vector<2> gimp_domain<2>(const BoxGrid<2>&, const MaterialPoints<2>&, std::int32_t);
 template Vector<3> gimp_domain<3>(const BoxGrid<3>&, const MaterialPoints<3>&, std::int32_t);
+template std::vector<DomainPart> cells_of_domain<2>(const BoxGrid<2>&, const MaterialPoints<2>&,
+                                                    std::int32_t);
+template std::vector<DomainPart> cells_of_domain<3>(const BoxGrid<3>&, const MaterialPoints<3>&,
+                                                    std::int32_t);
 template void evaluate_box_basis<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&,
                                     PointWeights<2>&);
 template void evaluate_box_basis<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&,

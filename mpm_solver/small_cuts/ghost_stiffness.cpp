@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
-#include <set>
 #include <variant>
 
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/ranks/sum.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "mpm_solver/grid/box_basis.hpp"
 
 namespace gabion::mpm {
 
@@ -43,22 +41,6 @@ std::array<double, max_cell_nodes> normal_slopes(const BackgroundGrid<dim>& grid
   return slopes;
 }
 
-/// What another rank tells.
-struct SoilOfCell {
-  std::int32_t cell = -1;
-  double volume = 0, stiffness = 0;
-};
-
-std::vector<SoilOfCell> take_cells(Packet& packet) {
-  std::vector<SoilOfCell> cells(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
-  for (SoilOfCell& soil : cells) {
-    soil.cell = packet.take<std::int32_t>();
-    soil.volume = packet.take<double>();
-    soil.stiffness = packet.take<double>();
-  }
-  return cells;
-}
-
 struct SharedNodes {
   std::vector<std::int32_t> list;                   // of both cells, each once
   std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
@@ -87,64 +69,43 @@ GhostStiffness<dim>::GhostStiffness(const Mesh<dim>& mesh, const std::vector<Bod
 }
 
 template <int dim>
-void GhostStiffness<dim>::measure_cells(const MaterialPoints<dim>& points,
+void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
+                                        const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights) {
-  cells_.clear();
   volume_.assign(cell_volumes_.size(), 0);
   stiffness_.assign(cell_volumes_.size(), 0);
+  const bool has_domains = owners.grid.basis == Basis::gimp;
   for (const CellGroup& group : weights.groups) {
-    double volume = 0;
+    const auto add = [&](std::int32_t cell, double volume) {
+      volume_[cell] += volume;
+      stiffness_[cell] += young_modulus_[group.body] * volume;
+    };
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
-      volume += points.V0[p] * points.J[p];
-    }
-    if (volume_[group.cell] == 0) cells_.push_back(group.cell);
-    volume_[group.cell] += volume;
-    stiffness_[group.cell] += young_modulus_[group.body] * volume;
-  }
-  std::sort(cells_.begin(), cells_.end());
-}
-
-// Ranks learn what is in the cells beside their own ones.
-template <int dim>
-void GhostStiffness<dim>::exchange_cells(const CellOwners<dim>& owners) {
-  if (num_ranks(owners.comm) == 1) return;
-  const int own = rank_of(owners.comm);
-  std::map<int, std::set<std::int32_t>> beside;
-  for (const std::int32_t c : cells_) {
-    for (const std::int32_t other : owners.grid.locator.neighbours(c)) {
-      if (other < 0) continue;
-      const int rank = owners.of(other);
-      if (rank != own) beside[rank].insert(c);
+      const double volume = points.V0[p] * points.J[p];
+      if (!has_domains) {
+        add(group.cell, volume);
+        continue;
+      }
+      for (const auto& part : cells_of_domain(*owners.grid.box, points, p)) {
+        add(part.cell, part.share * volume);
+      }
     }
   }
-  Packets out;
-  for (const auto& [rank, cells] : beside) {
-    out[rank].put(std::ssize(cells));
-    for (const std::int32_t c : cells) {
-      out[rank].put(c);
-      out[rank].put(volume_[c]);
-      out[rank].put(stiffness_[c]);
-    }
-  }
-  for (auto& [rank, packet] : send_packets(owners.comm, out)) {
-    for (const SoilOfCell& soil : take_cells(packet)) {
-      volume_[soil.cell] = soil.volume;
-      stiffness_[soil.cell] = soil.stiffness;
-    }
-  }
+  sum_over_ranks(owners.comm, std::span<double>(volume_));
+  sum_over_ranks(owners.comm, std::span<double>(stiffness_));
 }
 
 template <int dim>
 std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>& owners,
                                                            const MaterialPoints<dim>& points,
                                                            const PointWeights<dim>& weights) {
-  measure_cells(points, weights);
-  exchange_cells(owners);
+  measure_cells(owners, points, weights);
   facets_.clear();
   std::vector<std::int32_t> nodes;
-  for (const std::int32_t c : cells_) {
-    if (!is_small(c)) continue;
+  const int own = rank_of(owners.comm);
+  for (std::int32_t c = 0; c < std::ssize(volume_); ++c) {
+    if (!is_small(c) || owners.of(c) != own) continue;
     const auto neighbours = owners.grid.locator.neighbours(c);
     for (std::size_t f = 0; f < neighbours.size(); ++f) {
       const std::int32_t other = neighbours[f];

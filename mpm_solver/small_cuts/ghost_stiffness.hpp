@@ -16,7 +16,7 @@ inline constexpr double small_cut_fill = 0.6;
 
 /// Ghost stiffness for cells that hold little soil: their nodes are tied to the smooth continuation
 /// of the motion of the neighbour cells. On each facet F between a small cut and any other cell
-/// with points,
+/// with soil, under gimp the domains of the points,
 ///
 ///     f_i = -sum_k k_ik du_k ,   k_ik = factor E h / 3 int_F [[dN_i/dn]] [[dN_k/dn]] dA
 ///
@@ -36,9 +36,7 @@ class GhostStiffness {
   /// @param factor  of Young's modulus, > 0
   GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies, double factor);
 
-  /// Find the facets of this step; a rank has those of the small cuts that hold its points. Ranks
-  /// tell each other about their cells along the border between them.
-  /// @pre  a cell's points are on the rank that owns it
+  /// Find the facets of this step; a rank has those of the small cuts among its own cells.
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
   std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,
@@ -58,8 +56,8 @@ class GhostStiffness {
   bool is_small(std::int32_t cell) const {
     return volume_[cell] > 0 && volume_[cell] < small_cut_fill * cell_volumes_[cell];
   }
-  void measure_cells(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
-  void exchange_cells(const CellOwners<dim>& owners);
+  void measure_cells(const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
+                     const PointWeights<dim>& weights);
   struct Facet {
     std::int32_t cell;
     int number;  // of the cell's facets
@@ -72,8 +70,7 @@ class GhostStiffness {
   std::vector<double> young_modulus_;  // of each body
 
   // of the step under way
-  std::vector<std::int32_t> cells_;   // with points of this rank, ascending
-  std::vector<double> volume_;        // of the soil in each cell that is known here
+  std::vector<double> volume_;        // of the soil in each cell, of all ranks
   std::vector<double> stiffness_;     // its volume times Young's modulus
   std::vector<Facet> facets_;         // of this rank
   std::int64_t num_facets_ = 0;       // of all ranks

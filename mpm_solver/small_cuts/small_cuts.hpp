@@ -33,10 +33,10 @@ struct SmallCutSettings {
 };
 
 /// Method of a phase. Unless one is named, ghost stiffness where no inertia holds the nodes of
-/// small cuts: quasi-static phases with the linear basis.
+/// small cuts: quasi-static phases, but splines.
 inline SmallCutMethod method_in(const SmallCutSettings& settings, Basis basis, bool dynamic) {
   if (settings.method) return *settings.method;
-  return dynamic || basis != Basis::linear ? SmallCutMethod::none : SmallCutMethod::ghost;
+  return dynamic || basis == Basis::bspline ? SmallCutMethod::none : SmallCutMethod::ghost;
 }
 
 /// Whether any phase has this method.

@@ -127,7 +127,6 @@ def contact(runner: Runner) -> None:
     """The answer of granular_obstacle over functions of the grid, its cells and steps in time."""
     forms(runner, "5", {"fbar": 4})
     steps = {f"explicit, dt {1e3 * dt:g} ms": Kind(explicit(dt), 3, dt) for dt in (5e-4, 1e-4)}
-    steps["implicit, as shipped"] = Kind([], 2, 1e-3)
     rows(runner, steps, "steps in time, gimp, F-bar, h = 5 mm")
     remark(runner)
 

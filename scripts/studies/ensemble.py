@@ -12,7 +12,7 @@ from measured import text_of
 from studies.measures import Measured
 from studies.runner import ROOT, Runner, folder_of
 
-SHORTER = 0.04  # steps of a member against those of the one before it: what parts most
+SHORTER = 0.04  # steps against those of the member before: parts runs before the impact
 
 
 def ensemble(runner: Runner, name: str, scene: str, settings: list[str], members: int,

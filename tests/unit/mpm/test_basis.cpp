@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mpm_solver/grid/axis_basis.hpp"
+#include "mpm_solver/grid/box_basis.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
@@ -120,6 +121,31 @@ TEST(AxisBasis, values_and_derivatives_are_continuous) {
       EXPECT_LT(largest_difference(axis.all(left, left.dN), axis.all(right, right.dN)), 1e-12);
     }
   });
+}
+
+/// Cells of the unit square, 0.25 wide, and a domain of 0.125.
+TEST(BoxBasis, cells_of_a_domain_have_its_area_in_them) {
+  const auto shares = [](const Vector<2>& x) {
+    SoilPatch<2> soil(CellType::quad4, 4, Basis::gimp);
+    soil.add(x);
+    soil.points.half_length[0].setConstant(0.0625);
+    EXPECT_TRUE(find_cells(soil.grid, soil.points).empty());
+    std::map<std::int32_t, double> result;
+    for (const auto& part : mpm::cells_of_domain(*soil.grid.box, soil.points, 0)) {
+      EXPECT_EQ(result.count(part.cell), 0U);
+      result[part.cell] = part.share;
+    }
+    return result;
+  };
+  const auto expect = [&](const Vector<2>& x, const std::map<std::int32_t, double>& exact) {
+    const auto found = shares(x);
+    ASSERT_EQ(found.size(), exact.size());
+    for (const auto& [cell, share] : exact) EXPECT_NEAR(found.at(cell), share, round_off) << cell;
+  };
+  expect({0.375, 0.375}, {{5, 1.0}});
+  expect({0.475, 0.375}, {{5, 0.7}, {6, 0.3}});
+  expect({0.275, 0.475}, {{5, 0.49}, {4, 0.21}, {9, 0.21}, {8, 0.09}});
+  expect({0.0625, 0.03}, {{0, 1.0}});  // cut at the sides of the grid
 }
 
 /// The definition: the mean of the hat function over the domain.
