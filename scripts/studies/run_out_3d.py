@@ -145,14 +145,11 @@ def run_out_3d(runner: Runner) -> None:
         for ratio in ratios:
             row, deposits[ratio] = measure(runner, f"a_{ratio:g}_cells_{cells}", Cylinder(ratio, cells), [])
             rows.append([ratio, *row])
-        runner.report(["a", *HEAD], rows, f"{cells} cells a radius")
+        shown = [["" if value != value else value for value in row] for row in rows]  # no cone: NaN
+        runner.report(["a", *HEAD], shown, f"{cells} cells a radius")
         found[cells] = np.array(rows, dtype=float)
         met.append(f"{cells} cells {sum(abs(row[4]) <= WANTED for row in rows)} of {len(rows)}")
-        figure, (axes,) = new_figure(9, 2.6)
-        draw_deposits(axes, {ratio: (deposit.r, deposit.surface) for ratio, deposit in deposits.items()})
-        axes.set_xlabel("distance from the axis by initial radius")
-        axes.set_ylabel("height by initial radius")
-        runner.save(figure, f"deposits_3d_{cells}.png")
+        draw_profiles(runner, deposits, f"deposits_3d_{cells}.png")
     runner.remark(f"run-out within {100 * WANTED:.0f} % of the law: {', '.join(met)}")
     draw_laws(runner, found)
     changed = []
@@ -169,6 +166,15 @@ FACTORS = {
     "linear, no F-bar": (10, [setting("basis", "linear"), setting("locking/method", "none")]),
     "6 cells a radius": (6, []),
 }
+
+
+def draw_profiles(runner: Runner, deposits: dict[float, Deposit], name: str) -> None:
+    """deposits: by slenderness."""
+    figure, (axes,) = new_figure(9, 2.6)
+    draw_deposits(axes, {ratio: (deposit.r, deposit.surface) for ratio, deposit in deposits.items()})
+    axes.set_xlabel("distance from the axis by initial radius")
+    axes.set_ylabel("height by initial radius")
+    runner.save(figure, name)
 
 
 def draw_laws(runner: Runner, found: dict[int, np.ndarray]) -> None:
