@@ -218,29 +218,24 @@ void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
   }
 }
 
-// Refuse settings of a system of equations that no phase solves.
+// How systems of equations are solved; refused where none is.
 template <int dim>
-void require_implicit_for_its_keys(const ConfigReader& in, const MpmSettings<dim>& settings) {
-  if (any_implicit(settings.phases)) return;
+void read_solvers(ConfigReader& in, MpmSettings<dim>& settings) {
   const char* reason = "has no meaning where all phases are explicit";
+  const bool implicit = any_implicit(settings.phases);
   const auto& stresses = settings.initial_stress;
   const bool stressed = std::any_of(stresses.begin(), stresses.end(),
                                     [](const auto& stress) { return stress.has_value(); });
-  if (in.has("newton")) in.fail("newton", reason);
-  if (in.has("linear_solver") && !stressed) in.fail("linear_solver", reason);
-}
-
-// The limits that measure an implicit step have no meaning without one.
-StepControlSettings read_limits(const ConfigReader& in, const std::vector<Phase>& phases) {
-  StepControlSettings limits = read_step_control(in);
-  if (any_implicit(phases)) return limits;
-  for (const auto& [key, limit] :
-       {std::pair("time_error", &StepControlSettings::time_error),
-        std::pair("newton_target", &StepControlSettings::newton_target)}) {
-    if (in.has(key) && limits.*limit) in.fail(key, "has no meaning where all phases are explicit");
-    (limits.*limit).reset();
+  if (implicit) {
+    settings.newton = read_newton_settings(in.object("newton"));
+  } else if (in.has("newton")) {
+    in.fail("newton", reason);
   }
-  return limits;
+  if (implicit || stressed) {
+    settings.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
+  } else if (in.has("linear_solver")) {
+    in.fail("linear_solver", reason);
+  }
 }
 
 // Refuse phases whose ends no step of the raster reaches.
@@ -272,11 +267,10 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   read_motion(in, settings);
   settings.locking = read_locking(in.object("locking"), settings);
   settings.small_cuts = read_small_cuts(in.object("small_cuts"), settings);
-  settings.newton = read_newton_settings(in.object("newton"));
+  read_solvers(in, settings);
   if (auto item = in.optional_object("step_control")) {
-    settings.step_control = read_limits(*item, settings.phases);
+    settings.step_control = read_step_control(*item, any_implicit(settings.phases));
   }
-  settings.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   double modulus = 0;
   for (const auto& body : settings.bodies) {
     modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
@@ -287,7 +281,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
   check_explicit(in, settings);
-  require_implicit_for_its_keys(in, settings);
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
   resolve_rigid_walls(in, walls, settings.phases);

@@ -39,12 +39,18 @@ KeyTable step_control_keys() {
              "size.")}};
 }
 
-StepControlSettings read_step_control(ConfigReader in) {
+StepControlSettings read_step_control(ConfigReader in, bool any_implicit) {
+  const auto of_implicit_steps = [&](const std::string& key) -> std::optional<double> {
+    if (!any_implicit && !in.has(key)) return std::nullopt;
+    const std::optional<double> limit = in.number_or_null(key);
+    if (!any_implicit && limit) in.fail(key, "has no meaning where all phases are explicit");
+    return limit;
+  };
   StepControlSettings settings;
-  settings.time_error = in.number_or_null("time_error");
+  settings.time_error = of_implicit_steps("time_error");
   settings.advective = in.number_or_null("advective");
   settings.strain = in.number_or_null("strain");
-  settings.newton_target = in.number_or_null("newton_target");
+  settings.newton_target = of_implicit_steps("newton_target");
   settings.approach = in.number_or_null("approach");
   in.finish();
   return settings;

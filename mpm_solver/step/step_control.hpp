@@ -20,7 +20,8 @@ struct StepControlSettings {
   bool any() const { return time_error || advective || strain || newton_target || approach; }
 };
 KeyTable step_control_keys();
-StepControlSettings read_step_control(ConfigReader in);
+/// @param any_implicit  false: limits that measure implicit steps do not act and are refused
+StepControlSettings read_step_control(ConfigReader in, bool any_implicit);
 
 /// What keeps the next step from being twice as long: the codes of column `dt_limit`
 /// (docs/results.md).

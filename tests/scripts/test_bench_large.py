@@ -26,8 +26,8 @@ class MadeUpCylinder(Runner):
     def run(self, label: str, scene: str, settings: list[str]) -> Measured:
         mesh = json.loads(next(text for text in settings if "bodies/0/mesh" in text).partition("=")[2])["file"]
         self.cubes = Path(mesh).read_text().split("$Elements\n")[1].splitlines()[1].split()[3]
-        ratio = float(label.removeprefix("a_")) if label.startswith("a_") else run_out_3d.CHANGED
-        cells = int(label.split("_")[1]) if "cells" in label else 10
+        ratio = float(label.split("_")[1]) if label.startswith("a_") else run_out_3d.CHANGED
+        cells = int(label.split("_")[3 if label.startswith("a_") else 1]) if "cells" in label else 10
         cylinder = run_out_3d.Cylinder(ratio, cells)
         middles = cylinder.edge * (np.indices((2 * cells, 2 * cells, cylinder.layers)).reshape(3, -1).T + 0.5)
         points = middles[np.hypot(middles[:, 0], middles[:, 1]) < run_out_3d.RADIUS]
@@ -43,8 +43,11 @@ class RunOut(ScriptCase):
     def test_a_cylinder_that_stays_has_its_own_size(self) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
             run_out_3d.run_out_3d(MadeUpCylinder(self.folder, reuse=False, settings=[]))
-        rows = list(csv.reader((self.folder / "table.csv").read_text().splitlines()))[1:]
-        self.assertEqual([float(row[0]) for row in rows], run_out_3d.RATIOS)
+        rows = []
+        for cells, ratios in run_out_3d.RATIOS.items():
+            of_cells = list(csv.reader((self.folder / f"{cells} cells a radius.csv").read_text().splitlines()))[1:]
+            self.assertEqual([float(row[0]) for row in of_cells], list(ratios))
+            rows += of_cells
         changed = list(csv.reader((self.folder / "a = 0.9, one thing changed.csv").read_text().splitlines()))[1:]
         self.assertEqual([row[0] for row in changed], list(run_out_3d.FACTORS))
         for row in rows:

@@ -13,8 +13,8 @@ using mpm::DtLimit;
 using mpm::StepControl;
 
 StepControl defaults() {
-  return StepControl(
-      mpm::read_step_control(ConfigReader(Json::object(), "f.json", mpm::step_control_keys())));
+  return StepControl(mpm::read_step_control(
+      ConfigReader(Json::object(), "f.json", mpm::step_control_keys()), true));
 }
 
 TEST(StepControl, without_settings_only_the_phase_bounds) {
