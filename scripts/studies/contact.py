@@ -5,19 +5,19 @@ Each row is an ensemble: single runs scatter by as much as these choices change 
 """
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from studies.coupled import EXPLICIT, LIMITS, REST, SCENE, answer_of, step_size
+from studies.coupled import ANSWER, EXPLICIT, REST, SCENE, answer_of, step_size, without_limits
 from studies.ensemble import SHORTER, deviation, ensemble, error, mean_and_error
 from studies.measures import Measured
 from studies.runner import Runner
 
 PAPER, PAPER_DT = f"{SCENE}_paper", 0.0002  # [s]
 INTERFACE = "mpm.json:/interfaces/0"
-EXPLICIT_STEPS = [EXPLICIT, "mpm.json:/step_control="
-                  + json.dumps({limit: None for limit in LIMITS if limit != "approach"}),
+EXPLICIT_STEPS = [EXPLICIT, without_limits("approach"),
                   "mpm.json:/outside=remove"]  # a grain of the splash that flies over the grid
 FINEST = ["mpm.json:/grid/box/cells=[320,160]", "mpm.json:/grid/box/high=[0.4,0.2]",
           "mpm.json:/bodies/0/mesh/box/cells=[160,80]", f"{INTERFACE}/surface/spacing=6.25e-4"]
@@ -70,13 +70,17 @@ def energy_balance(run: Measured) -> float:
     return 100 * float(table["soil.energy_balance"][-1] / table["soil.gravity_work"][-1])
 
 
+def answers_of(ensembles: dict[str, list[Measured]]) -> Iterator[tuple]:
+    """For each number of ANSWER that of all runs, ensemble by ensemble."""
+    return zip(*(zip(*map(answer_of, runs)) for runs in ensembles.values()))
+
+
 def report_range(runner: Runner, forms: dict[str, list[Measured]], title: str) -> None:
     """How far the means of forms lie apart, by their mean, beside their standard errors."""
     rows = []
-    for name, values in zip(("peak of A", "rest of A", "force at rest", "impulse"),
-                            zip(*(zip(*map(answer_of, runs)) for runs in forms.values()))):
+    for name, values in zip(ANSWER, answers_of(forms)):
         means = [np.mean(of_form) for of_form in values]
-        rows.append([name, *(100 * float(value / np.mean(means)) for value in (
+        rows.append([name.partition(" [")[0], *(100 * float(value / np.mean(means)) for value in (
             np.ptp(means), np.mean([error(v) for v in values]), np.mean([deviation(v) for v in values])))])
     head = ["", "range of the means [%]", "standard error of a mean [%]", "deviation of a run [%]"]
     runner.report(head, rows, title)
@@ -160,8 +164,7 @@ def contact_sizes(runner: Runner) -> None:
 def report_orders(runner: Runner, of_size: dict[str, list[Measured]], title: str) -> None:
     """Differences of the means from size to size, and the order that they show."""
     rows = []
-    for name, values in zip(("peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", "impulse [N s/m]"),
-                            zip(*(zip(*map(answer_of, runs)) for runs in of_size.values()))):
+    for name, values in zip(ANSWER, answers_of(of_size)):
         coarse, fine = [difference(*pair) for pair in zip(values[:-1], values[1:])]
         ratio = coarse[0] / fine[0]
         clear = all(abs(value) > 2 * uncertainty for value, uncertainty in (coarse, fine))

@@ -26,6 +26,16 @@ struct RandomSystem {
   }
 };
 
+/// With the pattern of the system and cells of it, see RandomSystem::assemble.
+template <int block_size>
+BlockMatrix<block_size> assembled(const RandomSystem<block_size>& system, int first = 0,
+                                  int stride = 1) {
+  BlockMatrix<block_size> K;
+  K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
+  system.assemble(K, first, stride);
+  return K;
+}
+
 /// A chain of cells with nodes_per_cell nodes, one of them shared with the cell before, the others
 /// drawn from all nodes. The cell matrices are A A^T + 1 (symmetric), plus `skew` times an
 /// antisymmetric random matrix: positive definite in any case.

@@ -9,16 +9,8 @@
 namespace gabion {
 namespace {
 
+using test::assembled;
 using test::random_system;
-using test::RandomSystem;
-
-template <int block_size>
-BlockMatrix<block_size> assembled(const RandomSystem<block_size>& system) {
-  BlockMatrix<block_size> K;
-  K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
-  system.assemble(K);
-  return K;
-}
 
 template <int block_size>
 Eigen::MatrixXd dense_of(const BlockMatrix<block_size>& K, const std::vector<double>& values) {

@@ -9,19 +9,11 @@
 namespace gabion {
 namespace {
 
+using test::assembled;
 using test::random_system;
-using test::RandomSystem;
 using test::to_dense;
 
 constexpr double round_off = 1e-13;
-
-template <int block_size>
-BlockMatrix<block_size> assembled(const RandomSystem<block_size>& system) {
-  BlockMatrix<block_size> K;
-  K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
-  system.assemble(K);
-  return K;
-}
 
 template <int block_size>
 void expect_equal_to_dense(int nodes_per_cell) {

@@ -24,10 +24,7 @@ LinearSolverSettings settings_of(const std::string& method, const std::string& p
 /// Each rank assembles its share of the cells.
 template <int block_size>
 BlockMatrix<block_size> assembled_share(const RandomSystem<block_size>& system) {
-  BlockMatrix<block_size> K;
-  K.set_pattern(system.num_nodes, system.offsets, system.cell_nodes);
-  system.assemble(K, test::rank(), test::size());
-  return K;
+  return test::assembled(system, test::rank(), test::size());
 }
 
 template <int block_size>
