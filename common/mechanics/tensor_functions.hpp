@@ -67,6 +67,13 @@ Symmetric<dim> push_forward(const Matrix<dim>& H, const Symmetric<dim>& e_n) {
   return result;
 }
 
+/// The e_n that push_forward() by H makes e of.
+template <int dim>
+Symmetric<dim> pull_back(const Matrix<dim>& H, const Symmetric<dim>& e) {
+  const Matrix<dim> F = Matrix<dim>::Identity() + H;
+  return push_forward<dim>(-F.inverse() * H, e);
+}
+
 /// P = tau (1 + H)^-T.
 template <int dim>
 Matrix<dim> first_piola(const Symmetric<dim>& tau, const Matrix<dim>& F_inverse) {

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "common/mechanics/tensor_functions.hpp"
-
 namespace gabion::mpm {
 
 template <int dim>
@@ -59,29 +57,9 @@ StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>
   return {factor * std::sqrt(squared_jump / mass), std::sqrt(squared_speed / mass)};
 }
 
-template <int dim>
-double accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
-                       MaterialPoints<dim>& points) {
-  double dissipated = 0;
-  for (std::int32_t e = 0; e < points.size(); ++e) {
-    const std::int32_t p = weights.point[e];
-    const Symmetric<dim> mean_tau = (points.tau[p] + trial.tau[e]) / 2;
-    dissipated += points.V0[p] * contract<dim>(mean_tau, trial.plastic_increment[e]);
-    points.history[p] = trial.history[e];
-    points.tau[p] = trial.tau[e];
-    points.energy[p] = trial.energy[e];
-    points.J[p] *= trial.J_ratio[e];
-  }
-  return dissipated;
-}
-
 template NodalMotion<2> nodal_motion<2>(const Equilibrium<2>&, std::span<const double>);
 template NodalMotion<3> nodal_motion<3>(const Equilibrium<3>&, std::span<const double>);
 template StepError step_error<2>(const Equilibrium<2>&, const NodalMotion<2>&);
 template StepError step_error<3>(const Equilibrium<3>&, const NodalMotion<3>&);
-template double accept_stresses<2>(const PointWeights<2>&, const TrialPoints<2>&,
-                                   MaterialPoints<2>&);
-template double accept_stresses<3>(const PointWeights<3>&, const TrialPoints<3>&,
-                                   MaterialPoints<3>&);
 
 }  // namespace gabion::mpm

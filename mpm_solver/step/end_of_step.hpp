@@ -24,10 +24,4 @@ struct StepError {
 template <int dim>
 StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion);
 
-/// Make stresses and memory of the trial state those of the points.
-/// @returns plastic work of this rank's points in the step [J]
-template <int dim>
-double accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
-                       MaterialPoints<dim>& points);
-
 }  // namespace gabion::mpm

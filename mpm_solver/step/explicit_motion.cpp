@@ -15,7 +15,7 @@ template <int dim>
 ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
     : parts_(parts),
       inertia_(parts.stress.points, parts.stress.weights, parts.stress.nodes),
-      internal_(parts.stress, parts.cell_size, 0, parts.average_volumes),
+      internal_(with_path(), parts.cell_size, 0, parts.average_volumes),
       may_touch_(!parts.surfaces.contacts().empty()) {
   const GridNodes<dim>& nodes = parts_.stress.nodes;
   for (const Vector<dim>& v : nodes.v) v_start_.insert(v_start_.end(), v.begin(), v.end());
@@ -26,6 +26,12 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
   set_acceleration(start_);
   F_.resize(v_start_.size());
   A_F_.resize(v_start_.size());
+}
+
+template <int dim>
+const StressParts<dim>& ExplicitMotion<dim>::with_path() {
+  parts_.stress.path = &path_;
+  return parts_.stress;
 }
 
 // A = Q W Q f.
@@ -69,6 +75,31 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   return squared_courant(dt, soil_dt, result_.contact_rate) <= std::pow(parts_.largest_courant, 2);
 }
 
+// A single substep is the whole way.
+template <int dim>
+void ExplicitMotion<dim>::begin_path(int count) {
+  const MaterialPoints<dim>& points = parts_.stress.points;
+  path_.clear();
+  tau_.clear();
+  const bool elastic = std::ranges::all_of(
+      parts_.stress.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
+  if (elastic) return;
+  tau_ = points.tau;
+  if (count > 1) path_ = points.history;
+  internal_.forget();
+}
+
+// The stresses of a substep are known.
+template <int dim>
+void ExplicitMotion<dim>::advance_path() {
+  if (tau_.empty()) return;
+  const StressParts<dim>& parts = parts_.stress;
+  result_.plastic_work += plastic_work<dim>(parts.weights, parts.trial, parts.points, tau_);
+  for (std::int32_t e = 0; e < parts.points.size(); ++e) {
+    tau_[parts.weights.point[e]] = parts.trial.tau[e];
+  }
+}
+
 // Of the soil at result_.du.
 template <int dim>
 typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share) {
@@ -85,6 +116,7 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share
   Forces forces{.body = parts_.body_force(share), .internal = internal_.forces(), .A = {}};
   shared.sum(forces.internal, dim);
   set_acceleration(forces);
+  advance_path();
   return forces;
 }
 
@@ -129,6 +161,7 @@ bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
   result_.du.assign(n, 0.0);
   result_.v = v_start_;
   raw_.assign(n, 0.0);
+  begin_path(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
   Forces before = start_;
   std::vector<double> star(n), move(n);

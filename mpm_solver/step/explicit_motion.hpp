@@ -20,8 +20,8 @@ namespace gabion::mpm {
 ///     v' = v + dt/2 [A(f) + A(f')] + dt A(F(u*)) ,  A(f) = Q W Q f
 ///
 /// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
-/// surfaces move evenly over the step. One evaluation of the stresses a substep. Refers to its
-/// parts; valid for one step.
+/// surfaces move evenly over the step. One evaluation of the stresses a substep, which go on from
+/// those of the substep before. Refers to its parts; valid for one step.
 template <int dim>
 class ExplicitMotion {
  public:
@@ -47,8 +47,9 @@ class ExplicitMotion {
     std::vector<double> a;           ///< at the end, f / m [m/s^2]
     std::vector<double> wall_force;  ///< mean force that the walls take [N], before they act
     double internal_work = 0, body_work = 0, contact_work = 0, wall_work = 0;  // [J]
-    Vector<dim> body_impulse = Vector<dim>::Zero();                            // [N s]
-    Vector<dim> contact_impulse = Vector<dim>::Zero();                         // [N s]
+    double plastic_work = 0;                            ///< of this rank's points [J]
+    Vector<dim> body_impulse = Vector<dim>::Zero();     // [N s]
+    Vector<dim> contact_impulse = Vector<dim>::Zero();  // [N s]
     double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]
   };
 
@@ -74,12 +75,17 @@ class ExplicitMotion {
   void respond(std::span<const double> f, std::vector<double>& A) const;
   void set_acceleration(Forces& forces) const;
   bool add_contact(std::span<const double> u, double share, double dt, double soil_dt);
+  const StressParts<dim>& with_path();
+  void begin_path(int count);
+  void advance_path();
   Forces forces_at(double share);
   void add_works(std::span<const double> move, const Forces& before, const Forces& after,
                  double dt);
   void finish(const Forces& last);
 
   Parts parts_;
+  std::vector<MaterialState<dim>> path_;  // StressParts::path; empty: nothing depends on it
+  std::vector<Symmetric<dim>> tau_;       // where the substep under way began [Pa]
   PointInertia<dim> inertia_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;

@@ -2,6 +2,7 @@
 #include "mpm_solver/stress/averaged_forces.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <variant>
 
 #include "common/base/require.hpp"
@@ -33,7 +34,7 @@ void AveragedForces<dim>::start(const GroupRange& range) {
 template <int dim>
 void AveragedForces<dim>::set_volumes() {
   stresses_.fill_up();
-  const auto& [bodies, points, weights, nodes, trial] = parts_;
+  const auto& [points, weights] = std::tie(parts_.points, parts_.weights);
   for (std::size_t b = 0; b < averages_.size(); ++b) {
     const Lanes V = stresses_.of_points(b, [&](std::int32_t e) {
       return points.V0[weights.point[e]] * points.J[weights.point[e]];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mechanics/materials/point_batch.hpp"
+#include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/stress/point_gradient.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
@@ -118,13 +119,16 @@ class PointStresses {
       Batch& batch = batches_[b];
       const int n = points_of(b);
       for (int l = 0; l < Batch::size; ++l) {
-        batch.state_n[l] = &parts.points.history[parts.weights.point[entry(b, l)]];
+        batch.state_n[l] = &state_of(parts, parts.weights.point[entry(b, l)]);
       }
       batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
       const int refused = update(law, batch, n, with_A);
       if (refused < n) {
         worst = parts.weights.point[entry(b, refused)];
         return false;
+      }
+      if constexpr (!Law::is_elastic) {
+        if (parts.has_path()) advance(parts, batch, b);
       }
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
@@ -150,6 +154,18 @@ class PointStresses {
     }
   };
 
+  static const MaterialState<dim>& state_of(const StressParts<dim>& parts, std::int32_t p) {
+    return parts.has_path() ? (*parts.path)[p] : parts.points.history[p];
+  }
+  // The next substep begins at this one's end. A state that stayed elastic is the one it was.
+  void advance(const StressParts<dim>& parts, const Batch& batch, std::size_t b) const {
+    for (int l = 0; l < points_of(b); ++l) {
+      MaterialState<dim>& state = (*parts.path)[parts.weights.point[entry(b, l)]];
+      if (batch.out.region[l] == YieldRegion::elastic && state.gap == 0) continue;
+      state = batch.out.state[l];
+      state.e = pull_back<dim>(batch.gradient(l), state.e);
+    }
+  }
   static BatchResults<dim> place(const StressParts<dim>& parts, std::int32_t entry) {
     TrialPoints<dim>& trial = parts.trial;
     return {trial.history.data() + entry,           trial.tau.data() + entry,

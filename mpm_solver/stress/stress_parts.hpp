@@ -8,33 +8,19 @@
 #include "common/mechanics/petsc/node_block.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/stress/trial_points.hpp"
 
 namespace gabion::mpm {
-
-/// State of the material points at the end of a step that is being solved, by entry of
-/// PointWeights.
-template <int dim>
-struct TrialPoints {
-  std::vector<MaterialState<dim>> history;
-  std::vector<Symmetric<dim>> tau;
-  std::vector<double> J_ratio;  ///< volume ratio of the step
-  std::vector<double> energy;
-  std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
-  std::vector<YieldRegion> region;
-  void resize(std::size_t n) {
-    history.resize(n);
-    tau.resize(n);
-    J_ratio.resize(n);
-    energy.resize(n);
-    plastic_increment.resize(n);
-    region.resize(n);
-  }
-};
 
 /// A step that squeezes a point below this share of its volume is inadmissible.
 inline constexpr double min_J_ratio = 0.1;
 
 /// What the stresses of one rank's material points depend on, and where they go.
+///
+/// A solution in substeps has a `path`: the state of each point's material at the start of the
+/// substep, brought back to the configuration at the start of the step. Every evaluation then
+/// begins there, and replaces it by what it found. Without (null or empty), all begin at
+/// points.history.
 template <int dim>
 struct StressParts {
   const std::vector<Body<dim>>& bodies;
@@ -42,6 +28,9 @@ struct StressParts {
   const PointWeights<dim>& weights;
   const GridNodes<dim>& nodes;
   TrialPoints<dim>& trial;
+  std::vector<MaterialState<dim>>* path = nullptr;
+
+  bool has_path() const { return path && !path->empty(); }
 };
 
 /// Room for the displacements of a group's nodes.

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/trial_points.hpp"
+
+#include "common/mechanics/tensor_functions.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                    const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau) {
+  double work = 0;
+  for (std::int32_t e = 0; e < points.size(); ++e) {
+    const std::int32_t p = weights.point[e];
+    const Symmetric<dim> mean_tau = (tau[p] + trial.tau[e]) / 2;
+    work += points.V0[p] * contract<dim>(mean_tau, trial.plastic_increment[e]);
+  }
+  return work;
+}
+
+template <int dim>
+void accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                     MaterialPoints<dim>& points) {
+  for (std::int32_t e = 0; e < points.size(); ++e) {
+    const std::int32_t p = weights.point[e];
+    points.history[p] = trial.history[e];
+    points.tau[p] = trial.tau[e];
+    points.energy[p] = trial.energy[e];
+    points.J[p] *= trial.J_ratio[e];
+  }
+}
+
+template double plastic_work<2>(const PointWeights<2>&, const TrialPoints<2>&,
+                                const MaterialPoints<2>&, std::span<const Symmetric<2>>);
+template double plastic_work<3>(const PointWeights<3>&, const TrialPoints<3>&,
+                                const MaterialPoints<3>&, std::span<const Symmetric<3>>);
+template void accept_stresses<2>(const PointWeights<2>&, const TrialPoints<2>&, MaterialPoints<2>&);
+template void accept_stresses<3>(const PointWeights<3>&, const TrialPoints<3>&, MaterialPoints<3>&);
+
+}  // namespace gabion::mpm
