@@ -11,6 +11,7 @@
 #include "mpm_solver/grid/transfer.hpp"
 #include "mpm_solver/points/point_totals.hpp"
 #include "mpm_solver/step/equilibrium.hpp"
+#include "mpm_solver/walls/wall_stop.hpp"
 
 namespace gabion::mpm {
 
@@ -18,7 +19,7 @@ namespace gabion::mpm {
 /// Forces are those of the instant that the scheme balances.
 template <int dim>
 struct StepBalance {
-  double kinetic_before = 0;  ///< of the velocity mapped from the points, before the walls act [J]
+  double kinetic_before = 0;  ///< of the velocity mapped from the points, before walls act [J]
   double kinetic_after = 0;   ///< of v' [J]
   double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
   double time_damping = 0;    ///< docs/theory/soil.md, (S27) [J]
@@ -35,6 +36,15 @@ struct StepBalance {
   /// The same for the step_force of the step before, on the nodes of this one [N].
   Vector<dim> wall_step_force_start = Vector<dim>::Zero();
 };
+
+/// Count what the walls did before the nodes moved.
+template <int dim>
+void add_stop(const typename WallStop<dim>::Totals& stop, StepBalance<dim>& step) {
+  step.kinetic_before += stop.loss;
+  step.wall_loss += stop.loss + stop.work;
+  step.boundary_work += stop.work;
+  step.wall_kick += stop.impulse;
+}
 
 /// Replace the parts of this rank by their sums. @note Collective.
 template <int dim>

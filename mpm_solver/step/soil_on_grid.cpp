@@ -13,6 +13,7 @@
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
 #include "mpm_solver/grid/transfer.hpp"
+#include "mpm_solver/points/flat.hpp"
 #include "mpm_solver/small_cuts/light_nodes.hpp"
 
 namespace gabion::mpm {
@@ -88,6 +89,10 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
     points_to_grid(points_, weights_, nodes_);
     cure_small_cuts(mapping);
     walls(mapping.phase).select(nodes_);
+    stop_.forget();
+    if (mapping.with_inertia) {
+      stop_.find(points_, weights_, walls(mapping.phase), mapping.dt, nodes_);
+    }
   }
 }
 
@@ -112,6 +117,17 @@ void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
   ghost_acts_ = ghost_->num_facets() > 0;
   small_cuts_.ghost_steps += ghost_acts_;
   small_cuts_.ghost_facets += ghost_->num_facets();
+}
+
+template <int dim>
+void SoilOnGrid<dim>::add_stopping_forces(std::size_t phase, double dt,
+                                          std::span<Vector<dim>> forces) const {
+  if (!stop_.acts()) return;
+  std::vector<double> f = stop_.impulse();
+  for (double& component : f) component /= -dt;
+  std::vector<Vector<dim>> own = walls_of_phases_[phase].forces(f, nodes_.shared);
+  nodes_.shared.total(flat(own));
+  for (std::size_t w = 0; w < own.size(); ++w) forces[w] += own[w];
 }
 
 template <int dim>

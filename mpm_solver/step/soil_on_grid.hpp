@@ -9,6 +9,7 @@
 #include "common/base/timer.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "mpm_solver/step/soil_state.hpp"
+#include "mpm_solver/walls/wall_stop.hpp"
 
 namespace gabion::mpm {
 
@@ -29,9 +30,10 @@ class SoilOnGrid {
 
   /// Evaluate the basis at the points.
   void weigh();
-  /// Weigh the points and map their mass and motion to the nodes.
+  /// Weigh the points, map their mass and motion to the nodes, and let the walls stop them.
   struct Mapping {
     std::size_t phase;  ///< number, whose walls act
+    double dt;          ///< of the step [s]
     bool with_inertia;  ///< of the step
     /// Grid nodes that this rank needs besides those of its points.
     std::vector<std::int32_t> other_nodes = {};
@@ -39,11 +41,18 @@ class SoilOnGrid {
   void map(Mapping mapping);
 
   /// Give up the memory of the weights until the next map().
-  void release() { weights_ = {}; }
+  void release() {
+    weights_ = {};
+    stop_.forget();
+  }
 
   const PointWeights<dim>& weights() const { return weights_; }
   const GridNodes<dim>& nodes() const { return nodes_; }
   WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }
+  /// What the walls did to the velocities of the points, which have not got it yet.
+  const WallStop<dim>& stop() const { return stop_; }
+  /// Add the mean forces with which the points hit the walls. @param forces  of the phase's walls
+  void add_stopping_forces(std::size_t phase, double dt, std::span<Vector<dim>> forces) const;
   /// The ghost stiffness that acts in this step, null: none does.
   const GhostStiffness<dim>* ghost() const { return ghost_acts_ ? &*ghost_ : nullptr; }
   /// Whether a phase may have ghost stiffness.
@@ -69,6 +78,7 @@ class SoilOnGrid {
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
+  WallStop<dim> stop_;
   std::optional<GhostStiffness<dim>> ghost_;
   bool ghost_acts_ = false;
   SmallCutCounts small_cuts_;

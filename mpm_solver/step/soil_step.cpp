@@ -10,7 +10,6 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "mpm_solver/step/end_of_step.hpp"
@@ -60,41 +59,6 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
     reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
   }
   soil_.weigh();
-}
-
-template <int dim>
-void SoilStep<dim>::check_initial_stress() {
-  const InitialStress* strictest = nullptr;
-  for (const auto& stress : model_.settings.initial_stress) {
-    if (stress && (!strictest || stress->max_displacement < strictest->max_displacement)) {
-      strictest = &*stress;
-    }
-  }
-  if (!strictest) return;
-  with_inertia_ = false;
-  map_soil(1);
-  const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
-  make_equilibrium(gravity, gravity, 1);
-  state_.surfaces.receive({});
-  state_.surfaces.move_walls(0);
-  const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
-  std::vector<double> du(n, 0.0), r(n);
-  equilibrium_->evaluate(du, r, &system_.K());
-  state_.wall_forces = forces_on_walls();
-  system_.solve(r, du);
-  double largest = 0;
-  for (std::size_t i = 0; i < n; i += dim) {
-    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
-  }
-  largest = max_over_ranks(model_.comm, largest);
-  initial_displacement_ = largest;
-  log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
-            largest / model_.cell_size);
-  require<ConfigError>(
-      largest <= strictest->max_displacement * model_.cell_size,
-      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
-      "allowed: \"max_displacement\" = {:g}",
-      strictest->where, largest / model_.cell_size, strictest->max_displacement);
 }
 
 // Which phase it is, and how its step goes.
@@ -185,8 +149,10 @@ void SoilStep<dim>::map_soil(double dt) {
     occupied_ = soil_.occupied_cells();
     if (num_ranks(model_.comm) > 1) other_nodes = state_.surfaces.find_nodes(surface_of_soil(dt));
   }
-  soil_.map(
-      {.phase = phase_, .with_inertia = with_inertia_, .other_nodes = std::move(other_nodes)});
+  soil_.map({.phase = phase_,
+             .dt = dt,
+             .with_inertia = with_inertia_,
+             .other_nodes = std::move(other_nodes)});
 }
 
 /// @param gravity_n, gravity  at the start and at the end of the step
@@ -303,10 +269,12 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   StepBalance<dim> balance = implicit
                                  ? step_balance(*equilibrium_, std::span<const double>(du_), motion)
                                  : explicit_.balance();
+  add_stop<dim>(soil_.stop().totals(), balance);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   std::vector<Vector<dim>> x_n;
   if (model_.lets_out || !model_.settings.gauges.empty()) x_n = points.x;
+  soil_.stop().kick(soil_.weights(), points);
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
   if (!implicit) explicit_.finish_points(points);
   if (!with_inertia_) {
@@ -375,7 +343,8 @@ template <int dim>
 std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls() const {
   const auto& groups = model_.wall_groups;
   std::vector<Vector<dim>> sums(groups.size(), Vector<dim>::Zero());
-  const auto forces = equilibrium_ ? equilibrium_->wall_forces() : explicit_.wall_forces();
+  auto forces = equilibrium_ ? equilibrium_->wall_forces() : explicit_.wall_forces();
+  soil_.add_stopping_forces(phase_, dt_, forces);
   for (std::size_t w = 0; w < forces.size(); ++w) {
     const auto place = std::find(groups.begin(), groups.end(), phase().walls[w].group);
     sums[static_cast<std::size_t>(place - groups.begin())] += forces[w];

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether the initial stress is in balance.
+#include <algorithm>
+
+#include "common/base/log.hpp"
+#include "common/base/require.hpp"
+#include "common/mechanics/norm.hpp"
+#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/step/soil_step.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+void SoilStep<dim>::check_initial_stress() {
+  const InitialStress* strictest = nullptr;
+  for (const auto& stress : model_.settings.initial_stress) {
+    if (stress && (!strictest || stress->max_displacement < strictest->max_displacement)) {
+      strictest = &*stress;
+    }
+  }
+  if (!strictest) return;
+  with_inertia_ = false;
+  map_soil(1);
+  const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
+  make_equilibrium(gravity, gravity, 1);
+  state_.surfaces.receive({});
+  state_.surfaces.move_walls(0);
+  const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
+  std::vector<double> du(n, 0.0), r(n);
+  equilibrium_->evaluate(du, r, &system_.K());
+  state_.wall_forces = forces_on_walls();
+  system_.solve(r, du);
+  double largest = 0;
+  for (std::size_t i = 0; i < n; i += dim) {
+    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
+  }
+  largest = max_over_ranks(model_.comm, largest);
+  initial_displacement_ = largest;
+  log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
+            largest / model_.cell_size);
+  require<ConfigError>(
+      largest <= strictest->max_displacement * model_.cell_size,
+      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+      "allowed: \"max_displacement\" = {:g}",
+      strictest->where, largest / model_.cell_size, strictest->max_displacement);
+}
+
+template void SoilStep<2>::check_initial_stress();
+template void SoilStep<3>::check_initial_stress();
+
+}  // namespace gabion::mpm

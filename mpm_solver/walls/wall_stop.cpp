@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/walls/wall_stop.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mpm_solver/grid/transfer.hpp"
+#include "mpm_solver/points/flat.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// x <- (1 - Q) x.
+template <int dim>
+void hold(const WallConditions<dim>& walls, std::vector<double>& x) {
+  std::vector<double> free = x;
+  walls.project(free);
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] -= free[k];
+}
+
+}  // namespace
+
+template <int dim>
+void WallStop<dim>::forget() {
+  touches_.clear();
+  values_.clear();
+  J_.clear();
+  totals_ = {};
+}
+
+template <int dim>
+void WallStop<dim>::list_touches(const MaterialPoints<dim>& points,
+                                 const PointWeights<dim>& weights, const WallConditions<dim>& walls,
+                                 const GridNodes<dim>& nodes) {
+  const double weightless = weightless_mass(nodes);
+  std::vector<char> is_held(nodes.m.size(), 0);
+  for (const std::int32_t i : walls.constrained()) is_held[i] = nodes.m[i] > weightless;
+  std::int32_t active[max_group_nodes<dim>];
+  for (std::int32_t g = 0; g < std::ssize(weights.groups); ++g) {
+    const CellGroup& group = weights.groups[g];
+    nodes.list_active(weights.nodes_of(group), active);
+    if (std::none_of(active, active + group.num_nodes, [&](auto i) { return is_held[i] != 0; })) {
+      continue;
+    }
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const double m = points.m[weights.point[e]];
+      const std::size_t before = values_.size();
+      for (int k = 0; k < weights.num_nodes(e); ++k) {
+        const std::int32_t i = active[weights.local_of(e)[k]];
+        if (is_held[i]) values_.push_back({i, weights.N_of(e)[k] * m / nodes.m[i]});
+      }
+      if (values_.size() == before) continue;
+      touches_.push_back({g, e, static_cast<std::int32_t>(values_.size()), m, Vector<dim>::Zero()});
+    }
+  }
+}
+
+// dv = W impulse at the held nodes; each point keeps its own.
+template <int dim>
+void WallStop<dim>::respond(const SharedNodes& shared, std::span<const double> impulse,
+                            std::span<double> dv) {
+  std::fill(dv.begin(), dv.end(), 0.0);
+  const Value* first = values_.data();
+  for (Touch& touch : touches_) {
+    const Value* const last = values_.data() + touch.last_value;
+    touch.dv.setZero();
+    for (const Value* value = first; value < last; ++value) {
+      const double* const J = impulse.data() + std::ptrdiff_t{value->node} * dim;
+      touch.dv += value->rho / touch.m * Eigen::Map<const Vector<dim>>(J);
+    }
+    for (const Value* value = first; value < last; ++value) {
+      Eigen::Map<Vector<dim>>(dv.data() + std::ptrdiff_t{value->node} * dim) +=
+          value->rho * touch.dv;
+    }
+    first = last;
+  }
+  shared.sum(dv, dim);
+}
+
+// J from the velocity r that is missing at the walls.
+template <int dim>
+void WallStop<dim>::search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes,
+                           std::vector<double> r) {
+  constexpr double middle = (1 + least) / 2, radius = (1 - least) / 2, sigma = middle / radius;
+  const std::size_t n = r.size();
+  J_.assign(n, 0.0);
+  std::vector<double> d(n), dv(n);
+  for (std::size_t k = 0; k < n; ++k) d[k] = nodes.m[k / dim] * r[k] / middle;
+  double rho = 1 / sigma;
+  for (int sweep = 1;; ++sweep) {
+    for (std::size_t k = 0; k < n; ++k) J_[k] += d[k];
+    if (sweep == num_sweeps) return;
+    respond(nodes.shared, d, dv);
+    hold(walls, dv);
+    const double next = 1 / (2 * sigma - rho);
+    for (std::size_t k = 0; k < n; ++k) {
+      r[k] -= dv[k];
+      d[k] = next * (rho * d[k] + 2 / radius * nodes.m[k / dim] * r[k]);
+    }
+    rho = next;
+  }
+}
+
+// The velocity mapped from the points after the stop.
+template <int dim>
+void WallStop<dim>::move_nodes(const PointWeights<dim>& weights, GridNodes<dim>& nodes) const {
+  std::vector<double> dp(nodes.v.size() * dim, 0.0);  // change of momentum
+  std::int32_t active[max_group_nodes<dim>];
+  for (const Touch& touch : touches_) {
+    nodes.list_active(weights.nodes_of(weights.groups[touch.group]), active);
+    for (int k = 0; k < weights.num_nodes(touch.entry); ++k) {
+      const std::ptrdiff_t node = active[weights.local_of(touch.entry)[k]];
+      Eigen::Map<Vector<dim>>(dp.data() + node * dim) +=
+          weights.N_of(touch.entry)[k] * touch.m * touch.dv;
+    }
+  }
+  nodes.shared.sum(dp, dim);
+  const double weightless = weightless_mass(nodes);
+  const auto v = flat(nodes.v);
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    if (nodes.m[k / dim] > weightless) v[k] += dp[k] / nodes.m[k / dim];
+  }
+}
+
+template <int dim>
+void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                         const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes) {
+  forget();
+  list_touches(points, weights, walls, nodes);
+  const SharedNodes& shared = nodes.shared;
+  if (shared.all(touches_.empty())) return;
+  const auto v = flat(nodes.v);
+  std::vector<double> wanted(v.size(), 0.0), r(v.size()), W_J(v.size());
+  walls.impose(wanted, 1 / dt);
+  const double weightless = weightless_mass(nodes);
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    if (nodes.m[k / dim] > weightless) r[k] = wanted[k] - v[k];
+  }
+  hold(walls, r);
+  search(walls, nodes, std::move(r));
+  respond(shared, J_, W_J);
+  double sums[2 + dim] = {};
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    if (!shared.owns(static_cast<std::int32_t>(k / dim))) continue;
+    sums[0] -= J_[k] * (v[k] + 0.5 * W_J[k]);
+    sums[1] += J_[k] * wanted[k];
+    sums[2 + k % dim] += J_[k];
+  }
+  shared.total(sums);
+  totals_ = {.loss = sums[0], .work = sums[1], .impulse = Eigen::Map<const Vector<dim>>(sums + 2)};
+  move_nodes(weights, nodes);
+}
+
+template <int dim>
+void WallStop<dim>::kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const {
+  for (const Touch& touch : touches_) points.v[weights.point[touch.entry]] += touch.dv;
+}
+
+template class WallStop<2>;
+template class WallStop<3>;
+
+}  // namespace gabion::mpm

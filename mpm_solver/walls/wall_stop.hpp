@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// Walls stop the soil at the start of a step: impulses J of the held nodes, after which the
+/// velocity that the points have there is that of the walls,
+///
+///     (1 - Q) (v + W J) = w / dt ,  J = (1 - Q) J ,  dv_p = sum_i rho_ip J_i / m_p ,
+///     W_ij = sum_p rho_ip rho_jp / m_p ,  rho_ip = N_ip m_p / m_i
+///
+/// with Q and w of WallConditions. This is the plastic impact of the points: no other change of
+/// their velocities that meets the walls takes less kinetic energy. The first term of the search
+/// below, J_i = m_i (Q v_i - v_i), leaves the points a share of what the walls stop, which comes
+/// back with the next mapping: then the loss depends on the number of steps.
+///
+/// Found by `num_sweeps` Chebyshev iterations for eigenvalues of m W from `least` to 1, its upper
+/// bound: a fixed linear map, which asks for no sums over all nodes. It leaves 0.04 of a mode at
+/// `least`; what points hardly weigh on follows in later steps, nodes without weight are left out.
+/// @see Golub and Varga (1961) for Chebyshev's method
+template <int dim>
+class WallStop {
+ public:
+  static constexpr int num_sweeps = 10;
+  static constexpr double least = 0.04;
+
+  /// Stop the points; nodes.v becomes the velocity mapped from them after that.
+  /// @param nodes  with the walls' nodes selected. @note Collective.
+  void find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+            const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes);
+  /// Nothing is stopped in this step.
+  void forget();
+
+  /// Give the points what `find` gave the nodes.
+  void kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const;
+  bool acts() const { return !J_.empty(); }
+  const std::vector<double>& impulse() const { return J_; }  ///< num_nodes x dim [N s]; @pre acts
+  /// Of all ranks.
+  struct Totals {
+    double loss = 0;                            ///< kinetic energy of the points [J]
+    double work = 0;                            ///< of walls that move, on the points [J]
+    Vector<dim> impulse = Vector<dim>::Zero();  ///< on the points [N s]
+  };
+  const Totals& totals() const { return totals_; }
+
+ private:
+  /// A point that weighs on held nodes, with its values at them.
+  struct Touch {
+    std::int32_t group;
+    std::int32_t entry;
+    std::int32_t last_value;  // one past them
+    double m;                 // [kg]
+    Vector<dim> dv;           // [m/s]
+  };
+  struct Value {
+    std::int32_t node;
+    double rho;
+  };
+  void list_touches(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                    const WallConditions<dim>& walls, const GridNodes<dim>& nodes);
+  void search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes, std::vector<double> r);
+  void respond(const SharedNodes& shared, std::span<const double> impulse, std::span<double> dv);
+  void move_nodes(const PointWeights<dim>& weights, GridNodes<dim>& nodes) const;
+
+  std::vector<Touch> touches_;  // of this rank
+  std::vector<Value> values_;
+  std::vector<double> J_;
+  Totals totals_;
+};
+
+}  // namespace gabion::mpm
