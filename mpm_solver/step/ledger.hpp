@@ -38,12 +38,14 @@ struct StepBalance {
 };
 
 /// Count what the walls did before the nodes moved.
+/// @param pic_share  that the points take of the nodes' momentum
 template <int dim>
-void add_stop(const typename WallStop<dim>::Totals& stop, StepBalance<dim>& step) {
+void add_stop(const typename WallStop<dim>::Totals& stop, double pic_share,
+              StepBalance<dim>& step) {
   step.kinetic_before += stop.loss;
   step.wall_loss += stop.loss + stop.work;
   step.boundary_work += stop.work;
-  step.wall_kick += stop.impulse;
+  step.wall_kick += stop.impulse + pic_share * stop.of_nodes;
 }
 
 /// Replace the parts of this rank by their sums. @note Collective.

@@ -90,7 +90,7 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
     cure_small_cuts(mapping);
     walls(mapping.phase).select(nodes_);
     stop_.forget();
-    if (mapping.with_inertia) {
+    if (mapping.with_inertia && !points_.has_gradients()) {
       stop_.find(points_, weights_, walls(mapping.phase), mapping.dt, nodes_);
     }
   }

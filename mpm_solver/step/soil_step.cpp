@@ -269,7 +269,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   StepBalance<dim> balance = implicit
                                  ? step_balance(*equilibrium_, std::span<const double>(du_), motion)
                                  : explicit_.balance();
-  add_stop<dim>(soil_.stop().totals(), balance);
+  add_stop<dim>(soil_.stop().totals(), model_.settings.pic_share, balance);
   deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
   capped_domains_ += soil_.weights().num_capped;
   std::vector<Vector<dim>> x_n;

@@ -23,6 +23,7 @@ void hold(const WallConditions<dim>& walls, std::vector<double>& x) {
 
 template <int dim>
 void WallStop<dim>::forget() {
+  acts_ = false;
   touches_.clear();
   values_.clear();
   J_.clear();
@@ -123,16 +124,45 @@ void WallStop<dim>::move_nodes(const PointWeights<dim>& weights, GridNodes<dim>&
   }
 }
 
+// What the points would have at the held nodes if they moved with the nodes and walls.
+template <int dim>
+std::vector<double> WallStop<dim>::smooth(const PointWeights<dim>& weights,
+                                          const GridNodes<dim>& nodes,
+                                          std::span<const double> v) const {
+  std::vector<double> mapped(v.size(), 0.0);
+  std::int32_t active[max_group_nodes<dim>];
+  const Value* first = values_.data();
+  for (const Touch& touch : touches_) {
+    nodes.list_active(weights.nodes_of(weights.groups[touch.group]), active);
+    Vector<dim> of_point = Vector<dim>::Zero();
+    for (int k = 0; k < weights.num_nodes(touch.entry); ++k) {
+      const std::ptrdiff_t node = active[weights.local_of(touch.entry)[k]];
+      of_point += weights.N_of(touch.entry)[k] * Eigen::Map<const Vector<dim>>(&v[node * dim]);
+    }
+    const Value* const last = values_.data() + touch.last_value;
+    for (const Value* value = first; value < last; ++value) {
+      Eigen::Map<Vector<dim>>(&mapped[std::ptrdiff_t{value->node} * dim]) += value->rho * of_point;
+    }
+    first = last;
+  }
+  nodes.shared.sum(mapped, dim);
+  return mapped;
+}
+
 template <int dim>
 void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                          const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes) {
   forget();
   list_touches(points, weights, walls, nodes);
   const SharedNodes& shared = nodes.shared;
-  if (shared.all(touches_.empty())) return;
+  acts_ = !shared.all(touches_.empty());
+  if (!acts_) return;
   const auto v = flat(nodes.v);
-  std::vector<double> wanted(v.size(), 0.0), r(v.size()), W_J(v.size());
-  walls.impose(wanted, 1 / dt);
+  std::vector<double> of_walls(v.size(), 0.0), r(v.size()), W_J(v.size());
+  walls.impose(of_walls, 1 / dt);
+  std::vector<double> with_walls(v.begin(), v.end());
+  walls.impose(with_walls, 1 / dt);
+  const std::vector<double> wanted = smooth(weights, nodes, with_walls);
   const double weightless = weightless_mass(nodes);
   for (std::size_t k = 0; k < v.size(); ++k) {
     if (nodes.m[k / dim] > weightless) r[k] = wanted[k] - v[k];
@@ -140,16 +170,22 @@ void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<d
   hold(walls, r);
   search(walls, nodes, std::move(r));
   respond(shared, J_, W_J);
-  double sums[2 + dim] = {};
+  const std::vector<double> before(v.begin(), v.end());
+  move_nodes(weights, nodes);
+  walls.impose(v, 1 / dt);
+  double sums[2 + 2 * dim] = {};
   for (std::size_t k = 0; k < v.size(); ++k) {
     if (!shared.owns(static_cast<std::int32_t>(k / dim))) continue;
-    sums[0] -= J_[k] * (v[k] + 0.5 * W_J[k]);
-    sums[1] += J_[k] * wanted[k];
+    sums[0] -= J_[k] * (before[k] + 0.5 * W_J[k]);
+    sums[1] += J_[k] * of_walls[k];
     sums[2 + k % dim] += J_[k];
+    sums[2 + dim + k % dim] += nodes.m[k / dim] * (v[k] - before[k]) - J_[k];
   }
   shared.total(sums);
-  totals_ = {.loss = sums[0], .work = sums[1], .impulse = Eigen::Map<const Vector<dim>>(sums + 2)};
-  move_nodes(weights, nodes);
+  totals_ = {.loss = sums[0],
+             .work = sums[1],
+             .impulse = Eigen::Map<const Vector<dim>>(sums + 2),
+             .of_nodes = Eigen::Map<const Vector<dim>>(sums + 2 + dim)};
 }
 
 template <int dim>

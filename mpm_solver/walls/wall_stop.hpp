@@ -10,16 +10,16 @@
 
 namespace gabion::mpm {
 
-/// Walls stop the soil at the start of a step: impulses J of the held nodes, after which the
-/// velocity that the points have there is that of the walls,
+/// Walls stop the soil at the start of a step: impulses J of the held nodes, after which the points
+/// have there what they would have if they moved with the nodes,
 ///
-///     (1 - Q) (v + W J) = w / dt ,  J = (1 - Q) J ,  dv_p = sum_i rho_ip J_i / m_p ,
-///     W_ij = sum_p rho_ip rho_jp / m_p ,  rho_ip = N_ip m_p / m_i
+///     (1 - Q) (v + W J) = (1 - Q) S (Q v + w / dt) ,  J = (1 - Q) J ,  dv_p = sum_i rho_ip J_i /
+///     m_p W_ij = sum_p rho_ip rho_jp / m_p ,  S_ij = sum_p rho_ip N_jp ,  rho_ip = N_ip m_p / m_i
 ///
-/// with Q and w of WallConditions. This is the plastic impact of the points: no other change of
-/// their velocities that meets the walls takes less kinetic energy. The first term of the search
-/// below, J_i = m_i (Q v_i - v_i), leaves the points a share of what the walls stop, which comes
-/// back with the next mapping: then the loss depends on the number of steps.
+/// with Q and w of WallConditions. This is the plastic impact of the points: of all changes of
+/// their velocities that meet the condition it takes the least kinetic energy. The mapped v of soil
+/// that shears over a wall is not zero there, S tells how much is no motion through the wall.
+/// Stopping the nodes instead, m_i (Q v_i - v_i), would brake such soil in each step anew.
 ///
 /// Found by `num_sweeps` Chebyshev iterations for eigenvalues of m W from `least` to 1, its upper
 /// bound: a fixed linear map, which asks for no sums over all nodes. It leaves 0.04 of a mode at
@@ -31,7 +31,8 @@ class WallStop {
   static constexpr int num_sweeps = 10;
   static constexpr double least = 0.04;
 
-  /// Stop the points; nodes.v becomes the velocity mapped from them after that.
+  /// Stop the points; nodes.v becomes the velocity mapped from them after that, at the held nodes
+  /// that of the walls.
   /// @param nodes  with the walls' nodes selected. @note Collective.
   void find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
             const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes);
@@ -40,13 +41,15 @@ class WallStop {
 
   /// Give the points what `find` gave the nodes.
   void kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const;
-  bool acts() const { return !J_.empty(); }
+  bool acts() const { return acts_; }                        ///< on any rank
   const std::vector<double>& impulse() const { return J_; }  ///< num_nodes x dim [N s]; @pre acts
   /// Of all ranks.
   struct Totals {
     double loss = 0;                            ///< kinetic energy of the points [J]
     double work = 0;                            ///< of walls that move, on the points [J]
     Vector<dim> impulse = Vector<dim>::Zero();  ///< on the points [N s]
+    /// Momentum of the nodes that the points do not have [N s].
+    Vector<dim> of_nodes = Vector<dim>::Zero();
   };
   const Totals& totals() const { return totals_; }
 
@@ -67,8 +70,11 @@ class WallStop {
                     const WallConditions<dim>& walls, const GridNodes<dim>& nodes);
   void search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes, std::vector<double> r);
   void respond(const SharedNodes& shared, std::span<const double> impulse, std::span<double> dv);
+  std::vector<double> smooth(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                             std::span<const double> v) const;
   void move_nodes(const PointWeights<dim>& weights, GridNodes<dim>& nodes) const;
 
+  bool acts_ = false;
   std::vector<Touch> touches_;  // of this rank
   std::vector<Value> values_;
   std::vector<double> J_;

@@ -61,15 +61,15 @@ TEST(ExplicitStep, momentum_is_the_impulse_of_gravity_and_walls) {
 TEST(ExplicitStep, energy_of_yielding_soil_in_many_substeps) {
   Json json = falling(2, "quad4");
   Json& sand = json["bodies"][0]["material"];
-  sand = elastic_soil("mohr_coulomb", 1e5, 0.3, 1000);
+  sand = elastic_soil("mohr_coulomb", 2e6, 0.3, 1000);
   sand["friction_angle"] = 30;
   json["walls"] = {wall("bottom", "fixed")};
   const auto solver = make_mpm(json);
-  run_steps(*solver, 0.01, 40);
-  EXPECT_GT(solver->summary()["explicit"]["substeps"], 200);
+  run_steps(*solver, 0.02, 20);
+  EXPECT_GT(solver->summary()["explicit"]["substeps"], 80);
   const double fallen = probe(*solver, "gravity_work");
   EXPECT_GT(probe(*solver, "plastic_dissipation"), 0.5 * fallen);
-  EXPECT_LT(std::abs(probe(*solver, "energy_balance")), 1e-3 * fallen);
+  EXPECT_LT(std::abs(probe(*solver, "energy_balance")), 5e-3 * fallen);
 }
 
 /// A point on the face between two cells has no weight at nodes that feel its stress.
