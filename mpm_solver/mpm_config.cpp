@@ -28,13 +28,13 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   SmallCutSettings settings;
   const std::string word = in.choice("method");
   if (word != "auto") settings.method = small_cut_methods.at(word);
-  if (settings.method == SmallCutMethod::ghost && mpm.basis == Basis::bspline) {
+  if (settings.method == SmallCutMethod::ghost && mpm.grid.basis == Basis::bspline) {
     in.fail("method",
             fmt::format("found \"ghost\" with \"basis\": \"{}\", allowed: none, mass_cutoff",
-                        basis_name(mpm.basis)));
+                        basis_name(mpm.grid.basis)));
   }
   const auto used = [&](SmallCutMethod method) {
-    return any_has_method(method, settings, mpm.basis, mpm.phases);
+    return any_has_method(method, settings, mpm.grid.basis, mpm.phases);
   };
   const bool at_rest = std::any_of(mpm.phases.begin(), mpm.phases.end(),
                                    [](const Phase& phase) { return !phase.dynamic; });
@@ -53,13 +53,32 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   return settings;
 }
 
+// A box of rectangles or bricks is never made a mesh.
+template <int dim>
+BackgroundGrid<dim> read_grid(const Scene& scene, ConfigReader in) {
+  auto read = read_box_or_mesh<dim>(scene, in);
+  if (auto* mesh = std::get_if<Mesh<dim>>(&read)) {
+    return BackgroundGrid<dim>(std::move(*mesh));
+  }
+  const auto& box = std::get<BoxShape<dim>>(read);
+  try {
+    if (box.cell_type == BoxGrid<dim>::cell_type) {
+      return BackgroundGrid<dim>(BoxGrid<dim>(box.low, box.high, box.num_cells));
+    }
+    return BackgroundGrid<dim>(
+        box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate));
+  } catch (const ConfigError& error) {
+    in.fail("box/cells", error.what());
+  }
+}
+
 // Basis of the grid; only cells in rows have a choice. Domains fill a body of boxes or columns.
 template <int dim>
-Basis read_basis(ConfigReader& in, const Mesh<dim>& grid,
+Basis read_basis(ConfigReader& in, const BackgroundGrid<dim>& grid,
                  const std::vector<PointLayout<dim>>& layouts) {
   static const std::map<std::string, Basis> bases = {
       {"linear", Basis::linear}, {"gimp", Basis::gimp}, {"bspline", Basis::bspline}};
-  const bool in_rows = box_grid(grid).has_value();
+  const bool in_rows = grid.box.has_value();
   const auto other =
       std::find_if(layouts.begin(), layouts.end(),
                    [](const PointLayout<dim>& layout) { return !has_columns<dim>(layout.mesh); });
@@ -121,7 +140,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     settings.layouts.back().mesh = read_mesh<dim>(scene, item.object("mesh"));
     warn_of_cell_groups(settings.layouts.back().mesh, item.where("mesh"));
   }
-  settings.basis = read_basis(in, settings.grid, settings.layouts);
+  settings.grid.basis = read_basis(in, settings.grid, settings.layouts);
   for (std::size_t b = 0; b < items.size(); ++b) {
     ConfigReader& item = items[b];
     Body<dim> body;
@@ -129,9 +148,9 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     body.name = item.name("name");
     layout.points_per_cell = item.integer("points_per_cell");
     check_point_rule<dim>(item, "points_per_cell", layout.mesh.cell_type, layout.points_per_cell);
-    layout.placement = read_placement(item, layout.mesh, settings.basis);
-    layout.with_domains = settings.basis == Basis::gimp;
-    if (layout.with_domains) check_domains(item, layout, box_grid(settings.grid)->spacing);
+    layout.placement = read_placement(item, layout.mesh, settings.grid.basis);
+    layout.with_domains = settings.grid.basis == Basis::gimp;
+    if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
     body.material = read_material<dim>(item.object("material"));
     settings.initial_stress.emplace_back();
@@ -199,7 +218,7 @@ template <int dim>
 void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
   for (const Phase& phase : settings.phases) {
     if (!phase.is_explicit()) continue;
-    if (method_in(settings.small_cuts, settings.basis, true) == SmallCutMethod::ghost) {
+    if (method_in(settings.small_cuts, settings.grid.basis, true) == SmallCutMethod::ghost) {
       in.fail("small_cuts", "found \"ghost\", allowed with explicit steps: none, mass_cutoff");
     }
     if (settings.tpic) {
@@ -259,7 +278,7 @@ void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
 template <int dim>
 MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSettings* alone) {
   MpmSettings<dim> settings;
-  settings.grid = read_mesh<dim>(scene, in.object("grid"));
+  settings.grid = read_grid<dim>(scene, in.object("grid"));
   settings.phases = read_phases(in, dim);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));

@@ -32,8 +32,7 @@ struct PointProbe {
 /// mpm.json.
 template <int dim>
 struct MpmSettings {
-  Mesh<dim> grid;
-  Basis basis = Basis::linear;
+  BackgroundGrid<dim> grid;
   std::vector<Body<dim>> bodies;
   std::string bodies_where;               ///< their place in the config, for error messages
   std::vector<PointLayout<dim>> layouts;  ///< of each body

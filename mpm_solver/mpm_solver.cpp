@@ -22,12 +22,7 @@ void check_surfaces(const SoilModel<dim>& model, const MaterialPoints<dim>& poin
       vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
     }
   }
-  Vector<dim> low = model.grid.mesh.nodes.front(), high = low;
-  for (const Vector<dim>& x : model.grid.mesh.nodes) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  check_start<dim>(model.comm, surfaces, points, model.cell_size, (high - low).norm());
+  check_start<dim>(model.comm, surfaces, points, model.cell_size, diagonal(model.grid));
 }
 
 }  // namespace

@@ -39,16 +39,15 @@ BoundaryPoints<dim>::BoundaryPoints(const ContactSettings<dim>& settings,
 // will do.
 template <int dim>
 std::int32_t BoundaryPoints<dim>::find_cell(const SoilSurface<dim>& soil, const Point& b) const {
-  const CellLocator<dim>& locator = soil.grid.locator;
-  const std::int32_t cell = locator.locate(b.x, b.cell);
-  if (cell < 0 || soil.occupied[cell] != 0) return cell;
-  for (const std::int32_t other : locator.cells_at(b.x)) {
-    if (soil.occupied[other] != 0) return other;
+  const std::int32_t cell = soil.grid.locate(b.x, b.cell);
+  if (cell < 0 || soil.has_points(cell)) return cell;
+  for (const std::int32_t other : soil.grid.cells_at(b.x)) {
+    if (soil.has_points(other)) return other;
   }
-  const double farthest = b.has_soil ? shortest_edge(soil.grid.mesh, cell) : soil.reach;
+  const double farthest = b.has_soil ? shortest_edge(soil.grid, cell) : soil.reach;
   for (const double share : {0.25, 0.5, 0.75, 1.0}) {
-    const std::int32_t ahead = locator.locate(b.x + share * farthest * b.normal, cell);
-    if (ahead >= 0 && soil.occupied[ahead] != 0) return ahead;
+    const std::int32_t ahead = soil.grid.locate(b.x + share * farthest * b.normal, cell);
+    if (ahead >= 0 && soil.has_points(ahead)) return ahead;
   }
   return cell;
 }
@@ -65,8 +64,8 @@ std::vector<std::int32_t> BoundaryPoints<dim>::find_nodes(const SoilSurface<dim>
   if (rank_of(soil.comm) != 0) return nodes;
   find_cells(soil);
   for (const Point& b : points_) {
-    if (b.cell < 0 || soil.occupied[b.cell] == 0) continue;
-    const auto of_cell = soil.grid.mesh.cell(b.cell);
+    if (b.cell < 0 || !soil.has_points(b.cell)) continue;
+    const CellList of_cell = soil.grid.cell(b.cell);
     nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
   }
   return nodes;
@@ -74,25 +73,24 @@ std::vector<std::int32_t> BoundaryPoints<dim>::find_nodes(const SoilSurface<dim>
 
 template <int dim>
 void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
-  const Mesh<dim>& mesh = soil.grid.mesh;
   touching_.clear();
   dt_ = soil.dt;
   if (rank_of(soil.comm) != 0) return;
   if (!cells_found_) find_cells(soil);
   cells_found_ = false;
-  nodes_per_cell_ = mesh.nodes_per_cell();
+  nodes_per_cell_ = soil.grid.nodes_per_cell();
   ShapeValues<dim> shape;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& b = points_[k];
     b.trial = {};
     b.gap_trial.setZero();
-    if (b.cell < 0 || soil.occupied[b.cell] == 0) {
+    if (b.cell < 0 || !soil.has_points(b.cell)) {
       b.gap.setZero();
       continue;
     }
-    shape_functions<dim>(mesh.cell_type, soil.grid.locator.local_coordinates(b.cell, b.x), shape);
+    shape_functions<dim>(soil.grid.cell_type, soil.grid.local_coordinates(b.cell, b.x), shape);
     std::copy_n(shape.N, nodes_per_cell_, b.N);
-    const auto cell = mesh.cell(b.cell);
+    const CellList cell = soil.grid.cell(b.cell);
     for (int i = 0; i < nodes_per_cell_; ++i) b.nodes[i] = soil.nodes.active[cell[i]];
     touching_.push_back(static_cast<std::int32_t>(k));
   }

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/run/state.hpp"
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
-#include "common/mechanics/petsc/packet.hpp"
 
 namespace gabion::mpm {
 
@@ -26,7 +26,8 @@ struct SoilSurface {
   const MaterialPoints<dim>& points;  ///< of this rank
   const PointWeights<dim>& weights;   ///< of this rank's points
   /// 1 for grid cells with a point of any rank; on the first rank, where a contact asks_for_cells
-  std::span<const std::int32_t> occupied{};
+  const SparseList<char>* occupied = nullptr;
+  bool has_points(std::int32_t cell) const { return (*occupied)[cell] != 0; }
   double reach = 0;                  ///< how far soil extends beyond its points [m]
   double cell_size = 0;              ///< mean [m]
   double dt = 0;                     ///< of the step [s]

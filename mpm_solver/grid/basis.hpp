@@ -2,58 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "common/mechanics/mesh/mesh.hpp"
-#include "mpm_solver/grid/box_grid.hpp"
-#include "mpm_solver/grid/cell_locator.hpp"
-#include "mpm_solver/grid/cell_patches.hpp"
+#include "mpm_solver/grid/background_grid.hpp"
 #include "mpm_solver/points/material_points.hpp"
 
 namespace gabion::mpm {
-
-/// Functions of the grid nodes that carry the points: linear on any mesh; on a BoxGrid also those
-/// of axis_basis.hpp.
-enum class Basis { linear, gimp, bspline };
-const char* basis_name(Basis basis);
-
-/// The background grid: a mesh that stays where it is, its basis, and where a position lies in it.
-template <int dim>
-struct BackgroundGrid {
-  /// @throws Error  gimp or bspline on a mesh that is no BoxGrid
-  explicit BackgroundGrid(Mesh<dim> mesh_, Basis basis_ = Basis::linear);
-  BackgroundGrid(const BackgroundGrid&) = delete;  // locator refers to mesh
-  BackgroundGrid& operator=(const BackgroundGrid&) = delete;
-  BackgroundGrid(BackgroundGrid&&) = delete;
-  BackgroundGrid& operator=(BackgroundGrid&&) = delete;
-  ~BackgroundGrid() = default;
-
-  Mesh<dim> mesh;
-  CellLocator<dim> locator;
-  std::optional<BoxGrid<dim>> box;  ///< where the mesh is one
-  Basis basis;
-  CellPatches patches;  ///< cells whose points form one group; empty: each cell for itself
-  /// Cells at the border of the soil have a group for each half (SoilBorder): bspline with F-bar.
-  bool splits_border = false;
-
-  /// The first cell of the cell's patch; without patches the cell itself.
-  std::int32_t first_of_patch(std::int32_t cell) const {
-    return patches.size() > 0 ? patches.first_of[cell] : cell;
-  }
-  /// What decides about the rank that has the points of a cell: the centre of the cell, or of the
-  /// first cell of its patch [m].
-  Vector<dim> home(std::int32_t cell) const;
-};
-
-/// Shortest distance between two nodes of a cell [m].
-template <int dim>
-double shortest_edge(const Mesh<dim>& mesh, std::int32_t cell);
-
-/// Mean of shortest_edge() over the cells [m].
-template <int dim>
-double mean_cell_size(const Mesh<dim>& mesh);
 
 /// Largest number of nodes that act on the points of one cell: splines of a cell's two halves,
 /// or domains that reach into the cells on both sides.
@@ -70,6 +25,11 @@ struct CellGroup {
   std::int32_t last = 0;
   std::int32_t first_node = 0;
   std::int32_t num_nodes = 0;
+};
+
+/// The grid nodes of a group, and where they begin in PointWeights::group_nodes.
+struct GroupNodes : std::span<const std::int32_t> {
+  std::int32_t first = 0;
 };
 
 /// Shape functions of the grid at the material points, taken at the accepted positions and kept
@@ -105,17 +65,14 @@ struct PointWeights {
   const std::uint8_t* local_of(std::int32_t entry) const { return local.data() + starts[entry]; }
   const double* N_of(std::int32_t entry) const { return N.data() + starts[entry]; }
   const Vector<dim>* grad_of(std::int32_t entry) const { return grad_N.data() + starts[entry]; }
-  std::span<const std::int32_t> nodes_of(const CellGroup& group) const {
-    return {group_nodes.data() + group.first_node, static_cast<std::size_t>(group.num_nodes)};
+  GroupNodes nodes_of(const CellGroup& group) const {
+    return {{group_nodes.data() + group.first_node, static_cast<std::size_t>(group.num_nodes)},
+            group.first_node};
   }
 };
 
 template <int dim>
 class SoilBorder;
-
-/// The cell that holds x, sought from the cell `hint` on; -1 outside the grid.
-template <int dim>
-std::int32_t cell_of(const BackgroundGrid<dim>& grid, const Vector<dim>& x, std::int32_t hint);
 
 /// Find the cell of each point, starting from the cell it was in.
 /// @returns the points outside the grid, ascending; their cell is -1

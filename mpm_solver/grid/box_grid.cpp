@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/require.hpp"
+#include "common/mechanics/elements/cell_facets.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -13,23 +16,31 @@ namespace {
 constexpr int corner_steps[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                     {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
+// Place of a number in rows of these lengths.
 template <int dim>
-double largest_coordinate(const Mesh<dim>& mesh) {
-  double largest = 0;
-  for (const auto& x : mesh.nodes) largest = std::max(largest, x.cwiseAbs().maxCoeff());
-  return largest;
+Eigen::Matrix<int, dim, 1> place_of(std::int32_t number,
+                                    const Eigen::Matrix<int, dim, 1>& lengths) {
+  Eigen::Matrix<int, dim, 1> at;
+  for (int d = 0; d + 1 < dim; ++d) {
+    at[d] = number % lengths[d];
+    number /= lengths[d];
+  }
+  at[dim - 1] = number;
+  return at;
 }
 
 template <int dim>
-bool has_node_order(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
-  typename BoxGrid<dim>::Index at = BoxGrid<dim>::Index::Zero();
-  for (const auto& x : mesh.nodes) {
-    const Vector<dim> offset = grid.lattice_position(x) - at.template cast<double>();
+double coordinate(const BoxGrid<dim>& grid, int axis, int at) {
+  const double low = grid.low[axis], high = grid.high[axis];
+  return at == grid.num_cells[axis] ? high : low + (high - low) * at / grid.num_cells[axis];
+}
+
+template <int dim>
+bool has_node_positions(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
+  for (std::int32_t n = 0; n < mesh.num_nodes_total(); ++n) {
+    const Vector<dim> offset =
+        grid.lattice_position(mesh.nodes[n]) - grid.lattice_position(grid.node_position(n));
     if (!((offset.cwiseAbs() - grid.tolerance).maxCoeff() <= 0)) return false;
-    for (int d = 0; d < dim; ++d) {
-      if (++at[d] <= grid.num_cells[d]) break;
-      at[d] = 0;
-    }
   }
   return true;
 }
@@ -37,18 +48,33 @@ bool has_node_order(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
 template <int dim>
 bool has_cell_order(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    const auto index = grid.cell_index(c);
-    const auto cell = mesh.cell(c);
-    for (std::size_t a = 0; a < cell.size(); ++a) {
-      auto at = index;
-      for (int d = 0; d < dim; ++d) at[d] += corner_steps[a][d];
-      if (cell[a] != grid.node(at)) return false;
-    }
+    const auto nodes = grid.cell_nodes(c);
+    if (!std::equal(nodes.begin(), nodes.end(), mesh.cell(c).begin())) return false;
   }
   return true;
 }
 
 }  // namespace
+
+template <int dim>
+BoxGrid<dim>::BoxGrid(const Vector<dim>& low_, const Vector<dim>& high_, const Index& num_cells_)
+    : low(low_), high(high_), num_cells(num_cells_) {
+  std::int64_t num_nodes = 1;
+  for (int d = 0; d < dim; ++d) {
+    require<ConfigError>(low[d] < high[d],
+                         "box, axis {}: found low {} and high {}, allowed: low < high", d, low[d],
+                         high[d]);
+    require<ConfigError>(num_cells[d] >= 1, "box, axis {}: found {} cells, allowed: at least 1", d,
+                         num_cells[d]);
+    num_nodes *= std::int64_t{num_cells[d]} + 1;
+    require<ConfigError>(num_nodes <= std::numeric_limits<std::int32_t>::max(),
+                         "box: found more cells than 32-bit indices can count");
+    spacing[d] = (high[d] - low[d]) / num_cells[d];
+  }
+  const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  tolerance = (16 * std::numeric_limits<double>::epsilon() * largest) * spacing.cwiseInverse() +
+              Vector<dim>::Constant(1e-12);
+}
 
 template <int dim>
 std::int32_t BoxGrid<dim>::locate(const Vector<dim>& x) const {
@@ -64,13 +90,26 @@ std::int32_t BoxGrid<dim>::locate(const Vector<dim>& x) const {
 }
 
 template <int dim>
-typename BoxGrid<dim>::Index BoxGrid<dim>::cell_index(std::int32_t cell) const {
-  Index at;
-  for (int d = 0; d < dim; ++d) {
-    at[d] = cell % num_cells[d];
-    cell /= num_cells[d];
+std::vector<std::int32_t> BoxGrid<dim>::cells_at(const Vector<dim>& x) const {
+  const Vector<dim> t = lattice_position(x);
+  std::vector<std::int32_t> cells(1, 0);
+  for (int d = dim - 1; d >= 0; --d) {
+    // Written so that NaN is outside.
+    if (!(t[d] >= -tolerance[d] && t[d] <= num_cells[d] + tolerance[d])) return {};
+    const int first = std::max(static_cast<int>(std::ceil(t[d] - tolerance[d])) - 1, 0);
+    const int last = std::min(static_cast<int>(std::floor(t[d] + tolerance[d])), num_cells[d] - 1);
+    std::vector<std::int32_t> rows;
+    for (const std::int32_t cell : cells) {
+      for (int at = first; at <= last; ++at) rows.push_back(cell * num_cells[d] + at);
+    }
+    cells = std::move(rows);
   }
-  return at;
+  return cells;
+}
+
+template <int dim>
+typename BoxGrid<dim>::Index BoxGrid<dim>::cell_index(std::int32_t cell) const {
+  return place_of<dim>(cell, num_cells);
 }
 
 template <int dim>
@@ -81,31 +120,114 @@ std::int32_t BoxGrid<dim>::node(const Index& at) const {
 }
 
 template <int dim>
-std::optional<BoxGrid<dim>> box_grid(const Mesh<dim>& mesh) {
-  if (mesh.cell_type != (dim == 2 ? CellType::quad4 : CellType::hex8) || mesh.num_cells() == 0) {
-    return std::nullopt;
+Vector<dim> BoxGrid<dim>::node_position(std::int32_t node) const {
+  const Index at = place_of<dim>(node, num_cells + Index::Ones());
+  Vector<dim> x;
+  for (int d = 0; d < dim; ++d) x[d] = coordinate(*this, d, at[d]);
+  return x;
+}
+
+template <int dim>
+typename BoxGrid<dim>::CellNodes BoxGrid<dim>::cell_nodes(std::int32_t cell) const {
+  CellNodes nodes;
+  const std::int32_t first = node(cell_index(cell));
+  for (int a = 0; a < (1 << dim); ++a) {
+    nodes[a] = first;
+    for (int d = 0, stride = 1; d < dim; stride *= num_cells[d++] + 1) {
+      nodes[a] += corner_steps[a][d] * stride;
+    }
   }
-  // The opposite corners of the mesh and of its first cell give the rows.
-  BoxGrid<dim> grid;
-  grid.low = mesh.nodes.front();
-  const Vector<dim> size = mesh.nodes.back() - grid.low;
-  const Vector<dim> first = mesh.nodes[mesh.cell(0)[dim == 2 ? 2 : 6]] - grid.low;
-  std::int64_t num_cells = 1;
+  return nodes;
+}
+
+template <int dim>
+std::array<std::int32_t, 2 * dim> BoxGrid<dim>::neighbours(std::int32_t cell) const {
+  std::array<std::int32_t, 2 * dim> result;
+  const Index at = cell_index(cell);
+  std::int32_t stride = 1;
   for (int d = 0; d < dim; ++d) {
-    const double count = std::round(size[d] / first[d]);
-    if (!(first[d] > 0 && count >= 1 && count <= mesh.num_cells())) return std::nullopt;
-    grid.num_cells[d] = static_cast<int>(count);
-    grid.spacing[d] = size[d] / count;
-    num_cells *= grid.num_cells[d];
-    if (num_cells > mesh.num_cells()) return std::nullopt;
+    result[2 * d] = at[d] > 0 ? cell - stride : -1;
+    result[2 * d + 1] = at[d] + 1 < num_cells[d] ? cell + stride : -1;
+    stride *= num_cells[d];
   }
-  grid.tolerance = (16 * std::numeric_limits<double>::epsilon() * largest_coordinate(mesh)) *
-                       grid.spacing.cwiseInverse() +
-                   Vector<dim>::Constant(1e-12);
+  return result;
+}
+
+template <int dim>
+std::vector<std::int32_t> BoxGrid<dim>::cells_around(std::int32_t node) const {
+  const Index at = place_of<dim>(node, num_cells + Index::Ones());
+  std::vector<std::int32_t> cells(1, 0);
+  for (int d = dim - 1; d >= 0; --d) {
+    std::vector<std::int32_t> rows;
+    for (const std::int32_t cell : cells) {
+      for (int i = std::max(at[d] - 1, 0); i <= std::min(at[d], num_cells[d] - 1); ++i) {
+        rows.push_back(cell * num_cells[d] + i);
+      }
+    }
+    cells = std::move(rows);
+  }
+  return cells;
+}
+
+template <int dim>
+bool BoxGrid<dim>::at_side(std::int32_t cell) const {
+  const Index at = cell_index(cell);
+  return at.minCoeff() == 0 || (num_cells - at).minCoeff() == 1;
+}
+
+template <int dim>
+double BoxGrid<dim>::shortest_edge(std::int32_t cell) const {
+  const Index at = cell_index(cell);
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < dim; ++d) {
+    shortest = std::min(shortest, coordinate(*this, d, at[d] + 1) - coordinate(*this, d, at[d]));
+  }
+  return shortest;
+}
+
+template <int dim>
+FacetGroups BoxGrid<dim>::sides() const {
+  FacetGroups groups;
+  for (int side = 0; side < 2 * dim; ++side) {
+    const int axis = side / 2, end = side % 2;
+    const auto corners = facet_nodes(cell_type, brick_facet(dim, axis, end));
+    auto& facets = groups[box_side_name(dim, axis, end)];
+    Index layer = num_cells;
+    layer[axis] = 1;
+    for (std::int32_t k = 0; k < layer.prod(); ++k) {
+      Index at = place_of<dim>(k, layer);
+      if (end == 1) at[axis] = num_cells[axis] - 1;
+      for (const int a : corners) {
+        Index corner = at;
+        for (int d = 0; d < dim; ++d) corner[d] += corner_steps[a][d];
+        facets.push_back(node(corner));
+      }
+    }
+  }
+  return groups;
+}
+
+template <int dim>
+std::optional<BoxGrid<dim>> box_grid(const Mesh<dim>& mesh) {
+  if (mesh.cell_type != BoxGrid<dim>::cell_type || mesh.num_cells() == 0) return std::nullopt;
+  // The opposite corners of the mesh and of its first cell give the rows.
+  const Vector<dim> low = mesh.nodes.front(), high = mesh.nodes.back();
+  const Vector<dim> first = mesh.nodes[mesh.cell(0)[dim == 2 ? 2 : 6]] - low;
+  typename BoxGrid<dim>::Index num_cells;
+  std::int64_t total = 1;
+  for (int d = 0; d < dim; ++d) {
+    const double count = std::round((high[d] - low[d]) / first[d]);
+    if (!(first[d] > 0 && count >= 1 && count <= mesh.num_cells())) return std::nullopt;
+    num_cells[d] = static_cast<int>(count);
+    total *= num_cells[d];
+    if (total > mesh.num_cells()) return std::nullopt;
+  }
   const bool fits =
-      num_cells == mesh.num_cells() &&
-      (grid.num_cells.template cast<std::int64_t>().array() + 1).prod() == mesh.num_nodes_total();
-  if (!fits || !has_node_order(mesh, grid) || !has_cell_order(mesh, grid)) return std::nullopt;
+      total == mesh.num_cells() &&
+      (num_cells.template cast<std::int64_t>().array() + 1).prod() == mesh.num_nodes_total();
+  if (!fits) return std::nullopt;
+  const BoxGrid<dim> grid(low, high, num_cells);
+  if (!has_node_positions(mesh, grid) || !has_cell_order(mesh, grid)) return std::nullopt;
   return grid;
 }
 

@@ -23,9 +23,8 @@ constexpr double relative_tolerance = 1e-12;
 constexpr double tie_factor = 1000;  // of the tolerance: a neighbour may contain the point as well
 constexpr int max_walk = 100;        // cells; farther away the bins are cheaper
 
-// Facet numbers (see `facet_nodes`) opposite to vertex i of a simplex, and at xi_i = -1 and +1.
+// Facet numbers (see `facet_nodes`) opposite to vertex i of a simplex.
 constexpr int opposite_facet[2][4] = {{1, 2, 0, -1}, {3, 2, 1, 0}};
-constexpr int brick_facet[2][3][2] = {{{3, 1}, {0, 2}, {-1, -1}}, {{5, 3}, {2, 4}, {0, 1}}};
 
 /// x(xi) and dx/dxi.
 template <int dim>
@@ -227,8 +226,8 @@ inline typename CellLocator<dim>::Nearest CellLocator<dim>::nearest_facet(
     for (int i = 0; i < dim; ++i) visit(opposite_facet[dim - 2][i + 1], xi[i]);
   } else {
     for (int i = 0; i < dim; ++i) {
-      visit(brick_facet[dim - 2][i][0], 0.5 * (1.0 + xi[i]));
-      visit(brick_facet[dim - 2][i][1], 0.5 * (1.0 - xi[i]));
+      visit(brick_facet(dim, i, 0), 0.5 * (1.0 + xi[i]));
+      visit(brick_facet(dim, i, 1), 0.5 * (1.0 - xi[i]));
     }
   }
   return nearest;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/grid/grid_nodes.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "common/mechanics/ranks/sum.hpp"
@@ -13,17 +12,14 @@ void number_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                   std::vector<std::int32_t> grid_nodes, GridNodes<dim>& nodes) {
   const bool same = nodes.grid_node == grid_nodes;
   if (num_ranks(comm) > 1 && (nodes.shared.alone() || !nodes.shared.all(same))) {
-    nodes.shared = SharedNodes(comm, grid_nodes, grid.mesh.num_nodes_total());
+    nodes.shared = SharedNodes(comm, grid_nodes, grid.num_nodes_total());
   }
-  nodes.active.resize(grid.mesh.nodes.size(), -1);
-  for (const std::int32_t node : nodes.listed) nodes.active[node] = -1;
+  nodes.active.assign(grid.num_nodes_total(), -1);
   nodes.grid_node = std::move(grid_nodes);
-  nodes.listed = nodes.grid_node;
+  for (std::int32_t i = 0; i < nodes.size(); ++i) nodes.active.at(nodes.grid_node[i]) = i;
+  if (same && std::ssize(nodes.x) == nodes.size()) return;
   nodes.x.clear();
-  for (std::int32_t i = 0; i < nodes.size(); ++i) {
-    nodes.active[nodes.grid_node[i]] = i;
-    nodes.x.push_back(grid.mesh.nodes[nodes.grid_node[i]]);
-  }
+  for (const std::int32_t node : nodes.grid_node) nodes.x.push_back(grid.node(node));
 }
 
 template <int dim>
@@ -31,23 +27,27 @@ void activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                     const PointWeights<dim>& weights, std::span<const std::int32_t> others,
                     GridNodes<dim>& nodes) {
   constexpr std::int32_t found = 0;
-  nodes.active.resize(grid.mesh.nodes.size(), -1);
-  for (const std::int32_t node : nodes.listed) nodes.active[node] = -1;
-  nodes.listed.clear();
-  const auto list = [&nodes](std::span<const std::int32_t> grid_nodes) {
-    for (const std::int32_t node : grid_nodes) {
-      if (nodes.active[node] == found) continue;
-      nodes.active[node] = found;
-      nodes.listed.push_back(node);
-    }
-  };
-  for (const CellGroup& group : weights.groups) list(weights.nodes_of(group));
-  list(others);
-  std::vector<std::int32_t> grid_nodes = nodes.listed;
-  std::sort(grid_nodes.begin(), grid_nodes.end());
+  nodes.active.assign(grid.num_nodes_total(), -1);
+  for (const std::int32_t node : weights.group_nodes) nodes.active.at(node) = found;
+  for (const std::int32_t node : others) nodes.active.at(node) = found;
+  std::vector<std::int32_t> grid_nodes;
+  nodes.active.for_each([&](std::size_t node, std::int32_t) {
+    grid_nodes.push_back(static_cast<std::int32_t>(node));
+  });
   number_nodes(comm, grid, std::move(grid_nodes), nodes);
+  list_groups(weights, nodes);
 }
 
+template <int dim>
+void list_groups(const PointWeights<dim>& weights, GridNodes<dim>& nodes) {
+  nodes.of_groups.resize(weights.group_nodes.size());
+  for (std::size_t k = 0; k < nodes.of_groups.size(); ++k) {
+    nodes.of_groups[k] = nodes.active[weights.group_nodes[k]];
+  }
+}
+
+template void list_groups<2>(const PointWeights<2>&, GridNodes<2>&);
+template void list_groups<3>(const PointWeights<3>&, GridNodes<3>&);
 template void number_nodes<2>(MPI_Comm, const BackgroundGrid<2>&, std::vector<std::int32_t>,
                               GridNodes<2>&);
 template void number_nodes<3>(MPI_Comm, const BackgroundGrid<3>&, std::vector<std::int32_t>,

@@ -3,12 +3,14 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/mechanics/petsc/shared_nodes.hpp"
 #include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/sparse_list.hpp"
 
 namespace gabion::mpm {
 
@@ -18,25 +20,23 @@ namespace gabion::mpm {
 template <int dim>
 struct GridNodes {
   std::vector<std::int32_t> grid_node;  ///< of each active node
-  std::vector<std::int32_t> active;     ///< of each grid node; -1 = not active on this rank
-  std::vector<std::int32_t> listed;     ///< grid nodes that are active here
+  SparseList<std::int32_t> active;      ///< of each grid node; -1 = not active on this rank
+  std::vector<std::int32_t> of_groups;  ///< active numbers of PointWeights::group_nodes
   std::vector<Vector<dim>> x;           ///< position [m]
   std::vector<double> m;                ///< mass [kg]
   std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s], before the walls act
   std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]
   SharedNodes shared;          ///< with other ranks
 
-  /// Active numbers of the given grid nodes. @pre all are active
-  void list_active(std::span<const std::int32_t> grid_nodes, std::int32_t* numbers) const {
-    for (std::size_t i = 0; i < grid_nodes.size(); ++i) numbers[i] = active[grid_nodes[i]];
+  /// Active numbers of the nodes of a group.
+  void list_active(const GroupNodes& group, std::int32_t* numbers) const {
+    std::copy_n(of_groups.data() + group.first, group.size(), numbers);
   }
-  /// Values of a nodal field at the given grid nodes, dim each. @param field  size() x dim
-  void gather(std::span<const std::int32_t> grid_nodes, std::span<const double> field,
-              double* values) const {
-    for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
-      const double* at_node =
-          field.data() + static_cast<std::ptrdiff_t>(active[grid_nodes[i]]) * dim;
-      for (int d = 0; d < dim; ++d) values[i * dim + d] = at_node[d];
+  /// Values of a nodal field at the nodes of a group, dim each. @param field  size() x dim
+  void gather(const GroupNodes& group, std::span<const double> field, double* values) const {
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const std::ptrdiff_t node = of_groups[group.first + i];
+      for (int d = 0; d < dim; ++d) values[i * dim + d] = field[node * dim + d];
     }
   }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
@@ -59,6 +59,10 @@ template <int dim>
 void activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                     const PointWeights<dim>& weights, std::span<const std::int32_t> others,
                     GridNodes<dim>& nodes);
+
+/// List the active numbers of the nodes of the groups: after nodes were numbered or joined.
+template <int dim>
+void list_groups(const PointWeights<dim>& weights, GridNodes<dim>& nodes);
 
 /// Number these grid nodes as the active ones. @param grid_nodes  ascending, each once
 /// @note Collective.

@@ -42,7 +42,7 @@ void sort_by_patch(const CellPatches& patches, const MaterialPoints<dim>& points
 
 // Numbers of the cell's nodes within the group, which gets those that it does not have yet.
 template <int dim>
-void add_nodes(std::span<const std::int32_t> nodes, CellGroup& group, PointWeights<dim>& weights,
+void add_nodes(const CellList& nodes, CellGroup& group, PointWeights<dim>& weights,
                std::uint8_t* local) {
   auto& all = weights.group_nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -60,8 +60,7 @@ void add_nodes(std::span<const std::int32_t> nodes, CellGroup& group, PointWeigh
 template <int dim>
 void evaluate_patch_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& points,
                           PointWeights<dim>& weights) {
-  const Mesh<dim>& mesh = grid.mesh;
-  const int n = mesh.nodes_per_cell();
+  const int n = grid.nodes_per_cell();
   weights.constant_gradient = false;
   weights.whole_cells = false;
   weights.num_capped = 0;
@@ -78,13 +77,11 @@ void evaluate_patch_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<
       const std::int32_t p = weights.point[e];
       if (points.cell[p] != cell) {
         cell = points.cell[p];
-        const auto nodes = mesh.cell(cell);
-        add_nodes(nodes, group, weights, local);
-        for (int i = 0; i < n; ++i) corners[i] = mesh.nodes[nodes[i]];
+        add_nodes(grid.cell(cell), group, weights, local);
+        grid.corners(cell, corners);
       }
-      shape_functions<dim>(mesh.cell_type, grid.locator.local_coordinates(cell, points.x[p]),
-                           shape);
-      map_gradients<dim>(mesh.cell_type, corners, shape);
+      shape_functions<dim>(grid.cell_type, grid.local_coordinates(cell, points.x[p]), shape);
+      map_gradients<dim>(grid.cell_type, corners, shape);
       const std::int32_t row = weights.starts[e];
       std::copy_n(local, n, weights.local.begin() + row);
       std::copy_n(shape.N, n, weights.N.begin() + row);

@@ -2,7 +2,6 @@
 #include "mpm_solver/grid/soil_border.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "common/mechanics/petsc/packet.hpp"
@@ -10,26 +9,8 @@
 
 namespace gabion::mpm {
 
-namespace {
-
-// Cells before and after a cell along the axes; -1 beyond the grid.
 template <int dim>
-std::array<std::int32_t, 2 * dim> neighbours(const BoxGrid<dim>& box, std::int32_t cell) {
-  std::array<std::int32_t, 2 * dim> result;
-  const auto at = box.cell_index(cell);
-  std::int32_t stride = 1;
-  for (int d = 0; d < dim; ++d) {
-    result[2 * d] = at[d] > 0 ? cell - stride : -1;
-    result[2 * d + 1] = at[d] + 1 < box.num_cells[d] ? cell + stride : -1;
-    stride *= box.num_cells[d];
-  }
-  return result;
-}
-
-}  // namespace
-
-template <int dim>
-SoilBorder<dim>::SoilBorder(const CellOwners<dim>& owners, std::vector<std::int32_t> occupied)
+SoilBorder<dim>::SoilBorder(const CellOwners<dim>& owners, SparseList<char> occupied)
     : box_(*owners.grid.box), occupied_(std::move(occupied)) {
   if (num_ranks(owners.comm) > 1) exchange(owners);
 }
@@ -38,26 +19,26 @@ template <int dim>
 void SoilBorder<dim>::exchange(const CellOwners<dim>& owners) {
   const int own = rank_of(owners.comm);
   std::map<int, std::set<std::int32_t>> beside;
-  for (std::int32_t c = 0; c < std::ssize(occupied_); ++c) {
-    if (occupied_[c] == 0) continue;
-    for (const std::int32_t other : neighbours(box_, c)) {
+  occupied_.for_each([&](std::size_t place, char) {
+    const auto c = static_cast<std::int32_t>(place);
+    for (const std::int32_t other : box_.neighbours(c)) {
       if (other < 0) continue;
       const int rank = owners.of(other);
       if (rank != own) beside[rank].insert(c);
     }
-  }
+  });
   Packets out;
   for (const auto& [rank, cells] : beside) {
     for (const std::int32_t c : cells) out[rank].put(c);
   }
   for (auto& [rank, packet] : send_packets(owners.comm, out)) {
-    while (!packet.empty()) occupied_[packet.template take<std::int32_t>()] = 1;
+    while (!packet.empty()) occupied_.at(packet.template take<std::int32_t>()) = 1;
   }
 }
 
 template <int dim>
 int SoilBorder<dim>::axes(std::int32_t cell) const {
-  const auto beside = neighbours(box_, cell);
+  const auto beside = box_.neighbours(cell);
   int result = 0;
   for (int k = 0; k < 2 * dim; ++k) {
     if (beside[k] >= 0 && occupied_[beside[k]] == 0) result |= 1 << k / 2;
@@ -75,10 +56,10 @@ int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& 
 }
 
 template <int dim>
-std::vector<std::int32_t> cells_with_points(const BackgroundGrid<dim>& grid,
-                                            const MaterialPoints<dim>& points) {
-  std::vector<std::int32_t> occupied(grid.mesh.num_cells(), 0);
-  for (const std::int32_t cell : points.cell) occupied[cell] = 1;
+SparseList<char> cells_with_points(const BackgroundGrid<dim>& grid,
+                                   const MaterialPoints<dim>& points) {
+  SparseList<char> occupied(grid.num_cells(), 0);
+  for (const std::int32_t cell : points.cell) occupied.at(cell) = 1;
   return occupied;
 }
 
@@ -116,10 +97,8 @@ template class SoilBorder<2>;
 template class SoilBorder<3>;
 template int part_of_cell<2>(const BoxGrid<2>&, std::int32_t, const Vector<2>&);
 template int part_of_cell<3>(const BoxGrid<3>&, std::int32_t, const Vector<3>&);
-template std::vector<std::int32_t> cells_with_points<2>(const BackgroundGrid<2>&,
-                                                        const MaterialPoints<2>&);
-template std::vector<std::int32_t> cells_with_points<3>(const BackgroundGrid<3>&,
-                                                        const MaterialPoints<3>&);
+template SparseList<char> cells_with_points<2>(const BackgroundGrid<2>&, const MaterialPoints<2>&);
+template SparseList<char> cells_with_points<3>(const BackgroundGrid<3>&, const MaterialPoints<3>&);
 template void split_groups<2>(const SoilBorder<2>&, const BoxGrid<2>&, const MaterialPoints<2>&,
                               PointWeights<2>&);
 template void split_groups<3>(const SoilBorder<3>&, const BoxGrid<3>&, const MaterialPoints<3>&,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/cell_owners.hpp"
+#include "mpm_solver/grid/sparse_list.hpp"
 
 namespace gabion::mpm {
 
@@ -19,21 +20,20 @@ namespace gabion::mpm {
 template <int dim>
 class SoilBorder {
  public:
-  /// @param occupied  of all cells: 1 for those of this rank that hold a point of any body
+  /// @param occupied  1 for the cells of this rank that hold a point of any body
   /// @note Collective: ranks learn of the occupied cells beside their own ones.
-  SoilBorder(const CellOwners<dim>& owners, std::vector<std::int32_t> occupied);
+  SoilBorder(const CellOwners<dim>& owners, SparseList<char> occupied);
 
   /// Of a cell: its halves along all axes.
   static constexpr int num_parts = 1 << dim;
   /// Bit d: the cell has a neighbour without points along axis d.
   int axes(std::int32_t cell) const;
-  bool is_occupied(std::int32_t cell) const { return occupied_[cell] != 0; }
 
  private:
   void exchange(const CellOwners<dim>& owners);
 
   const BoxGrid<dim>& box_;
-  std::vector<std::int32_t> occupied_;
+  SparseList<char> occupied_;
 };
 
 /// Bit d: x lies in the upper half of the cell along axis d.
@@ -42,8 +42,8 @@ int part_of_cell(const BoxGrid<dim>& box, std::int32_t cell, const Vector<dim>& 
 
 /// 1 for each cell of the grid with a point of this rank, else 0. @pre all points are in the grid
 template <int dim>
-std::vector<std::int32_t> cells_with_points(const BackgroundGrid<dim>& grid,
-                                            const MaterialPoints<dim>& points);
+SparseList<char> cells_with_points(const BackgroundGrid<dim>& grid,
+                                   const MaterialPoints<dim>& points);
 
 /// Part the groups of cells at the border into their halves.
 /// @param[in,out] weights  `point` and `groups` as sorted by cell

@@ -37,8 +37,9 @@ constexpr double bytes_of_trial_point() {
 
 template <int dim>
 double bytes_of(const GridNodes<dim>& nodes) {
-  return bytes_of(nodes.grid_node) + bytes_of(nodes.active) + bytes_of(nodes.listed) +
-         bytes_of(nodes.x) + bytes_of(nodes.m) + bytes_of(nodes.v) + bytes_of(nodes.a);
+  return bytes_of(nodes.grid_node) + static_cast<double>(nodes.active.bytes()) +
+         bytes_of(nodes.of_groups) + bytes_of(nodes.x) + bytes_of(nodes.m) + bytes_of(nodes.v) +
+         bytes_of(nodes.a);
 }
 
 // Alone: with PETSc's list of columns.

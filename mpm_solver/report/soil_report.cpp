@@ -56,8 +56,7 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
             locking.reason);
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
-      model_.grid.mesh.num_cells(), model_.grid.mesh.num_nodes_total(), model_.cell_size,
-      model_.wave_speed);
+      model_.grid.num_cells(), model_.grid.num_nodes_total(), model_.cell_size, model_.wave_speed);
   std::vector<double> counts = {static_cast<double>(state.points.size()),
                                 static_cast<double>(weights.N.size())};
   sum_over_ranks(model_.comm, std::span<double>(counts));
@@ -171,8 +170,8 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"locking", locking},
                   {"bodies", settings.bodies.size()},
                   {"points", num_points},
-                  {"grid_cells", model_.grid.mesh.num_cells()},
-                  {"grid_nodes", model_.grid.mesh.num_nodes_total()},
+                  {"grid_cells", model_.grid.num_cells()},
+                  {"grid_nodes", model_.grid.num_nodes_total()},
                   {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points) +
                                       ContactOutput<dim>::frame_bytes(settings)},
                   {"capped_domains", static_cast<std::int64_t>(sums[0])},

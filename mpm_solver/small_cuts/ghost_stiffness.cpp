@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <variant>
 
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/grid/box_basis.hpp"
 
@@ -29,15 +31,13 @@ double young_modulus(const MaterialLaw<dim>& law) {
 /// dN/dn of a cell's nodes at x.
 template <int dim>
 std::array<double, max_cell_nodes> normal_slopes(const BackgroundGrid<dim>& grid, std::int32_t cell,
-                                                 const Vector<dim>& x, const Vector<dim>& n) {
-  Vector<dim> corners[max_cell_nodes];
-  const auto nodes = grid.mesh.cell(cell);
-  for (std::size_t a = 0; a < nodes.size(); ++a) corners[a] = grid.mesh.nodes[nodes[a]];
+                                                 const Vector<dim>* corners, const Vector<dim>& x,
+                                                 const Vector<dim>& n) {
   ShapeValues<dim> shape;
-  shape_functions<dim>(grid.mesh.cell_type, grid.locator.local_coordinates(cell, x), shape);
-  map_gradients<dim>(grid.mesh.cell_type, corners, shape);
+  shape_functions<dim>(grid.cell_type, grid.local_coordinates(cell, x), shape);
+  map_gradients<dim>(grid.cell_type, corners, shape);
   std::array<double, max_cell_nodes> slopes{};
-  for (std::size_t a = 0; a < nodes.size(); ++a) slopes[a] = shape.dN[a].dot(n);
+  for (int a = 0; a < grid.nodes_per_cell(); ++a) slopes[a] = shape.dN[a].dot(n);
   return slopes;
 }
 
@@ -46,8 +46,7 @@ struct SharedNodes {
   std::array<std::size_t, max_cell_nodes> place{};  // of the neighbour's nodes in the list
 };
 
-SharedNodes nodes_of_both(std::span<const std::int32_t> own,
-                          std::span<const std::int32_t> neighbour) {
+SharedNodes nodes_of_both(const CellList& own, const CellList& neighbour) {
   SharedNodes nodes{.list = {own.begin(), own.end()}};
   auto& list = nodes.list;
   for (std::size_t a = 0; a < neighbour.size(); ++a) {
@@ -61,10 +60,9 @@ SharedNodes nodes_of_both(std::span<const std::int32_t> own,
 }  // namespace
 
 template <int dim>
-GhostStiffness<dim>::GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies,
-                                    double factor)
-    : factor_(factor), starts_(1, 0) {
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) cell_volumes_.push_back(cell_volume(mesh, c));
+GhostStiffness<dim>::GhostStiffness(const BackgroundGrid<dim>& grid,
+                                    const std::vector<Body<dim>>& bodies, double factor)
+    : grid_(grid), factor_(factor), starts_(1, 0) {
   for (const auto& body : bodies) young_modulus_.push_back(young_modulus<dim>(body.material.law));
 }
 
@@ -72,13 +70,13 @@ template <int dim>
 void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights) {
-  volume_.assign(cell_volumes_.size(), 0);
-  stiffness_.assign(cell_volumes_.size(), 0);
-  const bool has_domains = owners.grid.basis == Basis::gimp;
+  soil_.assign(grid_.num_cells(), {});
+  const bool has_domains = grid_.basis == Basis::gimp;
   for (const CellGroup& group : weights.groups) {
     const auto add = [&](std::int32_t cell, double volume) {
-      volume_[cell] += volume;
-      stiffness_[cell] += young_modulus_[group.body] * volume;
+      CellSoil& soil = soil_.at(cell);
+      soil.volume += volume;
+      soil.stiffness += young_modulus_[group.body] * volume;
     };
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
@@ -87,13 +85,58 @@ void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
         add(group.cell, volume);
         continue;
       }
-      for (const auto& part : cells_of_domain(*owners.grid.box, points, p)) {
+      for (const auto& part : cells_of_domain(*grid_.box, points, p)) {
         add(part.cell, part.share * volume);
       }
     }
   }
-  sum_over_ranks(owners.comm, std::span<double>(volume_));
-  sum_over_ranks(owners.comm, std::span<double>(stiffness_));
+  if (num_ranks(owners.comm) > 1) share_cells(owners);
+}
+
+// Sum up the soil of each cell where it belongs, and show it to the ranks of the cells beside it.
+template <int dim>
+void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
+  const int own = rank_of(owners.comm);
+  Packets parts, sums;
+  const auto put = [](Packet& packet, std::size_t cell, const CellSoil& soil) {
+    packet.put(static_cast<std::int32_t>(cell));
+    packet.put(soil.volume);
+    packet.put(soil.stiffness);
+  };
+  const auto take = [](Packet& packet) {
+    CellSoil soil;
+    soil.volume = packet.take<double>();
+    soil.stiffness = packet.take<double>();
+    return soil;
+  };
+  soil_.for_each([&](std::size_t cell, const CellSoil& soil) {
+    const int rank = owners.of(static_cast<std::int32_t>(cell));
+    if (rank != own) put(parts[rank], cell, soil);
+  });
+  for (auto& [rank, packet] : send_packets(owners.comm, parts)) {
+    while (!packet.empty()) {
+      CellSoil& soil = soil_.at(packet.template take<std::int32_t>());
+      const CellSoil more = take(packet);
+      soil.volume += more.volume;
+      soil.stiffness += more.stiffness;
+    }
+  }
+  soil_.for_each([&](std::size_t cell, const CellSoil& soil) {
+    const auto c = static_cast<std::int32_t>(cell);
+    if (owners.of(c) != own) return;
+    std::set<int> beside;
+    for (const std::int32_t other : grid_.neighbours(c)) {
+      if (other >= 0) beside.insert(owners.of(other));
+    }
+    beside.erase(own);
+    for (const int rank : beside) put(sums[rank], cell, soil);
+  });
+  for (auto& [rank, packet] : send_packets(owners.comm, sums)) {
+    while (!packet.empty()) {
+      const auto cell = packet.template take<std::int32_t>();
+      soil_.at(cell) = take(packet);
+    }
+  }
 }
 
 template <int dim>
@@ -104,20 +147,21 @@ std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>
   facets_.clear();
   std::vector<std::int32_t> nodes;
   const int own = rank_of(owners.comm);
-  for (std::int32_t c = 0; c < std::ssize(volume_); ++c) {
-    if (!is_small(c) || owners.of(c) != own) continue;
-    const auto neighbours = owners.grid.locator.neighbours(c);
+  soil_.for_each([&](std::size_t place, const CellSoil&) {
+    const auto c = static_cast<std::int32_t>(place);
+    if (!is_small(c) || owners.of(c) != own) return;
+    const CellList neighbours = grid_.neighbours(c);
     for (std::size_t f = 0; f < neighbours.size(); ++f) {
       const std::int32_t other = neighbours[f];
-      if (other < 0 || volume_[other] == 0) continue;
+      if (other < 0 || soil_[other].volume == 0) continue;
       if (other < c && is_small(other)) continue;  // came from the other side
       facets_.push_back({c, static_cast<int>(f), other});
       for (const std::int32_t cell : {c, other}) {
-        const auto of_cell = owners.grid.mesh.cell(cell);
+        const CellList of_cell = grid_.cell(cell);
         nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
       }
     }
-  }
+  });
   auto count = static_cast<std::int32_t>(facets_.size());
   sum_over_ranks(owners.comm, std::span<std::int32_t>(&count, 1));
   num_facets_ = count;
@@ -125,45 +169,45 @@ std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>
 }
 
 template <int dim>
-void GhostStiffness<dim>::begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes) {
+void GhostStiffness<dim>::begin_step(const GridNodes<dim>& nodes) {
   starts_.assign(1, 0);
   nodes_.clear();
   k_.clear();
-  for (const Facet& facet : facets_) add_facet(grid, nodes, facet);
+  for (const Facet& facet : facets_) add_facet(nodes, facet);
 }
 
 template <int dim>
-void GhostStiffness<dim>::add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes,
-                                    const Facet& facet) {
+void GhostStiffness<dim>::add_facet(const GridNodes<dim>& nodes, const Facet& facet) {
   const auto [cell, number, neighbour] = facet;
-  const Mesh<dim>& mesh = grid.mesh;
-  const CellType type = facet_type(mesh.cell_type);
-  const bool simplex = mesh.nodes_per_cell() == dim + 1;
-  const auto corners = cell_facet(mesh, cell, number);
-  const std::span<const std::int32_t> corner_list(corners.data(),
-                                                  static_cast<std::size_t>(num_nodes(type)));
-  const auto geometry = facet_geometry<dim>(mesh.nodes, type, corner_list).front();
-  const double height =
-      (simplex ? dim : 1) * (cell_volumes_[cell] + cell_volumes_[neighbour]) / (2 * geometry.area);
-  const double E =
-      (stiffness_[cell] + stiffness_[neighbour]) / (volume_[cell] + volume_[neighbour]);
+  const CellType type = facet_type(grid_.cell_type);
+  const bool simplex = grid_.is_simplex();
+  const auto local = facet_nodes(grid_.cell_type, number);
+  const auto geometry = facet_geometry(grid_, grid_.facet(cell, number)).front();
+  const double height = (simplex ? dim : 1) *
+                        (cell_volume(grid_, cell) + cell_volume(grid_, neighbour)) /
+                        (2 * geometry.area);
+  const double E = (soil_[cell].stiffness + soil_[neighbour].stiffness) /
+                   (soil_[cell].volume + soil_[neighbour].volume);
 
-  const auto own = mesh.cell(cell);
-  const auto [list, place] = nodes_of_both(own, mesh.cell(neighbour));
+  const CellList own = grid_.cell(cell);
+  const auto [list, place] = nodes_of_both(own, grid_.cell(neighbour));
 
   const std::size_t n = list.size(), first = k_.size();
   k_.resize(first + n * n, 0.0);
   const auto rule = gauss_rule<dim - 1>(type, simplex ? 0 : 2);
   double total = 0;
   for (const auto& q : rule) total += q.weight;
+  Vector<dim> own_x[max_cell_nodes], other_x[max_cell_nodes];
+  grid_.corners(cell, own_x);
+  grid_.corners(neighbour, other_x);
   ShapeValues<dim - 1> shape;
   for (const auto& q : rule) {
     shape_functions<dim - 1>(type, q.xi, shape);
     Vector<dim> x = Vector<dim>::Zero();
-    for (int a = 0; a < num_nodes(type); ++a) x += shape.N[a] * mesh.nodes[corners[a]];
+    for (int a = 0; a < num_nodes(type); ++a) x += shape.N[a] * own_x[local[a]];
     std::array<double, 2 * max_cell_nodes> jump{};
-    const auto slopes = normal_slopes(grid, cell, x, geometry.normal);
-    const auto other_slopes = normal_slopes(grid, neighbour, x, geometry.normal);
+    const auto slopes = normal_slopes(grid_, cell, own_x, x, geometry.normal);
+    const auto other_slopes = normal_slopes(grid_, neighbour, other_x, x, geometry.normal);
     for (std::size_t a = 0; a < own.size(); ++a) {
       jump[a] += slopes[a];
       jump[place[a]] -= other_slopes[a];

@@ -33,8 +33,10 @@ inline constexpr double small_cut_fill = 0.6;
 template <int dim>
 class GhostStiffness {
  public:
+  /// @param grid    must outlive it
   /// @param factor  of Young's modulus, > 0
-  GhostStiffness(const Mesh<dim>& mesh, const std::vector<Body<dim>>& bodies, double factor);
+  GhostStiffness(const BackgroundGrid<dim>& grid, const std::vector<Body<dim>>& bodies,
+                 double factor);
 
   /// Find the facets of this step; a rank has those of the small cuts among its own cells.
   /// @returns grid nodes of the facets of this rank, some of them several times
@@ -43,7 +45,7 @@ class GhostStiffness {
                                         const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights);
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
-  void begin_step(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes);
+  void begin_step(const GridNodes<dim>& nodes);
   /// Of all ranks; 0: no cell needs it in this step.
   std::int64_t num_facets() const { return num_facets_; }
 
@@ -54,24 +56,30 @@ class GhostStiffness {
 
  private:
   bool is_small(std::int32_t cell) const {
-    return volume_[cell] > 0 && volume_[cell] < small_cut_fill * cell_volumes_[cell];
+    const double volume = soil_[cell].volume;
+    return volume > 0 && volume < small_cut_fill * cell_volume(grid_, cell);
   }
   void measure_cells(const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
                      const PointWeights<dim>& weights);
+  void share_cells(const CellOwners<dim>& owners);
+  struct CellSoil {
+    double volume = 0;
+    double stiffness = 0;  // its volume times Young's modulus
+    bool operator==(const CellSoil&) const = default;
+  };
   struct Facet {
     std::int32_t cell;
     int number;  // of the cell's facets
     std::int32_t neighbour;
   };
-  void add_facet(const BackgroundGrid<dim>& grid, const GridNodes<dim>& nodes, const Facet& facet);
+  void add_facet(const GridNodes<dim>& nodes, const Facet& facet);
 
+  const BackgroundGrid<dim>& grid_;
   double factor_;
-  std::vector<double> cell_volumes_;
   std::vector<double> young_modulus_;  // of each body
 
   // of the step under way
-  std::vector<double> volume_;        // of the soil in each cell, of all ranks
-  std::vector<double> stiffness_;     // its volume times Young's modulus
+  SparseList<CellSoil> soil_;         // of all ranks, in the cells of this one and beside them
   std::vector<Facet> facets_;         // of this rank
   std::int64_t num_facets_ = 0;       // of all ranks
   std::vector<std::int32_t> starts_;  // of each facet in nodes_, and their number

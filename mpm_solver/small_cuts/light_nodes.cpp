@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
+#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -33,21 +35,78 @@ std::vector<double> mass_within_reach(const MaterialPoints<dim>& points,
 // Kind of a grid node on any rank.
 enum Weight : std::int32_t { inactive = 0, heavy = 1, light = 2 };
 
-// The nearest heavy node of the cells of each light node, as grid nodes; -1: none.
-// @param kinds  of all grid nodes
+using Kinds = SparseList<std::int32_t>;  // of the grid nodes
+
+// The cells of the light nodes, each once.
 template <int dim>
-std::vector<std::int32_t> nearest_heavy(const Mesh<dim>& mesh, const WallConditions<dim>& walls,
-                                        const GridNodes<dim>& nodes,
-                                        const std::vector<std::int32_t>& kinds) {
+std::vector<std::int32_t> cells_of_light_nodes(const BackgroundGrid<dim>& grid, Kinds& kinds) {
+  std::vector<std::int32_t> cells;
+  if (grid.box) {
+    kinds.for_each([&](std::size_t node, std::int32_t kind) {
+      if (kind != light) return;
+      const auto around = grid.box->cells_around(static_cast<std::int32_t>(node));
+      cells.insert(cells.end(), around.begin(), around.end());
+    });
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  } else {
+    for (std::int32_t c = 0; c < grid.num_cells(); ++c) {
+      const CellList nodes = grid.cell(c);
+      if (std::any_of(nodes.begin(), nodes.end(), [&](auto n) { return kinds[n] == light; })) {
+        cells.push_back(c);
+      }
+    }
+  }
+  return cells;
+}
+
+// Learn the kinds of nodes beside the light ones that are active on other ranks only.
+template <int dim>
+void ask_other_ranks(MPI_Comm comm, const BackgroundGrid<dim>& grid,
+                     std::span<const std::int32_t> cells, Kinds& kinds) {
+  if (num_ranks(comm) == 1) return;
+  std::set<std::int32_t> unknown;
+  for (const std::int32_t c : cells) {
+    for (const std::int32_t node : grid.cell(c)) {
+      if (kinds[node] == inactive) unknown.insert(node);
+    }
+  }
+  Packets questions, answers;
+  for (int rank = 0; rank < num_ranks(comm); ++rank) {
+    if (rank == rank_of(comm) || unknown.empty()) continue;
+    for (const std::int32_t node : unknown) questions[rank].put(node);
+  }
+  for (auto& [rank, packet] : send_packets(comm, questions)) {
+    while (!packet.empty()) {
+      const auto node = packet.template take<std::int32_t>();
+      if (kinds[node] == inactive) continue;
+      answers[rank].put(node);
+      answers[rank].put(kinds[node]);
+    }
+  }
+  for (auto& [rank, packet] : send_packets(comm, answers)) {
+    while (!packet.empty()) {
+      const auto node = packet.template take<std::int32_t>();
+      kinds.at(node) = packet.template take<std::int32_t>();
+    }
+  }
+}
+
+// The nearest heavy node of the cells of each light node, as grid nodes; -1: none.
+template <int dim>
+std::vector<std::int32_t> nearest_heavy(const BackgroundGrid<dim>& grid,
+                                        std::span<const std::int32_t> cells,
+                                        const WallConditions<dim>& walls,
+                                        const GridNodes<dim>& nodes, const Kinds& kinds) {
   std::vector<std::int32_t> partner(nodes.grid_node.size(), -1);
   std::vector<double> distance(partner.size(), std::numeric_limits<double>::infinity());
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    for (const std::int32_t from : mesh.cell(c)) {
+  for (const std::int32_t c : cells) {
+    for (const std::int32_t from : grid.cell(c)) {
       const std::int32_t i = nodes.active[from];
       if (i < 0 || kinds[from] != light) continue;
-      for (const std::int32_t to : mesh.cell(c)) {
+      for (const std::int32_t to : grid.cell(c)) {
         if (kinds[to] != heavy || walls.holds(to)) continue;
-        const double d = (mesh.nodes[to] - mesh.nodes[from]).norm();
+        const double d = (grid.node(to) - grid.node(from)).norm();
         if (d > distance[i] || (d == distance[i] && to >= partner[i])) continue;
         distance[i] = d;
         partner[i] = to;
@@ -63,18 +122,19 @@ template <int dim>
 std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes) {
   const auto reach = mass_within_reach(search.points, search.weights, nodes);
-  std::vector<std::int32_t> kinds(search.grid.mesh.nodes.size(), inactive);
+  Kinds kinds(search.grid.num_nodes_total(), inactive);
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
     const std::int32_t node = nodes.grid_node[i];
     const bool is_light = nodes.m[i] < search.share * reach[i] && !search.walls.holds(node);
-    kinds[node] = is_light ? light : heavy;
+    kinds.at(node) = is_light ? light : heavy;
     any |= is_light;
   }
   if (nodes.shared.all(!any)) return 0;
-  max_over_ranks(comm, std::span<std::int32_t>(kinds));
 
-  const auto partner = nearest_heavy(search.grid.mesh, search.walls, nodes, kinds);
+  const auto cells = cells_of_light_nodes(search.grid, kinds);
+  ask_other_ranks<dim>(comm, search.grid, cells, kinds);
+  const auto partner = nearest_heavy<dim>(search.grid, cells, search.walls, nodes, kinds);
   const std::int64_t num_before = nodes.num_of_all();
   const std::vector<std::int32_t> before = nodes.grid_node;
   std::vector<std::int32_t> rest;
@@ -86,9 +146,9 @@ std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
   number_nodes(comm, search.grid, std::move(rest), nodes);
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (partner[i] < 0) continue;
-    nodes.active[before[i]] = nodes.active[partner[i]];
-    nodes.listed.push_back(before[i]);
+    nodes.active.at(before[i]) = std::int32_t{nodes.active[partner[i]]};
   }
+  list_groups(search.weights, nodes);
   return static_cast<std::int32_t>(num_before - nodes.num_of_all());
 }
 

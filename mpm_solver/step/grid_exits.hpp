@@ -37,10 +37,11 @@ class GridExits {
                                  const Vector<dim>& to) const;
 
  private:
+  bool at_edge(std::int32_t cell) const;
   double distance(std::span<const std::int32_t> facets, const Vector<dim>& x) const;
 
   const BackgroundGrid<dim>& grid_;
-  std::vector<bool> at_edge_;        // of each cell: has a node of an outer facet
+  std::vector<bool> at_edge_;        // of each stored cell: has a node of an outer facet
   double safe_distance_;             // [m] that does not carry a point out of an inner cell
   std::vector<std::int32_t> outer_;  // facets
   double longest_ = 0;               // diagonal of a cell [m]

@@ -10,16 +10,17 @@ namespace gabion::mpm {
 namespace {
 
 template <int dim>
-std::vector<std::string> find_exit_sides(const MpmSettings<dim>& settings, const Mesh<dim>& grid) {
+std::vector<std::string> find_exit_sides(const MpmSettings<dim>& settings,
+                                         const FacetGroups& groups) {
   std::set<std::string> sides;
   for (const Phase& phase : settings.phases) {
     for (const OutflowSide& side : phase.outflows) {
-      grid.facets(side.group, side.where);  // is there
+      find_facets(groups, side.group, side.where);  // is there
       sides.insert(side.group);
     }
   }
   if (settings.outside == Outside::remove) {
-    for (const auto& group : grid.facet_groups) sides.insert(group.first);
+    for (const auto& group : groups) sides.insert(group.first);
   }
   return {sides.begin(), sides.end()};
 }
@@ -30,15 +31,14 @@ template <int dim>
 SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     : comm(comm_),
       settings(std::move(settings_)),
-      grid(std::move(settings.grid), settings.basis),
+      grid(std::move(settings.grid)),
       exits(grid),
-      cell_size(mean_cell_size(grid.mesh)) {
-  const CellType type = grid.mesh.cell_type;
+      cell_size(mean_cell_size(grid)) {
   // Volumes are averaged over cells; triangles and tetrahedra are too small for that.
-  if (settings.locking.average_volumes && (type == CellType::tri3 || type == CellType::tet4)) {
-    grid.patches = join_cells(grid.mesh, grid.locator);
+  if (settings.locking.average_volumes && grid.is_simplex()) {
+    grid.patches = join_cells(grid.stored->mesh, grid.stored->locator);
   }
-  grid.splits_border = settings.locking.average_volumes && settings.basis == Basis::bspline;
+  grid.splits_border = settings.locking.average_volumes && grid.basis == Basis::bspline;
   for (const auto& body : settings.bodies) {
     const auto& material = body.material;
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
@@ -51,7 +51,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
   }
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });
-  exit_sides = find_exit_sides(settings, grid.mesh);
+  exit_sides = find_exit_sides(settings, grid.facet_groups);
   lets_out = settings.outside == Outside::remove || !exit_sides.empty();
   for (const Phase& phase : settings.phases) {
     for (const auto& wall : phase.walls) {

@@ -14,6 +14,11 @@ namespace gabion::mpm {
 template <int dim>
 struct SoilModel {
   SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_);
+  SoilModel(const SoilModel&) = delete;  // exits refers to grid
+  SoilModel& operator=(const SoilModel&) = delete;
+  SoilModel(SoilModel&&) = delete;
+  SoilModel& operator=(SoilModel&&) = delete;
+  ~SoilModel() = default;
 
   MPI_Comm comm;
   MpmSettings<dim> settings;  ///< but for the grid, which is below

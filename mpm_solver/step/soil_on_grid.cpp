@@ -50,10 +50,11 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
     : model_(model), points_(state.points), ranks_(state.ranks), times_(times) {
   const MpmSettings<dim>& settings = model_.settings;
   for (const Phase& phase : settings.phases) {
-    walls_of_phases_.emplace_back(model_.grid.mesh, phase.walls);
+    walls_of_phases_.emplace_back(model_.grid, phase.walls);
   }
-  if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, settings.basis, settings.phases)) {
-    ghost_.emplace(model_.grid.mesh, settings.bodies, settings.small_cuts.ghost_factor);
+  if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
+                     settings.phases)) {
+    ghost_.emplace(model_.grid, settings.bodies, settings.small_cuts.ghost_factor);
   }
 }
 
@@ -113,7 +114,7 @@ void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
     small_cuts_.joined_nodes += joined;
   }
   if (!ghost_acts_) return;
-  ghost_->begin_step(model_.grid, nodes_);
+  ghost_->begin_step(nodes_);
   ghost_acts_ = ghost_->num_facets() > 0;
   small_cuts_.ghost_steps += ghost_acts_;
   small_cuts_.ghost_facets += ghost_->num_facets();
@@ -141,8 +142,8 @@ std::vector<double> SoilOnGrid<dim>::body_forces(double time) const {
 }
 
 template <int dim>
-std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
-  std::vector<std::int32_t> occupied = cells_with_points(model_.grid, points_);
+SparseList<char> SoilOnGrid<dim>::occupied_cells() const {
+  SparseList<char> occupied = cells_with_points(model_.grid, points_);
   if (num_ranks(model_.comm) == 1) return occupied;
   Packets to_first;
   if (rank_of(model_.comm) != 0) {
@@ -151,7 +152,7 @@ std::vector<std::int32_t> SoilOnGrid<dim>::occupied_cells() const {
     for (const std::int32_t cell : own) to_first[0].put(cell);
   }
   for (auto& [rank, packet] : send_packets(model_.comm, to_first)) {
-    for (const std::int32_t cell : take_cells(packet)) occupied[cell] = 1;
+    for (const std::int32_t cell : take_cells(packet)) occupied.at(cell) = 1;
   }
   return occupied;
 }

@@ -62,7 +62,7 @@ class SoilOnGrid {
   /// Nodal forces of MpmSettings::body_acceleration at a time [s], empty when there is none.
   std::vector<double> body_forces(double time) const;
   /// 1 for each cell of the grid with a point of any rank, else 0; on the first rank.
-  std::vector<std::int32_t> occupied_cells() const;
+  SparseList<char> occupied_cells() const;
   /// @param du  increment of the active nodes [m], num_nodes x dim
   /// @throws ConvergenceError  it would carry a point out of the grid; cause "outside"
   void refuse_exits(const Phase& phase, std::span<const double> du) const;

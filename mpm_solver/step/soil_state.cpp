@@ -268,7 +268,7 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
   std::string problem;
   try {
     visit(visitor);
-    check_points(points, model.grid.mesh.num_cells());
+    check_points(points, model.grid.num_cells());
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

@@ -132,7 +132,7 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
           .nodes = soil_.nodes(),
           .points = state_.points,
           .weights = soil_.weights(),
-          .occupied = occupied_,
+          .occupied = &occupied_,
           .reach = reach_,
           .cell_size = model_.cell_size,
           .dt = dt,

@@ -99,7 +99,7 @@ class SoilStep {
   bool forces_jump_ = false;  // at the start of the step: no acceleration is known
   NewmarkBossak scheme_;
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
-  std::vector<std::int32_t> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
+  SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
   TrialPoints<dim> trial_;
   std::optional<Equilibrium<dim>> equilibrium_;  // of an implicit step
   ExplicitStep<dim> explicit_;

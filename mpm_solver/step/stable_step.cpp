@@ -11,15 +11,14 @@
 namespace gabion::mpm {
 
 template <int dim>
-double effective_size(const Mesh<dim>& mesh, std::int32_t cell) {
-  const int n = mesh.nodes_per_cell();
+double effective_size(const BackgroundGrid<dim>& grid, std::int32_t cell) {
+  const int n = grid.nodes_per_cell();
   Vector<dim> x[max_cell_nodes];
-  for (int i = 0; i < n; ++i) x[i] = mesh.nodes[mesh.cell(cell)[i]];
-  const bool simplex = n == dim + 1;
-  const Vector<dim> middle = Vector<dim>::Constant(simplex ? 1.0 / n : 0.0);
+  grid.corners(cell, x);
+  const Vector<dim> middle = Vector<dim>::Constant(grid.is_simplex() ? 1.0 / n : 0.0);
   ShapeValues<dim> shape;
-  shape_functions<dim>(mesh.cell_type, middle, shape);
-  map_gradients<dim>(mesh.cell_type, x, shape);
+  shape_functions<dim>(grid.cell_type, middle, shape);
+  map_gradients<dim>(grid.cell_type, x, shape);
   Matrix<dim> sum = Matrix<dim>::Zero();
   for (int i = 0; i < n; ++i) sum += shape.dN[i] * shape.dN[i].transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix<dim>> spectrum(sum, Eigen::EigenvaluesOnly);
@@ -29,10 +28,8 @@ double effective_size(const Mesh<dim>& mesh, std::int32_t cell) {
 template <int dim>
 StableStep<dim>::StableStep(const SoilModel<dim>& model) : model_(model) {
   if (!any_explicit(model.settings.phases)) return;
-  const Mesh<dim>& mesh = model.grid.mesh;
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    size_.push_back(effective_size<dim>(mesh, c));
-  }
+  const std::int32_t num_sizes = model.grid.box ? 1 : model.grid.num_cells();
+  for (std::int32_t c = 0; c < num_sizes; ++c) size_.push_back(effective_size(model.grid, c));
   for (std::size_t b = 0; b < model.moduli.size(); ++b) {
     wave_speed_.push_back(std::sqrt(model.moduli[b] / model.settings.bodies[b].material.density));
   }
@@ -44,7 +41,7 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
   for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
     double smallest = std::numeric_limits<double>::infinity();
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      smallest = std::min(smallest, size_[points.cell[p]]);
+      smallest = std::min(smallest, size_[model_.grid.box ? 0 : points.cell[p]]);
     }
     dt = std::min(dt, smallest / wave_speed_[b]);
   }
@@ -53,7 +50,7 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
 
 template class StableStep<2>;
 template class StableStep<3>;
-template double effective_size<2>(const Mesh<2>&, std::int32_t);
-template double effective_size<3>(const Mesh<3>&, std::int32_t);
+template double effective_size<2>(const BackgroundGrid<2>&, std::int32_t);
+template double effective_size<3>(const BackgroundGrid<3>&, std::int32_t);
 
 }  // namespace gabion::mpm

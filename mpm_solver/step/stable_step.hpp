@@ -28,7 +28,7 @@ class StableStep {
 
  private:
   const SoilModel<dim>& model_;
-  std::vector<double> size_;        // h_eff of each cell [m]
+  std::vector<double> size_;        // h_eff of each cell, of a box of all cells [m]
   std::vector<double> wave_speed_;  // of each body [m/s]
 };
 
@@ -39,6 +39,6 @@ inline double squared_courant(double dt, double soil_dt, double contact_rate) {
 
 /// h_eff of a cell [m].
 template <int dim>
-double effective_size(const Mesh<dim>& mesh, std::int32_t cell);
+double effective_size(const BackgroundGrid<dim>& grid, std::int32_t cell);
 
 }  // namespace gabion::mpm

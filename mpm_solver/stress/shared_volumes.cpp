@@ -56,12 +56,12 @@ class GroupVolumes {
   GroupVolumes(const CellOwners<dim>& owners, const MaterialPoints<dim>& points)
       : owners_(owners),
         points_(points),
-        num_cells_(owners.grid.mesh.num_cells()),
+        num_cells_(owners.grid.num_cells()),
         num_parts_(owners.grid.splits_border ? SoilBorder<dim>::num_parts : 1),
-        sums_(2 * static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), 0.0) {}
+        sums_(static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), {}) {}
 
   void add(std::int32_t body, std::int32_t p, double theta) {
-    double* const sums = sums_of(group_of(body, p));
+    Sums& sums = sums_.at(group_of(body, p));
     const double V = points_.V0[p] * points_.J[p];
     sums[0] += V * std::exp(-theta);
     sums[1] -= V * std::expm1(-theta);
@@ -80,13 +80,13 @@ class GroupVolumes {
     join_parts();
     for (const auto& [rank, groups] : asked) put_sums(groups, answers[rank]);
     for (auto& [rank, packet] : send_packets(owners_.comm, answers)) {
-      for (const std::int64_t group : entered.at(rank)) std::fill_n(sums_of(group), 2, 0.0);
+      for (const std::int64_t group : entered.at(rank)) sums_.at(group) = {};
       add_sums(packet);
     }
   }
   /// ln (sum V / sum V exp(-theta)) of the point's group.
-  double strain(std::int32_t body, std::int32_t p) {
-    const double* const sums = sums_of(group_of(body, p));
+  double strain(std::int32_t body, std::int32_t p) const {
+    const Sums& sums = sums_[group_of(body, p)];
     return std::log1p(sums[1] / sums[0]);
   }
 
@@ -98,30 +98,30 @@ class GroupVolumes {
     return num_parts_ == 1 ? of_cell
                            : of_cell + part_of_cell<dim>(*owners_.grid.box, cell, points_.x[p]);
   }
-  double* sums_of(std::int64_t group) { return sums_.data() + 2 * group; }
-
-  std::vector<std::int32_t> occupied_cells() {
-    std::vector<std::int32_t> occupied(num_cells_, 0);
-    for (std::int64_t group = 0; group < std::ssize(sums_) / 2; ++group) {
-      if (sums_of(group)[0] > 0) occupied[group / num_parts_ % num_cells_] = 1;
-    }
-    return occupied;
+  std::int32_t cell_of_part(std::size_t group) const {
+    return static_cast<std::int32_t>(group / num_parts_ % num_cells_);
   }
   // Parts of a cell that are no groups of their own get what they hold together.
   void join_parts() {
     if (num_parts_ == 1) return;
-    const SoilBorder<dim> border(owners_, occupied_cells());
-    for (std::int64_t first = 0; first < std::ssize(sums_) / 2; first += num_parts_) {
-      const auto cell = static_cast<std::int32_t>(first / num_parts_ % num_cells_);
-      if (!border.is_occupied(cell)) continue;
-      const int axes = border.axes(cell);
+    SparseList<char> occupied(num_cells_, 0);
+    std::vector<std::size_t> firsts;  // parts of the cells of each body
+    sums_.for_each([&](std::size_t group, const Sums&) {
+      const std::size_t first = group - group % num_parts_;
+      if (firsts.empty() || firsts.back() != first) firsts.push_back(first);
+      occupied.at(cell_of_part(first)) = 1;
+    });
+    const SoilBorder<dim> border(owners_, std::move(occupied));
+    for (const std::size_t first : firsts) {
+      const int axes = border.axes(cell_of_part(first));
       for (int part = 0; part < num_parts_; ++part) {
-        const int joined = part & axes;
-        if (joined == part) continue;
-        for (int k = 0; k < 2; ++k) sums_of(first + joined)[k] += sums_of(first + part)[k];
+        const Sums sums = sums_[first + part];
+        if ((part & axes) == part) continue;
+        for (int k = 0; k < 2; ++k) sums_.at(first + (part & axes))[k] += sums[k];
       }
       for (int part = 0; part < num_parts_; ++part) {
-        std::copy_n(sums_of(first + (part & axes)), 2, sums_of(first + part));
+        const Sums joined = sums_[first + (part & axes)];
+        sums_.at(first + part) = joined;
       }
     }
   }
@@ -144,14 +144,14 @@ class GroupVolumes {
     packet.put(std::ssize(groups));
     for (const std::int64_t group : groups) {
       packet.put(group);
-      for (int k = 0; k < 2; ++k) packet.put(sums_of(group)[k]);
+      for (int k = 0; k < 2; ++k) packet.put(sums_[group][k]);
     }
   }
   std::vector<std::int64_t> add_sums(Packet& packet) {
     std::vector<std::int64_t> groups;
     for (auto count = packet.take<std::ptrdiff_t>(); count > 0; --count) {
       groups.push_back(packet.take<std::int64_t>());
-      for (int k = 0; k < 2; ++k) sums_of(groups.back())[k] += packet.take<double>();
+      for (int k = 0; k < 2; ++k) sums_.at(groups.back())[k] += packet.take<double>();
     }
     return groups;
   }
@@ -159,8 +159,9 @@ class GroupVolumes {
   const CellOwners<dim>& owners_;
   const MaterialPoints<dim>& points_;
   std::int32_t num_cells_;
-  int num_parts_;             // of a cell
-  std::vector<double> sums_;  // of each group: V free of stress, and how much V exceeds it
+  int num_parts_;  // of a cell
+  using Sums = std::array<double, 2>;
+  SparseList<Sums> sums_;  // of each group: V free of stress, and how much V exceeds it
 };
 
 // Change the volume of one point by the strain d. Returns the elastic energy it loses.

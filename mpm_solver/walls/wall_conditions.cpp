@@ -22,12 +22,13 @@ constexpr double same_motion = 1e-9;
 }  // namespace
 
 template <int dim>
-WallConditions<dim>::WallConditions(const Mesh<dim>& grid, const std::vector<WallSettings>& walls)
+WallConditions<dim>::WallConditions(const BackgroundGrid<dim>& grid,
+                                    const std::vector<WallSettings>& walls)
     : walls_(walls), steps_(walls.size(), Vector<dim>::Zero()) {
   const CellType type = facet_type(grid.cell_type);
   std::set<std::int32_t> held;
   for (const WallSettings& wall : walls_) {
-    const auto nodes = grid.group_nodes(wall.group, wall.where);
+    const auto nodes = find_group_nodes(grid.facet_groups, wall.group, wall.where);
     held.insert(nodes.begin(), nodes.end());
   }
   for (const std::int32_t i : held) {
@@ -37,14 +38,15 @@ WallConditions<dim>::WallConditions(const Mesh<dim>& grid, const std::vector<Wal
   const auto num_walls = static_cast<std::int32_t>(walls_.size());
   for (std::int32_t w = 0; w < num_walls; ++w) {
     if (!walls_[w].fixed) continue;
-    for (const std::int32_t i : grid.group_nodes(walls_[w].group, walls_[w].where)) {
+    for (const std::int32_t i :
+         find_group_nodes(grid.facet_groups, walls_[w].group, walls_[w].where)) {
       for (int d = 0; d < dim; ++d) add(index_of(i), {w, Vector<dim>::Unit(d)});
     }
   }
   for (std::int32_t w = 0; w < num_walls; ++w) {
     if (walls_[w].fixed) continue;
-    const auto& facets = grid.facets(walls_[w].group, walls_[w].where);
-    const auto geometry = facet_geometry<dim>(grid.nodes, type, facets);
+    const auto& facets = find_facets(grid.facet_groups, walls_[w].group, walls_[w].where);
+    const auto geometry = facet_geometry(grid, facets);
     for (std::size_t k = 0; k < facets.size(); ++k) {
       add(index_of(facets[k]), {w, geometry[k / num_nodes(type)].normal});
     }

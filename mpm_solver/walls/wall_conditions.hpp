@@ -26,7 +26,7 @@ class WallConditions {
  public:
   /// Where walls meet, fixed ones come first, then those listed first: a later wall adds only the
   /// directions that are still free.
-  WallConditions(const Mesh<dim>& grid, const std::vector<WallSettings>& walls);
+  WallConditions(const BackgroundGrid<dim>& grid, const std::vector<WallSettings>& walls);
 
   /// Whether a wall holds this node of the grid.
   bool holds(std::int32_t grid_node) const;

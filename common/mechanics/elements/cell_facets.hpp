@@ -27,4 +27,10 @@ constexpr int num_facets(CellType type) {
 /// @pre type is tri3, quad4, tet4 or hex8, and 0 <= f < num_facets(type)
 std::span<const int> facet_nodes(CellType type, int f);
 
+/// Facet of a quad4 (dim 2) or hex8 (dim 3) at xi_axis = -1 (end 0) or +1 (end 1).
+constexpr int brick_facet(int dim, int axis, int end) {
+  constexpr int facets[2][3][2] = {{{3, 1}, {0, 2}, {-1, -1}}, {{5, 3}, {2, 4}, {0, 1}}};
+  return facets[dim - 2][axis][end];
+}
+
 }  // namespace gabion

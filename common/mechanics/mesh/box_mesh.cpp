@@ -91,8 +91,6 @@ void check_box(const Vector<dim>& low, const Vector<dim>& high, const Index<dim>
 /// Facets of cells that lie in a side of the box, told by the lattice positions of their nodes.
 template <int dim>
 void add_sides(const Index<dim>& num_cells, Mesh<dim>& mesh) {
-  static const char* names[2][3][2] = {{{"left", "right"}, {"bottom", "top"}, {"", ""}},
-                                       {{"left", "right"}, {"front", "back"}, {"bottom", "top"}}};
   const Index<dim> num_lattice = num_cells + Index<dim>::Ones();
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     const auto cell = mesh.cell(c);
@@ -103,7 +101,7 @@ void add_sides(const Index<dim>& num_cells, Mesh<dim>& mesh) {
         bool inside = true;
         for (int a : local) inside &= lattice_index<dim>(cell[a], num_lattice)[axis] == plane;
         if (!inside) continue;
-        auto& group = mesh.facet_groups[names[dim - 2][axis][side % 2]];
+        auto& group = mesh.facet_groups[box_side_name(dim, axis, side % 2)];
         for (int a : local) group.push_back(cell[a]);
       }
     }
@@ -111,6 +109,12 @@ void add_sides(const Index<dim>& num_cells, Mesh<dim>& mesh) {
 }
 
 }  // namespace
+
+const char* box_side_name(int dim, int axis, int end) {
+  static const char* names[2][3][2] = {{{"left", "right"}, {"bottom", "top"}, {"", ""}},
+                                       {{"left", "right"}, {"front", "back"}, {"bottom", "top"}}};
+  return names[dim - 2][axis][end];
+}
 
 template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,

@@ -6,6 +6,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -13,76 +15,77 @@
 
 namespace gabion {
 
-template <int dim>
-const std::vector<std::int32_t>& Mesh<dim>::facets(const std::string& group,
-                                                   const std::string& where) const {
-  const auto found = facet_groups.find(group);
-  if (found != facet_groups.end()) return found->second;
+const std::vector<std::int32_t>& find_facets(const FacetGroups& groups, const std::string& group,
+                                             const std::string& where) {
+  const auto found = groups.find(group);
+  if (found != groups.end()) return found->second;
   std::vector<std::string> names;
-  for (const auto& [known, facets] : facet_groups) names.push_back(known);
+  for (const auto& [known, facets] : groups) names.push_back(known);
   throw ConfigError(
       fmt::format("{}: found facet group \"{}\", the mesh has: {}", where, group,
                   names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-template <int dim>
-std::vector<std::int32_t> Mesh<dim>::group_nodes(const std::string& group,
-                                                 const std::string& where) const {
-  std::vector<std::int32_t> result = facets(group, where);
+std::vector<std::int32_t> find_group_nodes(const FacetGroups& groups, const std::string& group,
+                                           const std::string& where) {
+  std::vector<std::int32_t> result = find_facets(groups, group, where);
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
 template <int dim>
-double cell_volume(const Mesh<dim>& mesh, std::int32_t c) {
+double cell_volume(CellType type, std::span<const Vector<dim>> corners) {
   // det(dx/dxi) is constant in simplices, of degree 1 (quad4) or 2 (hex8) in each coordinate.
-  const bool affine = mesh.cell_type == CellType::tri3 || mesh.cell_type == CellType::tet4;
-  const auto cell = mesh.cell(c);
+  const bool affine = type == CellType::tri3 || type == CellType::tet4;
   ShapeValues<dim> shape;
   double volume = 0;
-  for (const auto& point : gauss_rule<dim>(mesh.cell_type, affine ? 1 : 2)) {
-    shape_functions<dim>(mesh.cell_type, point.xi, shape);
+  for (const auto& point : gauss_rule<dim>(type, affine ? 1 : 2)) {
+    shape_functions<dim>(type, point.xi, shape);
     Matrix<dim> jacobian = Matrix<dim>::Zero();
-    for (std::size_t a = 0; a < cell.size(); ++a) {
-      jacobian += mesh.nodes[cell[a]] * shape.dN[a].transpose();
+    for (std::size_t a = 0; a < corners.size(); ++a) {
+      jacobian += corners[a] * shape.dN[a].transpose();
     }
     volume += jacobian.determinant() * point.weight;
   }
   return volume;
 }
 
+template <int dim>
+double cell_volume(const Mesh<dim>& mesh, std::int32_t c) {
+  std::array<Vector<dim>, max_cell_nodes> corners;
+  const auto cell = mesh.cell(c);
+  for (std::size_t a = 0; a < cell.size(); ++a) corners[a] = mesh.nodes[cell[a]];
+  return cell_volume<dim>(mesh.cell_type, std::span(corners.data(), cell.size()));
+}
+
 namespace {
 
 template <int dim>
-Mesh<dim> read_box(ConfigReader in) {
-  Vector<dim> low, high;
-  Eigen::Matrix<int, dim, 1> num_cells;
+BoxShape<dim> read_box(ConfigReader in) {
+  BoxShape<dim> box;
   const auto low_values = in.vector("low", dim);
   const auto high_values = in.vector("high", dim);
   const auto cell_values = in.integers("cells", dim);
   for (int i = 0; i < dim; ++i) {
-    low[i] = low_values[i];
-    high[i] = high_values[i];
-    num_cells[i] = cell_values[i];
-    if (!(low[i] < high[i])) {
+    box.low[i] = low_values[i];
+    box.high[i] = high_values[i];
+    box.num_cells[i] = cell_values[i];
+    if (!(box.low[i] < box.high[i])) {
       in.fail("high", fmt::format("component {}: found {}, allowed: a number > low = {}", i,
-                                  high[i], low[i]));
+                                  box.high[i], box.low[i]));
     }
   }
   const CellType simplex = dim == 2 ? CellType::tri3 : CellType::tet4;
   const CellType brick = dim == 2 ? CellType::quad4 : CellType::hex8;
   const bool cut = in.choice("type", {name(simplex), name(brick)}) == name(simplex);
-  const bool alternate = in.boolean("alternate");
-  if (alternate && !cut) {
+  box.cell_type = cut ? simplex : brick;
+  box.alternate = in.boolean("alternate");
+  if (box.alternate && !cut) {
     in.fail("alternate", fmt::format("found true, allowed: only with type {}", name(simplex)));
   }
   in.finish();
-  try {
-    return box_mesh<dim>(low, high, num_cells, cut ? simplex : brick, alternate);
-  } catch (const ConfigError& error) {
-    in.fail("cells", error.what());
-  }
+  return box;
 }
 
 KeyTable box_keys() {
@@ -114,7 +117,7 @@ KeyTable mesh_keys() {
 }
 
 template <int dim>
-Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
+std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in) {
   if (in.has("file") == in.has("box")) {
     in.fail("file", fmt::format("found {}, allowed: exactly one of \"file\" and \"box\"",
                                 in.has("file") ? "both \"file\" and \"box\"" : "neither"));
@@ -136,6 +139,18 @@ Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
 }
 
 template <int dim>
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
+  auto read = read_box_or_mesh<dim>(scene, in);
+  if (auto* mesh = std::get_if<Mesh<dim>>(&read)) return std::move(*mesh);
+  const auto& box = std::get<BoxShape<dim>>(read);
+  try {
+    return box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate);
+  } catch (const ConfigError& error) {
+    in.fail("box/cells", error.what());
+  }
+}
+
+template <int dim>
 void warn_of_cell_groups(const Mesh<dim>& mesh, const std::string& where) {
   if (mesh.cell_groups.size() < 2) return;
   std::vector<std::string> names;
@@ -146,8 +161,12 @@ void warn_of_cell_groups(const Mesh<dim>& mesh, const std::string& where) {
 
 template struct Mesh<2>;
 template struct Mesh<3>;
+template double cell_volume<2>(CellType, std::span<const Vector<2>>);
+template double cell_volume<3>(CellType, std::span<const Vector<3>>);
 template double cell_volume(const Mesh<2>&, std::int32_t);
 template double cell_volume(const Mesh<3>&, std::int32_t);
+template std::variant<BoxShape<2>, Mesh<2>> read_box_or_mesh(const Scene&, ConfigReader);
+template std::variant<BoxShape<3>, Mesh<3>> read_box_or_mesh(const Scene&, ConfigReader);
 template Mesh<2> read_mesh(const Scene&, ConfigReader);
 template Mesh<3> read_mesh(const Scene&, ConfigReader);
 template void warn_of_cell_groups(const Mesh<2>&, const std::string&);

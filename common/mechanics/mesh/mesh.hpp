@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/mechanics/elements/cell_type.hpp"
@@ -14,16 +15,26 @@
 
 namespace gabion {
 
+/// Facets by name, num_facets x num_nodes(facet_type(cell_type)) nodes.
+using FacetGroups = std::map<std::string, std::vector<std::int32_t>>;
+
+/// Facets of a group. @throws ConfigError naming the groups that exist; `where` says who asks.
+const std::vector<std::int32_t>& find_facets(const FacetGroups& groups, const std::string& group,
+                                             const std::string& where);
+/// Nodes of a facet group, sorted, each once.
+std::vector<std::int32_t> find_group_nodes(const FacetGroups& groups, const std::string& group,
+                                           const std::string& where);
+
 /// An unstructured mesh of one cell type with named groups of facets and cells.
 template <int dim>
 struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
   std::vector<Vector<dim>> nodes;   ///< [m]
   std::vector<std::int32_t> cells;  ///< num_cells x num_nodes(cell_type), positive volume
-  /// Boundary facets by name, num_facets x num_nodes(facet_type(cell_type)); each is ordered so
-  /// that its normal points out of the cell it belongs to (2D: the cell lies to the left of the
-  /// segment's direction, so the outward normal is the direction turned clockwise).
-  std::map<std::string, std::vector<std::int32_t>> facet_groups;
+  /// On the boundary; each facet is ordered so that its normal points out of the cell it belongs to
+  /// (2D: the cell lies to the left of the segment's direction, so the outward normal is the
+  /// direction turned clockwise).
+  FacetGroups facet_groups;
   std::map<std::string, std::vector<std::int32_t>> cell_groups;
   std::string file;  ///< it was read from, as the scene names it; empty: made from numbers
 
@@ -37,17 +48,32 @@ struct Mesh {
             static_cast<std::size_t>(nodes_per_cell())};
   }
 
-  /// Facets of a group. @throws ConfigError naming the groups that exist; `where` says who asks.
-  const std::vector<std::int32_t>& facets(const std::string& group, const std::string& where) const;
-  /// Nodes of a facet group, sorted, each once.
-  std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const;
+  const std::vector<std::int32_t>& facets(const std::string& group,
+                                          const std::string& where) const {
+    return find_facets(facet_groups, group, where);
+  }
+  std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const {
+    return find_group_nodes(facet_groups, group, where);
+  }
 };
 
-/// Volume (2D: area) of one cell [m^dim]; negative when its nodes run the wrong way round.
+/// Volume (2D: area) of a cell with these corners [m^dim]; negative when they run the wrong way
+/// round.
+template <int dim>
+double cell_volume(CellType type, std::span<const Vector<dim>> corners);
 template <int dim>
 double cell_volume(const Mesh<dim>& mesh, std::int32_t c);
 
-/// Axis-aligned box of equal cells. Nodes and cells run along x first, then y, then z; the
+/// Axis-aligned box of equal cells, told by numbers.
+template <int dim>
+struct BoxShape {
+  Vector<dim> low, high;                 ///< opposite corners [m]
+  Eigen::Matrix<int, dim, 1> num_cells;  ///< along each axis; rectangles or bricks
+  CellType cell_type;
+  bool alternate = false;  ///< see `box_mesh`
+};
+
+/// Mesh of a box. Nodes and cells run along x first, then y, then z; the
 /// triangles or tetrahedra of one rectangle or brick follow each other. Sides are the facet groups
 /// left, right, bottom, top (3D also front, back: y is up in 2D, z is up in 3D; left/right = x,
 /// front/back = y in 3D). tri3: each rectangle is cut along one diagonal, `alternate` flips it like
@@ -58,6 +84,9 @@ template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
                    const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
                    bool alternate = false);
+
+/// Name of a side of a box: across an axis, at its low (0) or high (1) end.
+const char* box_side_name(int dim, int axis, int end);
 
 /// Gmsh file, format 4.1, ASCII or binary. Physical groups of dimension dim-1 become facet groups,
 /// of dimension dim cell groups. One cell type per mesh. Nodes that no cell uses are dropped,
@@ -70,6 +99,9 @@ Mesh<dim> read_gmsh(const std::string& path);
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
+/// The same, a box not yet as a mesh.
+template <int dim>
+std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
 KeyTable mesh_keys();
 
 /// Warn when the file of a mesh with one material has several groups of cells: they look like

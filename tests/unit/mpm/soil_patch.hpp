@@ -43,7 +43,8 @@ Mesh<dim> unit_box(CellType type, int cells, double size = 1) {
 /// A unit box as background grid, and one body of material points in it.
 template <int dim>
 struct SoilPatch {
-  mpm::BackgroundGrid<dim> grid;
+  Mesh<dim> mesh;
+  mpm::BackgroundGrid<dim> grid;  ///< of this mesh
   std::vector<mpm::Body<dim>> bodies;
   mpm::MaterialPoints<dim> points;
   mpm::PointWeights<dim> weights;
@@ -52,12 +53,12 @@ struct SoilPatch {
   Random random;
 
   explicit SoilPatch(CellType type, int cells = 3, mpm::Basis basis = mpm::Basis::linear)
-      : grid(unit_box<dim>(type, cells), basis) {}
+      : mesh(unit_box<dim>(type, cells)), grid(mesh, basis) {}
 
   /// Fill the grid with the regular points of each cell.
   void fill(int points_per_cell, double density = 1) {
     const bool with_domains = grid.basis == mpm::Basis::gimp;
-    lay_points<dim>({.mesh = grid.mesh,
+    lay_points<dim>({.mesh = mesh,
                      .points_per_cell = points_per_cell,
                      .placement = with_domains ? PointPlacement::regular : PointPlacement::gauss,
                      .with_domains = with_domains},
@@ -91,14 +92,8 @@ struct SoilPatch {
     points_to_grid(points, weights, nodes);
   }
   mpm::CellOwners<dim> owners() const { return {comm(), grid, whole}; }
-  const Vector<dim>& node(std::int32_t active) const {
-    return grid.mesh.nodes[nodes.grid_node[active]];
-  }
-  std::vector<std::int32_t> occupied() const {
-    std::vector<std::int32_t> result(grid.mesh.num_cells(), 0);
-    for (const auto& group : weights.groups) result[group.cell] = 1;
-    return result;
-  }
+  const Vector<dim>& node(std::int32_t active) const { return mesh.nodes[nodes.grid_node[active]]; }
+  mpm::SparseList<char> occupied() const { return cells_with_points(grid, points); }
   std::size_t num_dofs() const { return static_cast<std::size_t>(nodes.size()) * dim; }
 };
 

@@ -41,7 +41,7 @@ struct AveragedSoil {
   void prepare(CellType type, const MaterialLaw<dim>& law, double squeeze, bool averaged) {
     soil.bodies = {{"soil", {"", 1, law}}};
     if (averaged && (type == CellType::tri3 || type == CellType::tet4)) {
-      soil.grid.patches = mpm::join_cells(soil.grid.mesh, soil.grid.locator);
+      soil.grid.patches = mpm::join_cells(soil.mesh, soil.grid.stored->locator);
     }
     auto& points = soil.points;
     for (std::int32_t p = 0; p < points.size(); ++p) {

@@ -213,7 +213,7 @@ TEST(Basis, reproduces_linear_fields_at_every_point) {
         Matrix<dim> slope = Matrix<dim>::Zero();
         for (int i = 0; i < soil.weights.num_nodes(e); ++i) {
           const double N = soil.weights.N_of(e)[i];
-          const auto& node = soil.grid.mesh.nodes[nodes[soil.weights.local_of(e)[i]]];
+          const auto& node = soil.mesh.nodes[nodes[soil.weights.local_of(e)[i]]];
           EXPECT_GE(N, -1e-11);
           sum += N;
           x += N * node;
@@ -278,7 +278,7 @@ TEST(Basis, all_corners_of_an_occupied_cell_are_active) {
         soil.points.x[0][0] = first;
         soil.points.x[0][1] = second;
         soil.to_grid();
-        for (const std::int32_t node : soil.grid.mesh.cell(soil.points.cell[0])) {
+        for (const std::int32_t node : soil.mesh.cell(soil.points.cell[0])) {
           EXPECT_GE(soil.nodes.active[node], 0) << name(type) << soil.points.x[0].transpose();
         }
       }
@@ -527,7 +527,7 @@ TEST(PointDomains, are_cut_to_a_cell_and_counted) {
     double sum = 0;
     const auto nodes = soil.weights.nodes_of(soil.weights.groups[0]);
     for (int i = 0; i < soil.weights.num_nodes(0); ++i) {
-      const auto& x = soil.grid.mesh.nodes[nodes[soil.weights.local_of(0)[i]]];
+      const auto& x = soil.mesh.nodes[nodes[soil.weights.local_of(0)[i]]];
       if (x[0] > 0.7) sum += soil.weights.N_of(0)[i];
     }
     return sum;

@@ -60,7 +60,7 @@ struct SteppedContact {
                           .nodes = soil.nodes,
                           .points = soil.points,
                           .weights = soil.weights,
-                          .occupied = occupied,
+                          .occupied = &occupied,
                           .reach = reach});
   }
   /// Forces for increments of both sides: of the grid's nodes, and a motion of the surface.

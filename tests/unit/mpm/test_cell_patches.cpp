@@ -93,7 +93,7 @@ TEST(CellPatches, weights_are_those_of_the_cells) {
     SoilPatch<dim> by_cell(type), by_patch(type);
     by_cell.scatter(300);
     by_patch.scatter(300);
-    by_patch.grid.patches = mpm::join_cells(by_patch.grid.mesh, by_patch.grid.locator);
+    by_patch.grid.patches = mpm::join_cells(by_patch.mesh, by_patch.grid.stored->locator);
     by_cell.to_grid();
     by_patch.to_grid();
     ASSERT_EQ(by_cell.nodes.grid_node, by_patch.nodes.grid_node);
@@ -109,7 +109,7 @@ TEST(CellPatches, weights_are_those_of_the_cells) {
         Vector<dim> x = Vector<dim>::Zero();
         Matrix<dim> unit = Matrix<dim>::Zero();
         for (int i = 0; i < by_patch.weights.num_nodes(e); ++i) {
-          const auto& node = by_patch.grid.mesh.nodes[nodes[by_patch.weights.local_of(e)[i]]];
+          const auto& node = by_patch.mesh.nodes[nodes[by_patch.weights.local_of(e)[i]]];
           x += by_patch.weights.N_of(e)[i] * node;
           unit += node * by_patch.weights.grad_of(e)[i].transpose();
         }

@@ -41,7 +41,7 @@ struct Balance {
   double same_strain = 0;  ///< 0: every evaluation computes the stresses anew
   void start(const std::vector<mpm::WallSettings>& wall_settings = {}) {
     soil.to_grid();
-    walls.emplace(soil.grid.mesh, wall_settings);
+    walls.emplace(soil.grid, wall_settings);
     walls->select(soil.nodes);
     const auto occupied = soil.occupied();
     for (const auto& contact : contacts) {
@@ -49,11 +49,11 @@ struct Balance {
                            .nodes = soil.nodes,
                            .points = soil.points,
                            .weights = soil.weights,
-                           .occupied = occupied});
+                           .occupied = &occupied});
     }
     if (ghost) {
       ghost->find_facets(soil.owners(), soil.points, soil.weights);
-      ghost->begin_step(soil.grid, soil.nodes);
+      ghost->begin_step(soil.nodes);
     }
     const Vector<dim> gravity = Vector<dim>::Constant(-3.0);
     const typename mpm::Equilibrium<dim>::Parts parts{.comm = comm(),
@@ -215,7 +215,7 @@ TEST(EquilibriumTangent, ghost_stiffness_of_half_filled_cells) {
   for_each_cell_type([]<int dim>(CellType type) {
     Balance<dim> balance(type, 2, regular_points(type), NeoHookean<dim>{4e3, 3e3});
     for (double& V0 : balance.soil.points.V0) V0 *= 0.5;
-    balance.ghost.emplace(balance.soil.grid.mesh, balance.soil.bodies, 0.3);
+    balance.ghost.emplace(balance.soil.grid, balance.soil.bodies, 0.3);
     balance.start({{"bottom", true, "here", {}}});
     EXPECT_GT(balance.ghost->num_facets(), 1);
     EXPECT_LT(balance.error(balance.random_du(0.02), 1e-4), 1e-8) << name(type);
@@ -274,9 +274,9 @@ TEST(EquilibriumTangent, inclined_slip_wall) {
   const double angle = M_PI / 6;
   Matrix<2> turn;
   turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
-  Mesh<2> mesh = balance.soil.grid.mesh;
+  Mesh<2> mesh = balance.soil.mesh;
   for (auto& x : mesh.nodes) x = turn * x;
-  const mpm::WallConditions<2> walls(mesh,
+  const mpm::WallConditions<2> walls(mpm::BackgroundGrid<2>(mesh),
                                      {{"bottom", false, "here", {}}, {"left", false, "here", {}}});
   balance.start();
   balance.walls.emplace(walls);

@@ -44,7 +44,7 @@ struct Path {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::tet4 ? 4 : 1 << dim);
     soil.bodies = {{"soil", {"", 1, law}}};
     if (averaged && num_nodes(type) == dim + 1) {
-      soil.grid.patches = mpm::join_cells(soil.grid.mesh, soil.grid.locator);
+      soil.grid.patches = mpm::join_cells(soil.mesh, soil.grid.stored->locator);
     }
     for (auto& state : soil.points.history) state.e.template head<3>().setConstant(-0.02);
     soil.to_grid();

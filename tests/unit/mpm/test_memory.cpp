@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the summary says of memory.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include "tests/unit/mpm/collapse.hpp"
 
@@ -47,6 +48,29 @@ TEST(Memory, a_factor_without_fill_is_as_large_as_the_stiffness) {
   run_steps(*solver, 1, 2);
   const Json memory = solver->summary().at("memory");
   EXPECT_EQ(memory.at("preconditioner"), memory.at("stiffness"));
+}
+
+std::size_t bytes_in_use() {
+  const auto info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+/// Bytes of a collapse in a box that is `times` as long and as high; sanitizers count none.
+double bytes_of_collapse(int times) {
+  Json json = collapse_scene({.basis = "bspline", .locking = "fbar"});
+  json["grid"] = box({0, 0}, {2.4 * times, 1.2 * times}, {12 * times, 6 * times}, "quad4");
+  const std::size_t before = bytes_in_use();
+  const auto solver = mpm_solver<2>(json);
+  run_steps(*solver, 1, 2);
+  return static_cast<double>(bytes_in_use()) - static_cast<double>(before);
+}
+
+TEST(Memory, cells_without_soil_take_none) {
+  bytes_of_collapse(1);  // what libraries keep
+  const double small = bytes_of_collapse(1);
+  const int times = 100;
+  const double cells = 72 * times * times;
+  EXPECT_LT(bytes_of_collapse(times) - small, cells);  // a mesh would take 40 for each
 }
 
 /// What a step needs alone is given up while others want memory; nothing else changes by it.

@@ -102,7 +102,7 @@ TEST(Migration, moved_points_keep_all_fields) {
   auto points = rank() == 0 ? alone->points() : mpm::MaterialPoints<2>();
   points.body_ids = alone->points().body_ids;
   points.body_starts.resize(3, 0);
-  const mpm::BackgroundGrid<2> grid(mpm_settings<2>(json).grid);
+  const mpm::BackgroundGrid<2> grid = mpm_settings<2>(json).grid;
   const std::vector<mpm::ContactSettings<2>> no_interfaces;
   const std::vector<mpm::RigidWallSettings<2>> no_walls;
   mpm::Surfaces<2> surfaces(comm(), no_interfaces, no_walls);

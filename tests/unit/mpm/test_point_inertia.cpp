@@ -164,11 +164,12 @@ TEST(PointInertia, row_sums_bound_the_highest_frequency) {
 
 TEST(StableStep, effective_size_of_cells) {
   const auto in_plane = [](CellType type) {
-    return mpm::effective_size<2>(box_mesh<2>({0, 0}, {0.6, 0.2}, {2, 1}, type), 0);
+    return mpm::effective_size(BackgroundGrid<2>(box_mesh<2>({0, 0}, {0.6, 0.2}, {2, 1}, type)), 0);
   };
   EXPECT_NEAR(in_plane(CellType::quad4), 0.2, 1e-15);
-  EXPECT_NEAR(mpm::effective_size<2>(box_of<2>(4, CellType::tri3), 0), 2. / 3 * 0.25, 1e-15);
-  EXPECT_NEAR(mpm::effective_size<3>(box_of<3>(4, CellType::hex8), 0), 0.25, 1e-15);
+  EXPECT_NEAR(mpm::effective_size(BackgroundGrid<2>(box_of<2>(4, CellType::tri3)), 0),
+              2. / 3 * 0.25, 1e-15);
+  EXPECT_NEAR(mpm::effective_size(BackgroundGrid<3>(box_of<3>(4, CellType::hex8)), 0), 0.25, 1e-15);
 }
 
 }  // namespace

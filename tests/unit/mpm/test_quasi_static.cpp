@@ -123,7 +123,7 @@ TEST(LightNodes, join_the_nearest_heavy_node_and_keep_the_mass) {
   const double mass = total();
   const std::int32_t before = soil.nodes.size();
   EXPECT_EQ(before, 8);
-  const mpm::WallConditions<2> free(soil.grid.mesh, {});
+  const mpm::WallConditions<2> free(soil.grid, {});
   EXPECT_EQ(join(soil, free, 1e-8), 0);
   EXPECT_EQ(join(soil, free, 1e-4), 2);
   EXPECT_EQ(soil.nodes.size(), 6);
@@ -138,11 +138,11 @@ TEST(LightNodes, nodes_of_walls_stay) {
   SoilPatch<2> soil(CellType::quad4, 1);
   soil.add({0.5, 1e-6});
   soil.to_grid();
-  const mpm::WallConditions<2> roof(soil.grid.mesh, {{"top", false, "here", {}}});
+  const mpm::WallConditions<2> roof(soil.grid, {{"top", false, "here", {}}});
   EXPECT_EQ(join(soil, roof, 1e-4), 0);
-  const mpm::WallConditions<2> floor(soil.grid.mesh, {{"bottom", false, "here", {}}});
+  const mpm::WallConditions<2> floor(soil.grid, {{"bottom", false, "here", {}}});
   EXPECT_EQ(join(soil, floor, 1e-4), 0);
-  const mpm::WallConditions<2> free(soil.grid.mesh, {});
+  const mpm::WallConditions<2> free(soil.grid, {});
   EXPECT_EQ(join(soil, free, 1e-4), 2);
 }
 

@@ -48,7 +48,7 @@ struct UnevenSoil {
   void prepare(CellType type, const MaterialLaw<dim>& law, double strain) {
     soil.bodies = {{"soil", {"", 1, law}}};
     if (type == CellType::tri3 || type == CellType::tet4) {
-      soil.grid.patches = mpm::join_cells(soil.grid.mesh, soil.grid.locator);
+      soil.grid.patches = mpm::join_cells(soil.mesh, soil.grid.stored->locator);
     }
     soil.to_grid();
     auto& points = soil.points;

@@ -24,9 +24,9 @@ struct CutSoil {
   }
   void begin() {
     soil.to_grid();
-    ghost.emplace(soil.grid.mesh, soil.bodies, factor);
+    ghost.emplace(soil.grid, soil.bodies, factor);
     ghost->find_facets(soil.owners(), soil.points, soil.weights);
-    ghost->begin_step(soil.grid, soil.nodes);
+    ghost->begin_step(soil.nodes);
     std::vector<std::int32_t> offsets{0}, nodes;
     ghost->append_cells(offsets, nodes);
     K.set_pattern(soil.nodes.size(), offsets, nodes);

@@ -87,8 +87,7 @@ void check_moments(mpm::Basis basis) {
       double sum = 0;
       for (std::size_t i = 0; i < w.size(); ++i) {
         sum += w[i];
-        place -=
-            w[i] * (soil.grid.mesh.nodes[nodes[soil.weights.local_of(e)[i]]] - soil.points.x[p]);
+        place -= w[i] * (soil.mesh.nodes[nodes[soil.weights.local_of(e)[i]]] - soil.points.x[p]);
       }
       EXPECT_NEAR(sum, 1, 1e-13);
       EXPECT_LT(place.norm(), 1e-13) << mpm::basis_name(basis) << ", point " << p;

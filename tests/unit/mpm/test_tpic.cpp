@@ -59,7 +59,7 @@ TEST(Tpic, linear_momentum_and_its_moment_reach_the_grid) {
         for (int i = 0; i < soil.weights.num_nodes(e); ++i) {
           const double share = m * soil.weights.N_of(e)[i];
           const Vector<dim> arm =
-              soil.grid.mesh.nodes[cell[soil.weights.local_of(e)[i]]] - soil.points.x[p];
+              soil.mesh.nodes[cell[soil.weights.local_of(e)[i]]] - soil.points.x[p];
           points.moment += cross<dim>(arm, share * (soil.points.grad_v[p] * arm));
           points_a.moment += cross<dim>(arm, share * (soil.points.grad_a[p] * arm));
         }

@@ -98,7 +98,7 @@ TEST(PointsToGrid, points_on_nodes_edges_and_walls) {
         }
         EXPECT_NEAR(mass, soil.points.m[0], 1e-14);
         if (basis == mpm::Basis::linear) {
-          EXPECT_EQ(soil.nodes.size(), soil.grid.mesh.nodes_per_cell());
+          EXPECT_EQ(soil.nodes.size(), soil.mesh.nodes_per_cell());
         }
       }
     }
@@ -192,7 +192,7 @@ TEST(LayPoints, volume_mass_and_shares_of_ranks) {
       for (int part = 0; part < 3; ++part) {
         mpm::MaterialPoints<dim> share;
         const auto total =
-            mpm::lay_points<dim>({parts.grid.mesh, count, Vector<dim>::Zero()}, 7,
+            mpm::lay_points<dim>({parts.mesh, count, Vector<dim>::Zero()}, 7,
                                  {.first_id = 100, .part = part, .num_parts = 3}, share);
         EXPECT_EQ(total, whole.points.size());
         EXPECT_EQ(share.id.front(), 100 + static_cast<std::int64_t>(x.size()));

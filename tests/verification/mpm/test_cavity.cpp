@@ -82,8 +82,9 @@ Json sector_scene(const Cavity& cavity, const std::string& type, int rings, int 
 
 mpm::MpmSolver<2> bent_solver(const Cavity& cavity, const Json& scene) {
   auto settings = mpm_settings<2>(scene);
-  bend_to_sector(settings.grid, cavity);
-  bend_to_sector(settings.layouts[0].mesh, cavity);
+  Mesh<2>& sector = settings.layouts[0].mesh;  // that of the grid, too
+  bend_to_sector(sector, cavity);
+  settings.grid = mpm::BackgroundGrid<2>(sector);
   return mpm::MpmSolver<2>(comm(), std::move(settings), "");
 }
 
