@@ -37,7 +37,7 @@ struct Stopped {
 
   Stopped(CellType type, mpm::Basis basis)
       : soil(type, 3, basis),
-        walls(soil.grid.mesh, {{.group = "bottom", .fixed = false, .where = "", .motion = {}},
+        walls(soil.grid, {{.group = "bottom", .fixed = false, .where = "", .motion = {}},
                                {.group = "left", .fixed = true, .where = "", .motion = {}}}) {
     soil.scatter(200);
     map();
@@ -112,7 +112,7 @@ TEST(WallStop, shear_over_a_wall_goes_on) {
       soil.points.v[p][0] = soil.points.x[p][dim - 1];
     }
     soil.to_grid();
-    mpm::WallConditions<dim> walls(soil.grid.mesh,
+    mpm::WallConditions<dim> walls(soil.grid,
                                    {{.group = "bottom", .fixed = true, .where = "", .motion = {}}});
     walls.select(soil.nodes);
     const double energy = kinetic_energy(soil.points);
