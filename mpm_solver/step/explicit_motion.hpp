@@ -14,7 +14,7 @@
 namespace gabion::mpm {
 
 /// The explicit solution of one step: `count` equal substeps of central differences on the nodes
-/// of the step, whose weights stay (docs/theory/soil.md, (S29) to (S31)),
+/// of the step, whose weights stay (docs/theory/soil.md, (S30) to (S33)),
 ///
 ///     u* = u + dt v + dt^2/2 A(f) ,  u' = u* + dt^2/2 A(F(u*)) ,  f = f_body - f_int(u)
 ///     v' = v + dt/2 [A(f) + A(f')] + dt A(F(u*)) ,  A(f) = Q W Q f

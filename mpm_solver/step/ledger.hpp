@@ -22,7 +22,7 @@ struct StepBalance {
   double kinetic_before = 0;  ///< of the velocity mapped from the points, before walls act [J]
   double kinetic_after = 0;   ///< of v' [J]
   double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
-  double time_damping = 0;    ///< docs/theory/soil.md, (S27) [J]
+  double time_damping = 0;    ///< docs/theory/soil.md, (S28) [J]
   double body_work = 0;       ///< of gravity and other body forces [J]
   double sharing_loss = 0;    ///< elastic energy that share_volumes took [J]
   double boundary_work = 0;   ///< of contacts and of moving walls [J]
@@ -59,7 +59,7 @@ template <int dim>
 StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
                               const NodalMotion<dim>& motion);
 
-/// Where energy and momentum went since the start (docs/theory/soil.md, (S27), (S28)).
+/// Where energy and momentum went since the start (docs/theory/soil.md, (S28), (S29)).
 template <int dim>
 class Ledger {
  public:
