@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "mpm_solver/points/flat.hpp"
+#include "mpm_solver/points/point_totals.hpp"
 #include "mpm_solver/walls/wall_stop.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -13,22 +14,7 @@
 namespace gabion::test {
 namespace {
 
-template <int dim>
-double kinetic_energy(const mpm::MaterialPoints<dim>& points) {
-  double sum = 0;
-  for (std::int32_t p = 0; p < points.size(); ++p) {
-    sum += 0.5 * points.m[p] * points.v[p].squaredNorm();
-  }
-  return sum;
-}
-template <int dim>
-Vector<dim> momentum(const mpm::MaterialPoints<dim>& points) {
-  Vector<dim> sum = Vector<dim>::Zero();
-  for (std::int32_t p = 0; p < points.size(); ++p) sum += points.m[p] * points.v[p];
-  return sum;
-}
-
-/// Points in a box with a slip floor and a wall on the left that moves or holds.
+/// Points in a box with a smooth floor and a rough wall on the left.
 template <int dim>
 struct Stopped {
   SoilPatch<dim> soil;
@@ -38,7 +24,7 @@ struct Stopped {
   Stopped(CellType type, mpm::Basis basis)
       : soil(type, 3, basis),
         walls(soil.grid, {{.group = "bottom", .fixed = false, .where = "", .motion = {}},
-                               {.group = "left", .fixed = true, .where = "", .motion = {}}}) {
+                          {.group = "left", .fixed = true, .where = "", .motion = {}}}) {
     soil.scatter(200);
     map();
   }
@@ -80,17 +66,18 @@ double through_walls(const Stopped<dim>& at, std::vector<Vector<dim>> v) {
 TEST(WallStop, points_move_with_the_walls) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Stopped<dim> at(type, basis);
-    const double before = kinetic_energy(at.soil.points);
-    const Vector<dim> p = momentum(at.soil.points);
+    const auto start = mpm::point_totals(comm(), at.soil.points);
+    const double before = start.kinetic_energy;
     const auto v = at.soil.nodes.v;
     const double much = through_walls(at, v);
     EXPECT_GT(much, 0.1);
     at.find();
     at.stop.kick(at.soil.weights, at.soil.points);
     EXPECT_LT(through_walls(at, v), 0.25 * much);
-    EXPECT_NEAR(before - kinetic_energy(at.soil.points), at.stop.totals().loss, 1e-12 * before);
+    const auto end = mpm::point_totals(comm(), at.soil.points);
+    EXPECT_NEAR(before - end.kinetic_energy, at.stop.totals().loss, 1e-12 * before);
     EXPECT_EQ(at.stop.totals().work, 0);
-    const Vector<dim> change = momentum(at.soil.points) - p;
+    const Vector<dim> change = end.momentum - start.momentum;
     EXPECT_LT((change - at.stop.totals().impulse).norm(), 1e-12 * before);
     const auto after = at.soil.nodes.v;
     at.map();
@@ -115,7 +102,7 @@ TEST(WallStop, shear_over_a_wall_goes_on) {
     mpm::WallConditions<dim> walls(soil.grid,
                                    {{.group = "bottom", .fixed = true, .where = "", .motion = {}}});
     walls.select(soil.nodes);
-    const double energy = kinetic_energy(soil.points);
+    const double energy = mpm::point_totals(comm(), soil.points).kinetic_energy;
     mpm::WallStop<dim> stop;
     stop.find(soil.points, soil.weights, walls, 0.1, soil.nodes);
     // In the first row of cells only; the nodes alone would lose 0.4 of its energy in each step.
