@@ -34,9 +34,8 @@ template <int dim>
 void WallStop<dim>::list_touches(const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const WallConditions<dim>& walls,
                                  const GridNodes<dim>& nodes) {
-  const double weightless = weightless_mass(nodes);
   std::vector<char> is_held(nodes.m.size(), 0);
-  for (const std::int32_t i : walls.constrained()) is_held[i] = nodes.m[i] > weightless;
+  for (const std::int32_t i : walls.constrained()) is_held[i] = nodes.m[i] > weightless_;
   std::int32_t active[max_group_nodes<dim>];
   for (std::int32_t g = 0; g < std::ssize(weights.groups); ++g) {
     const CellGroup& group = weights.groups[g];
@@ -117,10 +116,9 @@ void WallStop<dim>::move_nodes(const PointWeights<dim>& weights, GridNodes<dim>&
     }
   }
   nodes.shared.sum(dp, dim);
-  const double weightless = weightless_mass(nodes);
   const auto v = flat(nodes.v);
   for (std::size_t k = 0; k < v.size(); ++k) {
-    if (nodes.m[k / dim] > weightless) v[k] += dp[k] / nodes.m[k / dim];
+    if (nodes.m[k / dim] > weightless_) v[k] += dp[k] / nodes.m[k / dim];
   }
 }
 
@@ -153,6 +151,7 @@ template <int dim>
 void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                          const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes) {
   forget();
+  weightless_ = weightless_mass(nodes);
   list_touches(points, weights, walls, nodes);
   const SharedNodes& shared = nodes.shared;
   acts_ = !shared.all(touches_.empty());
@@ -163,9 +162,8 @@ void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<d
   std::vector<double> with_walls(v.begin(), v.end());
   walls.impose(with_walls, 1 / dt);
   const std::vector<double> wanted = smooth(weights, nodes, with_walls);
-  const double weightless = weightless_mass(nodes);
   for (std::size_t k = 0; k < v.size(); ++k) {
-    if (nodes.m[k / dim] > weightless) r[k] = wanted[k] - v[k];
+    if (nodes.m[k / dim] > weightless_) r[k] = wanted[k] - v[k];
   }
   hold(walls, r);
   search(walls, nodes, std::move(r));

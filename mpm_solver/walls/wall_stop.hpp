@@ -13,8 +13,9 @@ namespace gabion::mpm {
 /// Walls stop the soil at the start of a step: impulses J of the held nodes, after which the points
 /// have there what they would have if they moved with the nodes,
 ///
-///     (1 - Q) (v + W J) = (1 - Q) S (Q v + w / dt) ,  J = (1 - Q) J ,  dv_p = sum_i rho_ip J_i /
-///     m_p W_ij = sum_p rho_ip rho_jp / m_p ,  S_ij = sum_p rho_ip N_jp ,  rho_ip = N_ip m_p / m_i
+///     (1 - Q) (v + W J) = (1 - Q) S (Q v + w / dt) ,  J = (1 - Q) J ,
+///     dv_p = sum_i rho_ip J_i / m_p ,  rho_ip = N_ip m_p / m_i ,
+///     W_ij = sum_p rho_ip rho_jp / m_p ,  S_ij = sum_p rho_ip N_jp
 ///
 /// with Q and w of WallConditions. This is the plastic impact of the points: of all changes of
 /// their velocities that meet the condition it takes the least kinetic energy. The mapped v of soil
@@ -74,6 +75,7 @@ class WallStop {
                              std::span<const double> v) const;
   void move_nodes(const PointWeights<dim>& weights, GridNodes<dim>& nodes) const;
 
+  double weightless_ = 0;  // a node of this mass or less is [kg]
   bool acts_ = false;
   std::vector<Touch> touches_;  // of this rank
   std::vector<Value> values_;
