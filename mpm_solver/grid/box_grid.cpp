@@ -7,32 +7,31 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
+#include "common/mechanics/mesh/box_lattice.hpp"
 
 namespace gabion::mpm {
 
 namespace {
 
-// Steps from the first corner of a quad or hex to the others, in Gmsh's order.
-constexpr int corner_steps[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                    {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-
-// Place of a number in rows of these lengths.
-template <int dim>
-Eigen::Matrix<int, dim, 1> place_of(std::int32_t number,
-                                    const Eigen::Matrix<int, dim, 1>& lengths) {
-  Eigen::Matrix<int, dim, 1> at;
-  for (int d = 0; d + 1 < dim; ++d) {
-    at[d] = number % lengths[d];
-    number /= lengths[d];
-  }
-  at[dim - 1] = number;
-  return at;
-}
-
 template <int dim>
 double coordinate(const BoxGrid<dim>& grid, int axis, int at) {
-  const double low = grid.low[axis], high = grid.high[axis];
-  return at == grid.num_cells[axis] ? high : low + (high - low) * at / grid.num_cells[axis];
+  return lattice_coordinate(grid.low[axis], grid.high[axis], at, grid.num_cells[axis]);
+}
+
+// The cells from one place to another, ascending.
+template <int dim>
+std::vector<std::int32_t> cells_between(const LatticeIndex<dim>& first,
+                                        const LatticeIndex<dim>& last,
+                                        const LatticeIndex<dim>& num_cells) {
+  std::vector<std::int32_t> cells(1, 0);
+  for (int d = dim - 1; d >= 0; --d) {
+    std::vector<std::int32_t> rows;
+    for (const std::int32_t cell : cells) {
+      for (int at = first[d]; at <= last[d]; ++at) rows.push_back(cell * num_cells[d] + at);
+    }
+    cells = std::move(rows);
+  }
+  return cells;
 }
 
 template <int dim>
@@ -92,36 +91,29 @@ std::int32_t BoxGrid<dim>::locate(const Vector<dim>& x) const {
 template <int dim>
 std::vector<std::int32_t> BoxGrid<dim>::cells_at(const Vector<dim>& x) const {
   const Vector<dim> t = lattice_position(x);
-  std::vector<std::int32_t> cells(1, 0);
-  for (int d = dim - 1; d >= 0; --d) {
+  Index first, last;
+  for (int d = 0; d < dim; ++d) {
     // Written so that NaN is outside.
     if (!(t[d] >= -tolerance[d] && t[d] <= num_cells[d] + tolerance[d])) return {};
-    const int first = std::max(static_cast<int>(std::ceil(t[d] - tolerance[d])) - 1, 0);
-    const int last = std::min(static_cast<int>(std::floor(t[d] + tolerance[d])), num_cells[d] - 1);
-    std::vector<std::int32_t> rows;
-    for (const std::int32_t cell : cells) {
-      for (int at = first; at <= last; ++at) rows.push_back(cell * num_cells[d] + at);
-    }
-    cells = std::move(rows);
+    first[d] = std::max(static_cast<int>(std::ceil(t[d] - tolerance[d])) - 1, 0);
+    last[d] = std::min(static_cast<int>(std::floor(t[d] + tolerance[d])), num_cells[d] - 1);
   }
-  return cells;
+  return cells_between<dim>(first, last, num_cells);
 }
 
 template <int dim>
 typename BoxGrid<dim>::Index BoxGrid<dim>::cell_index(std::int32_t cell) const {
-  return place_of<dim>(cell, num_cells);
+  return lattice_index<dim>(cell, num_cells);
 }
 
 template <int dim>
 std::int32_t BoxGrid<dim>::node(const Index& at) const {
-  std::int32_t number = 0;
-  for (int d = dim - 1; d >= 0; --d) number = number * (num_cells[d] + 1) + at[d];
-  return number;
+  return lattice_node<dim>(at, num_cells);
 }
 
 template <int dim>
 Vector<dim> BoxGrid<dim>::node_position(std::int32_t node) const {
-  const Index at = place_of<dim>(node, num_cells + Index::Ones());
+  const Index at = lattice_index<dim>(node, num_cells + Index::Ones());
   Vector<dim> x;
   for (int d = 0; d < dim; ++d) x[d] = coordinate(*this, d, at[d]);
   return x;
@@ -129,15 +121,7 @@ Vector<dim> BoxGrid<dim>::node_position(std::int32_t node) const {
 
 template <int dim>
 typename BoxGrid<dim>::CellNodes BoxGrid<dim>::cell_nodes(std::int32_t cell) const {
-  CellNodes nodes;
-  const std::int32_t first = node(cell_index(cell));
-  for (int a = 0; a < (1 << dim); ++a) {
-    nodes[a] = first;
-    for (int d = 0, stride = 1; d < dim; stride *= num_cells[d++] + 1) {
-      nodes[a] += corner_steps[a][d] * stride;
-    }
-  }
-  return nodes;
+  return brick_nodes<dim>(cell_index(cell), num_cells);
 }
 
 template <int dim>
@@ -155,18 +139,9 @@ std::array<std::int32_t, 2 * dim> BoxGrid<dim>::neighbours(std::int32_t cell) co
 
 template <int dim>
 std::vector<std::int32_t> BoxGrid<dim>::cells_around(std::int32_t node) const {
-  const Index at = place_of<dim>(node, num_cells + Index::Ones());
-  std::vector<std::int32_t> cells(1, 0);
-  for (int d = dim - 1; d >= 0; --d) {
-    std::vector<std::int32_t> rows;
-    for (const std::int32_t cell : cells) {
-      for (int i = std::max(at[d] - 1, 0); i <= std::min(at[d], num_cells[d] - 1); ++i) {
-        rows.push_back(cell * num_cells[d] + i);
-      }
-    }
-    cells = std::move(rows);
-  }
-  return cells;
+  const Index at = lattice_index<dim>(node, num_cells + Index::Ones());
+  return cells_between<dim>((at - Index::Ones()).cwiseMax(0),
+                            at.cwiseMin(num_cells - Index::Ones()), num_cells);
 }
 
 template <int dim>
@@ -195,11 +170,11 @@ FacetGroups BoxGrid<dim>::sides() const {
     Index layer = num_cells;
     layer[axis] = 1;
     for (std::int32_t k = 0; k < layer.prod(); ++k) {
-      Index at = place_of<dim>(k, layer);
+      Index at = lattice_index<dim>(k, layer);
       if (end == 1) at[axis] = num_cells[axis] - 1;
       for (const int a : corners) {
         Index corner = at;
-        for (int d = 0; d < dim; ++d) corner[d] += corner_steps[a][d];
+        for (int d = 0; d < dim; ++d) corner[d] += brick_corners[a][d];
         facets.push_back(node(corner));
       }
     }

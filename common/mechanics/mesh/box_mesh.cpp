@@ -5,14 +5,12 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
+#include "common/mechanics/mesh/box_lattice.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 
 namespace gabion {
 
 namespace {
-
-template <int dim>
-using Index = Eigen::Matrix<int, dim, 1>;
 
 template <int n>
 using Pieces = std::vector<std::array<int, n>>;
@@ -29,38 +27,6 @@ const Pieces<4> even_tetrahedra = {
 const Pieces<4> odd_tetrahedra = {
     {0, 2, 7, 5}, {1, 2, 0, 5}, {3, 0, 2, 7}, {4, 7, 5, 0}, {6, 5, 7, 2}};
 
-template <int dim>
-std::int32_t lattice_node(const Index<dim>& at, const Index<dim>& num_cells) {
-  std::int32_t node = 0;
-  for (int i = dim - 1; i >= 0; --i) node = node * (num_cells[i] + 1) + at[i];
-  return node;
-}
-
-template <int dim>
-Index<dim> lattice_index(std::int32_t number, const Index<dim>& counts) {
-  Index<dim> at;
-  for (int i = 0; i < dim; ++i) {
-    at[i] = number % counts[i];
-    number /= counts[i];
-  }
-  return at;
-}
-
-/// Lattice nodes of one rectangle or brick, in Gmsh's order.
-template <int dim>
-std::array<std::int32_t, (1 << dim)> brick_nodes(const Index<dim>& cell,
-                                                 const Index<dim>& num_cells) {
-  constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  std::array<std::int32_t, (1 << dim)> nodes;
-  for (int a = 0; a < (1 << dim); ++a) {
-    Index<dim> at = cell;
-    for (int i = 0; i < dim; ++i) at[i] += corner[a][i];
-    nodes[a] = lattice_node<dim>(at, num_cells);
-  }
-  return nodes;
-}
-
 template <int n, std::size_t m>
 void add_pieces(const Pieces<n>& pieces, const std::array<std::int32_t, m>& brick,
                 std::vector<std::int32_t>& cells) {
@@ -70,7 +36,7 @@ void add_pieces(const Pieces<n>& pieces, const std::array<std::int32_t, m>& bric
 }
 
 template <int dim>
-void check_box(const Vector<dim>& low, const Vector<dim>& high, const Index<dim>& num_cells,
+void check_box(const Vector<dim>& low, const Vector<dim>& high, const LatticeIndex<dim>& num_cells,
                CellType type) {
   require<ConfigError>(dimension(type) == dim,
                        "box mesh of dimension {}: found cell type {}, allowed: {}", dim, name(type),
@@ -90,8 +56,8 @@ void check_box(const Vector<dim>& low, const Vector<dim>& high, const Index<dim>
 
 /// Facets of cells that lie in a side of the box, told by the lattice positions of their nodes.
 template <int dim>
-void add_sides(const Index<dim>& num_cells, Mesh<dim>& mesh) {
-  const Index<dim> num_lattice = num_cells + Index<dim>::Ones();
+void add_sides(const LatticeIndex<dim>& num_cells, Mesh<dim>& mesh) {
+  const LatticeIndex<dim> num_lattice = num_cells + LatticeIndex<dim>::Ones();
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     const auto cell = mesh.cell(c);
     for (int f = 0; f < num_facets(mesh.cell_type); ++f) {
@@ -123,17 +89,16 @@ Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
   check_box<dim>(low, high, num_cells, cell_type);
   Mesh<dim> mesh;
   mesh.cell_type = cell_type;
-  const Index<dim> num_lattice = num_cells + Index<dim>::Ones();
+  const LatticeIndex<dim> num_lattice = num_cells + LatticeIndex<dim>::Ones();
   mesh.nodes.resize(num_lattice.prod());
   for (std::int32_t n = 0; n < mesh.num_nodes_total(); ++n) {
-    const Index<dim> at = lattice_index<dim>(n, num_lattice);
+    const LatticeIndex<dim> at = lattice_index<dim>(n, num_lattice);
     for (int i = 0; i < dim; ++i) {
-      mesh.nodes[n][i] =
-          at[i] == num_cells[i] ? high[i] : low[i] + (high[i] - low[i]) * at[i] / num_cells[i];
+      mesh.nodes[n][i] = lattice_coordinate(low[i], high[i], at[i], num_cells[i]);
     }
   }
   for (std::int32_t b = 0; b < num_cells.prod(); ++b) {
-    const Index<dim> at = lattice_index<dim>(b, num_cells);
+    const LatticeIndex<dim> at = lattice_index<dim>(b, num_cells);
     const auto brick = brick_nodes<dim>(at, num_cells);
     const bool odd = alternate && at.sum() % 2 == 1;
     if (cell_type == CellType::tri3) {
