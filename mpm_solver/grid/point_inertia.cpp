@@ -22,16 +22,18 @@ template <int dim, int num_nodes>
 inline void add_response(int given, const std::uint8_t* local, const PointMass& point,
                          const double* in, double* out) {
   const int n = num_nodes > 0 ? num_nodes : given;
-  double dv[dim] = {};
+  Vector<dim> dv = Vector<dim>::Zero();
   for (int i = 0; i < n; ++i) {
-    const double* in_i = in + (num_nodes > 0 ? i : local[i]) * dim;
-    for (int d = 0; d < dim; ++d) dv[d] += point.rho[i] * in_i[d];
+    dv += point.rho[i] * Eigen::Map<const Vector<dim>>(in + (num_nodes > 0 ? i : local[i]) * dim);
   }
-  for (double& component : dv) component /= point.m;
+  dv /= point.m;
   for (int i = 0; i < n; ++i) {
-    double* out_i = out + (num_nodes > 0 ? i : local[i]) * dim;
-    for (int d = 0; d < dim; ++d) out_i[d] += point.rho[i] * dv[d];
+    Eigen::Map<Vector<dim>>(out + (num_nodes > 0 ? i : local[i]) * dim) += point.rho[i] * dv;
   }
+}
+
+bool all_zero(const double* values, std::size_t count) {
+  return std::all_of(values, values + count, [](double value) { return value == 0; });
 }
 
 }  // namespace
@@ -74,12 +76,13 @@ void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double>
   std::fill(dv.begin(), dv.end(), 0.0);
   std::array<double, max_group_nodes<dim> * dim> in, out;
   std::int32_t active[max_group_nodes<dim>];
-  const double* rho = rho_.data();
   for (const CellGroup& group : weights_.groups) {
     const auto grid_nodes = weights_.nodes_of(group);
-    nodes_.list_active(grid_nodes, active);
     nodes_.gather(grid_nodes, impulse, in.data());
+    if (all_zero(in.data(), grid_nodes.size() * dim)) continue;
+    nodes_.list_active(grid_nodes, active);
     std::fill_n(out.begin(), grid_nodes.size() * dim, 0.0);
+    const double* rho = rho_of(group);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const int n = weights_.num_nodes(e);
       const double m = points_.m[weights_.point[e]];
@@ -100,10 +103,14 @@ void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double>
 template <int dim>
 double PointInertia<dim>::largest_rate(std::span<const double> row_sums) const {
   double largest = 0;
-  const double* rho = rho_.data();
   std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights_.groups) {
     nodes_.list_active(weights_.nodes_of(group), active);
+    if (std::all_of(active, active + group.num_nodes,
+                    [&](std::int32_t node) { return row_sums[node] == 0; })) {
+      continue;
+    }
+    const double* rho = rho_of(group);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::uint8_t* local = weights_.local_of(e);
       double sum = 0;

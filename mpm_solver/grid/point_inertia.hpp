@@ -28,7 +28,8 @@ class PointInertia {
   PointInertia(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                const GridNodes<dim>& nodes);
 
-  /// dv = W I. @param impulse, dv  num_nodes x dim [N s], [m/s]. @note Collective.
+  /// dv = W I; cells where I is zero are passed over.
+  /// @param impulse, dv  num_nodes x dim [N s], [m/s]. @note Collective.
   void apply(std::span<const double> impulse, std::span<double> dv) const;
 
   /// Bound of the largest eigenvalue of W K [1/s^2], from the row sums of |K|: a norm of W K.
@@ -42,6 +43,10 @@ class PointInertia {
   bool is_weightless(std::int32_t node) const { return nodes_.m[node] <= weightless_; }
 
  private:
+  const double* rho_of(const CellGroup& group) const {
+    return rho_.data() + weights_.starts[group.first];
+  }
+
   const MaterialPoints<dim>& points_;
   const PointWeights<dim>& weights_;
   const GridNodes<dim>& nodes_;

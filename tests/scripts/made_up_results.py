@@ -14,7 +14,8 @@ import numpy as np
 END, DT = 0.5, 1e-3
 STEPS = round(END / DT)
 AMPLITUDE = 2e-3  # of the probe [m]
-FORCE = 20.0  # of the soil on the structure from t = 0.2 s on [N/m]
+CONTACT = 0.15  # [s], from then on the soil touches the structure
+FORCE = 20.0  # of the soil on the structure since then [N/m]
 
 SECONDS = ["soil.busy_seconds", "soil.message_seconds", "structure.busy_seconds", "structure.message_seconds",
            "acceleration_seconds"]
@@ -32,15 +33,15 @@ def write_table(path: Path, head: list[str], rows: list[list]) -> None:
 
 
 def displacement(time: float, scale: float = 1.0) -> float:
-    return scale * AMPLITUDE * max(0.0, 1 - np.cos(40 * (time - 0.2))) * (time > 0.2)
+    return scale * AMPLITUDE * max(0.0, 1 - np.cos(40 * (time - CONTACT))) * (time > CONTACT)
 
 
 def write_tables(folder: Path, scale: float, iterations: int) -> None:
-    """probes.csv, steps.csv (force FORCE from 0.2 s on), iterations.csv (residual 10^-k)."""
+    """probes.csv, steps.csv (force FORCE from CONTACT on), iterations.csv (residual 10^-k)."""
     times = [DT * step for step in range(STEPS + 1)]
     write_table(folder / "probes.csv", ["time", "soil.centre_x", "structure.A.ux", "structure.A.uy"],
                 [[t, 0.1 + t / 10, displacement(t, scale), -displacement(t, 0.1 * scale)] for t in times])
-    contact = {t: t > 0.2 for t in times[1:]}
+    contact = {t: t > CONTACT for t in times[1:]}
     write_table(folder / "steps.csv",
                 ["step", "time", "dt", "iterations", "status", "skipped", "displacement_residual",
                  "force_residual", "fx", "fy", "soil_newton", "structure_newton", "cuts",

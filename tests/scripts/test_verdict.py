@@ -85,8 +85,8 @@ class Words(VerdictCase):
 
     def test_convergence(self) -> None:
         write_kind(self.folder, "finished")
-        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 300 in contact with 5 iterations each, "
-                                                           "5 at most; 200 without contact."))
+        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 350 in contact with 5 iterations each, "
+                                                           "5 at most; 150 without contact."))
         text = (self.folder / "steps.csv").read_text()
         (self.folder / "steps.csv").write_text(text.replace("converged", "limit_reached", 2))
         kind, text = self.one("convergence")
