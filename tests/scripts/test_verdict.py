@@ -91,8 +91,8 @@ class Words(VerdictCase):
         (self.folder / "steps.csv").write_text(text.replace("converged", "limit_reached", 2))
         kind, text = self.one("convergence")
         self.assertEqual(kind, "bad")
-        self.assertEqual(text, "2 steps were accepted without convergence (2 limit reached), the first is step 201 at "
-                               "t = 0.201 s.")
+        self.assertEqual(text, "2 steps were accepted without convergence (2 limit reached), the first is step 151 at "
+                               "t = 0.151 s.")
 
     def test_convergence_that_is_not_asked(self) -> None:
         self.write("steps.csv", STEPS + "1,0.1,0.1,1,explicit,0,1,0,0.5,0.1,1\n")
