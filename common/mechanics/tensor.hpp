@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace gabion {
 
@@ -25,5 +26,12 @@ inline constexpr int symmetric_size = dim == 2 ? 4 : 6;
 /// Symmetric tensor, true components (no factor 2): 2D xx, yy, zz, xy; 3D xx, yy, zz, xy, yz, xz.
 template <int dim>
 using Symmetric = Eigen::Matrix<double, symmetric_size<dim>, 1>;
+
+/// Side of the square or cube of this volume.
+template <int dim>
+double cube_side(double volume) {
+  static_assert(dim == 2 || dim == 3);
+  return dim == 2 ? std::sqrt(volume) : std::cbrt(volume);
+}
 
 }  // namespace gabion

@@ -54,7 +54,7 @@ void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh) {
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
   }
-  smallest_cell_size_ = std::pow(smallest_volume, 1.0 / dim);
+  smallest_cell_size_ = cube_side<dim>(smallest_volume);
   ShapeValues<dim> shape;
   Vector<dim> x[max_cell_nodes];
   for (std::int32_t c = 0; c < range_.size(); ++c) {

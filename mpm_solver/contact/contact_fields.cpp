@@ -177,7 +177,7 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
               const BallRadius<dim>& radius, double reach, ContactFields<dim>& fields) {
   double widest = 0;
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    widest = std::max(widest, std::pow(points.V0[p] * points.J[p], 1.0 / dim));
+    widest = std::max(widest, cube_side<dim>(points.V0[p] * points.J[p]));
   }
   const double farthest = reach + widest;
   const PlacedSurface<dim> placed(surface, fields.vertices, farthest);

@@ -68,7 +68,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   }
   max_over_ranks(comm_, all.values());
   watched_ = watched_distance(soil, all.fastest);
-  margin_ = watched_ + deepest_ + std::pow(all.widest, 1.0 / dim);
+  margin_ = watched_ + deepest_ + cube_side<dim>(all.widest);
   find_bounds();
   add_candidates(soil,
                  FacetHash<dim>(simplices_, start_, margin_, balls, {-all.minus_low, all.high}));

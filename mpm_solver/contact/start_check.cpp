@@ -127,7 +127,7 @@ class SidedSurface {
 template <int dim>
 double largest_size(const MaterialPoints<dim>& points) {
   const auto widest = std::max_element(points.V0.begin(), points.V0.end());
-  return widest == points.V0.end() ? 0 : std::pow(*widest, 1.0 / dim);
+  return widest == points.V0.end() ? 0 : cube_side<dim>(*widest);
 }
 
 // The surface that a point is nearest to; of equally near ones one that it is in front of; -1:
@@ -258,7 +258,7 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
   for (std::int32_t p = 0; p < points.size(); ++p) {
     for (std::size_t k = 0; k < sided.size(); ++k) sides[k] = sided[k].side(points.x[p]);
     const int owner = owner_of(sides);
-    const Ball<dim> ball{points.x[p], points.depth[p], std::pow(points.V0[p], 1.0 / dim)};
+    const Ball<dim> ball{points.x[p], points.depth[p], cube_side<dim>(points.V0[p])};
     for (std::size_t k = 0; k < sided.size(); ++k) {
       if (!sides[k].known() || (!sides[k].in_front() && owner != static_cast<int>(k))) continue;
       const bool measured = std::holds_alternative<FacetSettings>(surfaces[k].settings.method);

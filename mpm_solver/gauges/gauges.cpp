@@ -35,7 +35,7 @@ constexpr std::size_t num_maxima = sizeof(SlabMaxima) / sizeof(double);
 template <int dim>
 Vector<dim> half_lengths(const MaterialPoints<dim>& points, std::int32_t p) {
   if (!points.half_length.empty()) return points.half_length[p];
-  return Vector<dim>::Constant(0.5 * std::pow(points.V0[p] * points.J[p], 1.0 / dim));
+  return Vector<dim>::Constant(0.5 * cube_side<dim>(points.V0[p] * points.J[p]));
 }
 
 // Part of a length around `middle` that lies within b / 2 of zero, over the length.

@@ -114,7 +114,7 @@ void CellLocator<dim>::make_bins() {
   }
   // As wide as the mean cell, but not many more bins than cells.
   const Vector<dim> ideal = (high_ - low_).cwiseQuotient(mean_extent);
-  const double shrink = std::min(1.0, std::pow(4.0 * mesh_.num_cells() / ideal.prod(), 1.0 / dim));
+  const double shrink = std::min(1.0, cube_side<dim>(4.0 * mesh_.num_cells() / ideal.prod()));
   for (int i = 0; i < dim; ++i) {
     num_bins_[i] = std::max(1, static_cast<int>(shrink * ideal[i]));
     bins_per_length_[i] = num_bins_[i] / (high_[i] - low_[i]);

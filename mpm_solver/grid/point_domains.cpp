@@ -38,7 +38,7 @@ void deform_points(const GridNodes<dim>& nodes, std::span<const double> du,
         F += Eigen::Map<const Vector<dim>>(du.data() + row) * grad[i].transpose();
       }
       const Vector<dim> stretches = axis_stretches<dim>(F);
-      const double scale = std::pow(F.determinant() / stretches.prod(), 1.0 / dim);
+      const double scale = cube_side<dim>(F.determinant() / stretches.prod());
       points.half_length[weights.point[e]].array() *= scale * stretches.array();
     }
   }

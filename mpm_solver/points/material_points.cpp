@@ -124,7 +124,7 @@ Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume) {
   const Vector<dim> reach = is_column<dim>(jacobian)
                                 ? Vector<dim>(jacobian.diagonal().cwiseAbs())
                                 : Vector<dim>(jacobian.cwiseAbs().rowwise().sum());
-  return reach * (0.5 * std::pow(volume / reach.prod(), 1.0 / dim));
+  return reach * (0.5 * cube_side<dim>(volume / reach.prod()));
 }
 
 template <int dim>

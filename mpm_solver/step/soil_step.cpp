@@ -41,7 +41,7 @@ double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
   double sums[] = {0, static_cast<double>(points.size())};
   for (const double volume : points.V0) sums[0] += volume;
   sum_over_ranks(comm, std::span<double>(sums));
-  return std::pow(sums[0] / sums[1], 1.0 / dim);
+  return cube_side<dim>(sums[0] / sums[1]);
 }
 
 }  // namespace

@@ -147,6 +147,38 @@ std::vector<double> WallStop<dim>::smooth(const PointWeights<dim>& weights,
   return mapped;
 }
 
+// No held node may get more than it has: |u + r| <= |u|.
+template <int dim>
+void WallStop<dim>::limit(const WallConditions<dim>& walls, std::span<const double> u,
+                          std::vector<double>& r) const {
+  for (const std::int32_t i : walls.constrained()) {
+    const Eigen::Map<const Vector<dim>> had(u.data() + std::ptrdiff_t{i} * dim);
+    Eigen::Map<Vector<dim>> missing(r.data() + std::ptrdiff_t{i} * dim);
+    const Vector<dim> wanted = had + missing;
+    const double most = had.norm(), size = wanted.norm();
+    if (size > most) missing = most / size * wanted - had;
+  }
+}
+
+// The points get J . (u + W J / 2) in the frame of the walls: where that is a gain, the largest
+// share of J without one.
+template <int dim>
+void WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
+                               std::vector<double>& W_J) {
+  double sums[2] = {};
+  auto& [J_u, J_W_J] = sums;
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    if (!shared.owns(static_cast<std::int32_t>(k / dim))) continue;
+    J_u += J_[k] * u[k];
+    J_W_J += J_[k] * W_J[k];
+  }
+  shared.total(sums);
+  if (J_u + 0.5 * J_W_J <= 0) return;
+  const double share = std::max(0.0, -2 * J_u / J_W_J);
+  for (double& J : J_) J *= share;
+  respond(shared, J_, W_J);
+}
+
 template <int dim>
 void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                          const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes) {
@@ -166,8 +198,13 @@ void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<d
     if (nodes.m[k / dim] > weightless_) r[k] = wanted[k] - v[k];
   }
   hold(walls, r);
+  std::vector<double> u(v.begin(), v.end());
+  hold(walls, u);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] -= of_walls[k];
+  limit(walls, u, r);
   search(walls, nodes, std::move(r));
   respond(shared, J_, W_J);
+  avoid_gain(shared, u, W_J);
   const std::vector<double> before(v.begin(), v.end());
   move_nodes(weights, nodes);
   walls.impose(v, 1 / dt);

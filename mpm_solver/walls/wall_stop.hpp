@@ -11,16 +11,19 @@
 namespace gabion::mpm {
 
 /// Walls stop the soil at the start of a step: impulses J of the held nodes, after which the points
-/// have there what they would have if they moved with the nodes,
+/// have there what they would have if they moved with the nodes, s, but no more than before,
 ///
-///     (1 - Q) (v + W J) = (1 - Q) S (Q v + w / dt) ,  J = (1 - Q) J ,
+///     (1 - Q) (v + W J) = w / dt + min(1, |u| / |s|) s ,  J = (1 - Q) J ,
+///     u = (1 - Q) v - w / dt ,  s = (1 - Q) S (Q v + w / dt) - w / dt ,
 ///     dv_p = sum_i rho_ip J_i / m_p ,  rho_ip = N_ip m_p / m_i ,
 ///     W_ij = sum_p rho_ip rho_jp / m_p ,  S_ij = sum_p rho_ip N_jp
 ///
 /// with Q and w of WallConditions. This is the plastic impact of the points: of all changes of
 /// their velocities that meet the condition it takes the least kinetic energy. The mapped v of soil
 /// that shears over a wall is not zero there, S tells how much is no motion through the wall.
-/// Stopping the nodes instead, m_i (Q v_i - v_i), would brake such soil in each step anew.
+/// Stopping the nodes instead, m_i (Q v_i - v_i), would brake such soil in each step anew. Where
+/// the points lag behind the nodes, s alone would push them; a wall at rest gives no energy. What
+/// W's coupling of the nodes leaves of a gain is taken out by a factor of J.
 ///
 /// Found by `num_sweeps` Chebyshev iterations for eigenvalues of m W from `least` to 1, its upper
 /// bound: a fixed linear map, which asks for no sums over all nodes. It leaves 0.04 of a mode at
@@ -70,6 +73,9 @@ class WallStop {
   void list_touches(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                     const WallConditions<dim>& walls, const GridNodes<dim>& nodes);
   void search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes, std::vector<double> r);
+  void limit(const WallConditions<dim>& walls, std::span<const double> u,
+             std::vector<double>& r) const;
+  void avoid_gain(const SharedNodes& shared, std::span<const double> u, std::vector<double>& W_J);
   void respond(const SharedNodes& shared, std::span<const double> impulse, std::span<double> dv);
   std::vector<double> smooth(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                              std::span<const double> v) const;

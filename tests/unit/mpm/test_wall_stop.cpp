@@ -89,6 +89,26 @@ TEST(WallStop, points_move_with_the_walls) {
   });
 }
 
+/// Points that lag behind the nodes at a wall are not pushed.
+TEST(WallStop, a_wall_at_rest_gives_no_energy) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    for (const double lag : {0.0, 0.2, 0.5}) {
+      Stopped<dim> at(type, basis);
+      auto& points = at.soil.points;
+      for (std::int32_t p = 0; p < points.size(); ++p) {
+        const bool is_near = points.x[p][dim - 1] < 1.0 / 3 || points.x[p][0] < 1.0 / 3;
+        points.v[p] = (is_near ? lag : 1) * (points.v[p] - Vector<dim>::Ones());
+      }
+      at.map();
+      const double before = mpm::point_totals(comm(), points).kinetic_energy;
+      at.find();
+      at.stop.kick(at.soil.weights, points);
+      EXPECT_GE(at.stop.totals().loss, 0);
+      EXPECT_LE(mpm::point_totals(comm(), points).kinetic_energy, before);
+    }
+  });
+}
+
 /// Soil that shears over a wall does not move through it, however often it is mapped.
 TEST(WallStop, shear_over_a_wall_goes_on) {
   for_each_cell_type([]<int dim>(CellType type) {
