@@ -12,7 +12,8 @@
 namespace gabion::mpm {
 
 /// A segment (2D) or triangle (3D) of a surface: its vertices, in the order that gives the normal
-/// into the soil. Quadrilaterals are two triangles.
+/// into the soil. Quadrilaterals are two triangles, along the diagonal that points more to the
+/// middle of the surface.
 template <int dim>
 using Simplex = std::array<std::int32_t, dim>;
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "mpm_solver/contact/facet_hash.hpp"
@@ -95,6 +96,35 @@ void check_closest_place() {
       EXPECT_LE((place.x - y).norm(), (x - y).norm() + 1e-14);
     }
   }
+}
+
+/// The mirror image of each triangle of a plate is one, whatever its mesh does.
+TEST(SurfaceFeatures, symmetric_plates_are_cut_symmetrically) {
+  constexpr int n = 4;
+  ContactSurface<3> plate{.vertices = {}, .facet_type = CellType::quad4, .facets = {}};
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      plate.vertices.emplace_back(0.3 * i, 0.2 * j, 1);
+      if (i == n || j == n) continue;
+      const std::int32_t v = j * (n + 1) + i;
+      for (const std::int32_t k : {v, v + 1, v + n + 2, v + n + 1}) plate.facets.push_back(k);
+    }
+  }
+  const auto mirror = [](std::int32_t v) { return v / (n + 1) * (n + 1) + n - v % (n + 1); };
+  std::vector<Simplex<3>> all, images;
+  for (Simplex<3> triangle : mpm::simplices(plate)) {
+    EXPECT_GT(mpm::simplex_normal<3>(mpm::corners_of<3>(triangle, plate.vertices))[2], 0.99);
+    Simplex<3> image;
+    std::transform(triangle.begin(), triangle.end(), image.begin(), mirror);
+    std::sort(triangle.begin(), triangle.end());
+    std::sort(image.begin(), image.end());
+    all.push_back(triangle);
+    images.push_back(image);
+  }
+  EXPECT_EQ(all.size(), 2 * n * n);
+  std::sort(all.begin(), all.end());
+  std::sort(images.begin(), images.end());
+  EXPECT_EQ(all, images);
 }
 
 TEST(SurfaceFeatures, the_closest_place_of_a_simplex) {
