@@ -156,7 +156,22 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
   return result;
 }
 
-void require_participant(const ConfigReader& entry, const std::string& key,
+/// Nobody sends what one of the sides of every interface has to send.
+[[noreturn]] void fail_for_lack_of_senders(ConfigReader& in, const std::string& key,
+                                           const std::string& found,
+                                           const std::vector<ParticipantRole>& participants,
+                                           const std::string& what) {
+  const auto named = std::find_if(participants.begin(), participants.end(),
+                                  [&](const ParticipantRole& p) { return p.name == found; });
+  if (named == participants.end()) {
+    in.fail("participants", fmt::format("found none that sends {}, allowed: one or more", what));
+  }
+  in.fail(fmt::format("participants/{}/sends", found),
+          fmt::format("found \"{}\" of a participant that \"interfaces\" names as {}, allowed: {}",
+                      named->sends_force ? "force" : "displacement", key, what));
+}
+
+void require_participant(ConfigReader& in, const ConfigReader& entry, const std::string& key,
                          const std::string& found, const std::vector<ParticipantRole>& participants,
                          bool sends_force) {
   std::vector<std::string> allowed;
@@ -164,8 +179,10 @@ void require_participant(const ConfigReader& entry, const std::string& key,
     if (p.sends_force == sends_force) allowed.push_back(p.name);
   }
   if (std::find(allowed.begin(), allowed.end(), found) != allowed.end()) return;
-  entry.fail(key, fmt::format("found \"{}\", allowed: a participant that sends {}: {}", found,
-                              sends_force ? "force" : "displacement", fmt::join(allowed, ", ")));
+  const std::string what = sends_force ? "force" : "displacement";
+  if (allowed.empty()) fail_for_lack_of_senders(in, key, found, participants, what);
+  entry.fail(key, fmt::format("found \"{}\", allowed: a participant that sends {}: {}", found, what,
+                              fmt::join(allowed, ", ")));
 }
 
 std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
@@ -180,8 +197,8 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
     if (!names.insert(s.name).second) {
       entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));
     }
-    require_participant(entry, "soil", s.soil, participants, true);
-    require_participant(entry, "structure", s.structure, participants, false);
+    require_participant(in, entry, "soil", s.soil, participants, true);
+    require_participant(in, entry, "structure", s.structure, participants, false);
     used.insert({s.soil, s.structure});
     result.push_back(s);
   }

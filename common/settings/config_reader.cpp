@@ -292,6 +292,11 @@ std::vector<std::pair<std::string, ConfigReader>> ConfigReader::named_objects(
 void ConfigReader::finish() const {
   for (const auto& item : value_.items()) {
     if (known_.count(item.key())) continue;
+    for (const Key& key : table_->keys) {
+      if (key.name != item.key() || key.circumstances.empty()) continue;
+      fail(key.name,
+           fmt::format("found where it has no meaning, allowed only {}", key.circumstances));
+    }
     const std::vector<std::string> known(known_.begin(), known_.end());
     fail(item.key(), fmt::format("unknown key; did you mean \"{}\"? Allowed: {}",
                                  nearest_word(item.key(), known), fmt::join(known, ", ")));

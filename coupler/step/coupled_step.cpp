@@ -97,6 +97,7 @@ void CoupledStep::measure(Attempt& now) {
   ConvergenceState& state = now.row.state;
   state = scheme_->check(convergence_, now);
   if (state.verdict == Verdict::converged && !sides_.all_structures_solved()) {
+    // The residual of a structure that sleeps is zero, whatever the soil answers.
     state.verdict = Verdict::going_on;
   }
   if (state.verdict != Verdict::converged) warn_of_round_off(state);

@@ -37,9 +37,10 @@ class Explicit final : public SerialImplicit {
 class ParallelImplicit final : public CouplingScheme {
  public:
   bool solve(Sides& sides, Attempt& now) const override {
+    const bool first = now.row.request.iteration == 0;
     const bool no_load = now.f_given.isZero(0);
-    solve_at_once(sides, now, /*may_sleep=*/no_load);
-    const bool contact = now.row.request.iteration > 0 || sides.contact_possible(now);
+    solve_at_once(sides, now, /*may_sleep=*/first && no_load);  // contact is not known yet
+    const bool contact = !first || sides.contact_possible(now);
     if (!contact && !no_load) {  // a force was predicted, and there is none
       now.f_given = now.f;
       sides.solve_structures(now, /*may_sleep=*/true);

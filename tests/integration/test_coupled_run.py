@@ -150,6 +150,20 @@ class CoupledRun(IntegrationCase):
                 for column in ("status", "iterations", "cuts"):
                     self.assertEqual([row[column] for row in steps], [row[column] for row in again])
 
+    def test_parallel_scheme_comes_through_the_approach(self) -> None:
+        """Facets see soil that is near: contact is possible in steps before the first force."""
+        self.files["coupler"]["coupling"].update(scheme="parallel_implicit", max_iterations=20)
+        self.files["coupler"]["time"].update(dt=2e-4, end=0.02)
+        for key in ("method", "penalty"):
+            del self.files["mpm"]["interfaces"][0][key]
+        self.write_scene(self.files)
+        self.run_launch(code=0)
+        steps = self.table("steps")
+        near = [row for row in steps if row["status"] == "converged" and float(row["fx"]) == float(row["fy"]) == 0]
+        self.assertGreater(len(near), 3)
+        self.assertEqual({(row["iterations"], row["skipped"]) for row in near}, {("2", "none")})
+        self.assertGreater(float(steps[-1]["fx"]), 0)
+
     def assert_close(self, one: list[dict], two: list[dict]) -> None:
         self.assertEqual(len(one), len(two))
         for column in one[0]:

@@ -231,6 +231,15 @@ class Drawing(ScriptCase):
         self.assertEqual(result.returncode, 2)
         self.assertIn("no field colour; there are displacement, plastic_strain", result.stderr)
 
+    def test_instant_outside_the_run(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        for time in ("99", "-1", "nan"):
+            for more in ([], ["--space"]):
+                result = self.python_script("plot", folder, "--times", "0.3", time, *more)
+                self.assertEqual(result.returncode, 2)
+                self.assertIn(f"--times: found {time}, allowed: 0 to 0.5 s", result.stderr)
+        self.assertFalse((folder / "plots").exists())
+
     def test_empty_folder(self) -> None:
         result = self.python_script("plot", self.folder)
         self.assertEqual(result.returncode, 2)

@@ -6,6 +6,7 @@ What it starts it ends when a command fails.
 """
 
 import json
+import os
 import shutil
 import subprocess
 import time
@@ -78,6 +79,7 @@ if [[ $* == *--list-participants* ]]; then
   exit
 fi
 trap 'echo the coupler was asked to end; exit 5' TERM
+{first}
 for ((i = 0; i < {tenths}; ++i)); do sleep 0.1; done
 echo nobody came
 exit 4
@@ -95,14 +97,16 @@ exit $code
 class FailedCommand(ScriptCase):
     """Commands of participants that end at once, with a coupler and an mpirun that never were."""
 
-    def run_with(self, command: str, coupler: int, mpirun: int) -> tuple[int, list[str], float]:
+    def run_with(self, command: str, coupler: int, mpirun: int, first: str = ":") -> tuple[int, list[str], float]:
         """The coupler waits for the command, mpirun takes its time to end after the coupler [s/10].
+
+        first: what the coupler does before it waits
 
         returns: exit code, lines but those of what is started, seconds until the output ends
         """
         self.write("scene/coupler.json", json.dumps({}))
         self.write("scripts/setup", SETUP.format(folder=self.folder))
-        self.write("bin/coupler", COUPLER.format(command=command, tenths=coupler)).chmod(0o755)
+        self.write("bin/coupler", COUPLER.format(command=command, tenths=coupler, first=first)).chmod(0o755)
         self.write("bin/mpirun", MPIRUN.format(folder=self.folder, tenths=mpirun)).chmod(0o755)
         shutil.copy(ROOT / "scripts" / "run", self.folder / "scripts" / "run")
         start = time.monotonic()
@@ -115,9 +119,17 @@ class FailedCommand(ScriptCase):
         code, lines, seconds = self.run_with("false", coupler=15, mpirun=0)
         self.assertEqual(code, 4)
         self.assertEqual(lines[:2], ["plate ended with exit code 1", "nobody came"])
-        self.assertRegex(lines[2], "^The run failed with exit code 4. Results so far: ")
-        self.assertEqual(len(lines), 3)
+        self.assertEqual(lines[2:], ["The run failed with exit code 4."])
         self.assertLess(seconds, 8)
+
+    def test_results_are_named_when_they_are_of_this_run(self) -> None:
+        results = self.folder / "results" / "scene"
+        marker = self.write("results/scene/.gabion_results", "coupler\n")
+        os.utime(marker, (0, 0))
+        _, lines, _ = self.run_with("false", coupler=2, mpirun=0)
+        self.assertEqual(lines[-1], "The run failed with exit code 4.")
+        _, lines, _ = self.run_with("false", coupler=2, mpirun=0, first=f"echo coupler >{marker}")
+        self.assertEqual(lines[-1], f"The run failed with exit code 4. Results so far: {results}")
 
     def test_program_that_does_not_exist(self) -> None:
         code, lines, _ = self.run_with("no_such_program", coupler=15, mpirun=0)

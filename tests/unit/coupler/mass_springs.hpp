@@ -54,6 +54,7 @@ class MassSprings : public Solver {
     return {probes(), v_.isZero(0) && a_.isZero(0), 0, {{"accepted_steps", accepted}}};
   }
 
+  void rename_interface(const std::string& name) { mesh_.name = name; }
   void force_kind(ForceKind kind) { mesh_.force_kind = kind; }
 
   std::function<void(const StepRequest&)> on_solve;  // may throw
@@ -103,8 +104,9 @@ class MassSprings : public Solver {
 class SoilSprings : public MassSprings {
  public:
   using MassSprings::MassSprings;
-  /// Of all x components at a time; contact is possible only while it is not zero.
+  /// Of all x components at a time; contact is possible while it is not zero, or when `near`.
   std::function<double(double)> load = [](double) { return 0; };
+  bool near = false;
   bool pretend_inactive = false;
 
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
@@ -112,9 +114,9 @@ class SoilSprings : public MassSprings {
     StepReport report = start(request);
     const double t = request.time + request.dt;
     Eigen::VectorXd force = Eigen::VectorXd::Zero(u_.size());
-    report.interface_active = load(t) != 0;
+    report.interface_active = near || load(t) != 0;
     if (report.interface_active) {
-      set_trial(Eigen::Map<const Eigen::VectorXd>(received.at("wall").data(), u_.size()),
+      set_trial(Eigen::Map<const Eigen::VectorXd>(received.at(mesh_.name).data(), u_.size()),
                 request.dt);
       for (Eigen::Index i = 0; i < u_.size(); ++i) {
         const double push = i % 2 == 0 ? load(t) : 0.5 * load(t);
@@ -126,7 +128,7 @@ class SoilSprings : public MassSprings {
       a_trial_ = a_;
     }
     if (pretend_inactive) report.interface_active = false;
-    sent["wall"].assign(force.begin(), force.end());
+    sent[mesh_.name].assign(force.begin(), force.end());
     return report;
   }
 };
@@ -144,11 +146,11 @@ class StructureSprings : public MassSprings {
     Eigen::VectorXd u = u_;
     for (Eigen::Index i = 0; i < u.size(); ++i) {
       const double a0 = newmark.acceleration(-u_(i), v_(i), a_(i), request.dt);  // at u = 0
-      u(i) = (received.at("wall")[i] - factor(i) * mass_ * a0) /
+      u(i) = (received.at(mesh_.name)[i] - factor(i) * mass_ * a0) /
              (factor(i) * (mass_ * slope + stiffness_));
     }
     set_trial(u, request.dt);
-    sent["wall"].assign(u.begin(), u.end());
+    sent[mesh_.name].assign(u.begin(), u.end());
     return report;
   }
 };

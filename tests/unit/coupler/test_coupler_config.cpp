@@ -134,6 +134,14 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
                  "allowed: a participant that sends force: soil");
   expect_refused("/interfaces/0/structure", "wal", "/interfaces/0/structure",
                  "allowed: a participant that sends displacement: structure");
+  expect_refused(
+      "/participants/structure/sends", "force", "/participants/structure/sends",
+      "found \"force\" of a participant that \"interfaces\" names as structure, allowed: "
+      "displacement");
+  expect_refused("/participants/soil/sends", "displacement", "/participants/soil/sends",
+                 "names as soil, allowed: force");
+  expect_refused("/participants", {{"soil", {{"sends", "force"}}}}, "/participants",
+                 "found none that sends displacement");
   expect_refused("/interfaces/1", {{"name", "wall"}, {"soil", "soil"}, {"structure", "structure"}},
                  "/interfaces/1/name", "each name once");
   expect_refused("/participants/rock", {{"sends", "force"}}, "/participants/rock", "no entry");

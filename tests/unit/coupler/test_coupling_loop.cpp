@@ -517,6 +517,57 @@ TEST(CouplingLoop, the_parallel_scheme_skips_without_contact_and_solves_again_wh
   for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(std::stod(a[n]), std::stod(b[n]), 1e-10);
 }
 
+TEST(CouplingLoop, contact_that_is_possible_but_has_no_force_is_solved_in_every_scheme) {
+  CoupledRun serial("near_serial"), parallel("near_parallel");
+  parallel.settings.coupling.scheme = Scheme::parallel_implicit;
+  for (CoupledRun* run : {&serial, &parallel}) {
+    run->soil.near = true;
+    run->soil.load = [](double t) { return t > 0.105 ? 5.0 : 0.0; };
+    run->go();
+    EXPECT_EQ(run->summary()["cuts"], 0);
+    EXPECT_EQ(run->structure.slept, 0);
+    const auto iterations = run->column("steps.csv", "iterations");
+    for (std::size_t n = 1; n < 10; ++n) EXPECT_EQ(iterations[n], "2") << n;
+    for (const std::string& skipped : run->column("steps.csv", "skipped")) {
+      EXPECT_EQ(skipped, "none");
+    }
+  }
+  const auto a = serial.column("probes.csv", "structure.u");
+  const auto b = parallel.column("probes.csv", "structure.u");
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(std::stod(a[n]), std::stod(b[n]), 1e-10);
+}
+
+TEST(CouplingLoop, one_structure_swings_while_the_soil_is_near_another_one_at_rest) {
+  for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
+    SCOPED_TRACE(name(scheme));
+    CoupledRun run("two_structures");
+    run.settings.coupling.scheme = scheme;
+    run.settings.participants.insert(run.settings.participants.end(),
+                                     {{"far_soil", true}, {"far_structure", false}});
+    run.settings.interfaces.push_back({"far_wall", "far_soil", "far_structure"});
+    SoilSprings far_soil(3, 2, 10);
+    StructureSprings far_structure(2, 1, 100);
+    far_soil.rename_interface("far_wall");
+    far_structure.rename_interface("far_wall");
+    run.soil.load = [](double t) { return t > 0.035 && t < 0.075 ? 5.0 : 0.0; };
+    far_soil.near = true;
+    RunRecord files(run.folder.string(), "coupler");
+    CouplingLoop(run.settings,
+                 {{"structure", run.structure},
+                  {"soil", run.soil},
+                  {"far_soil", far_soil},
+                  {"far_structure", far_structure}},
+                 files)
+        .run();
+    EXPECT_EQ(run.summary()["cuts"], 0);
+    EXPECT_EQ(run.summary()["steps_in_contact"], 20);
+    EXPECT_GT(run.structure.probes()[1], 0);
+    EXPECT_NEAR(far_structure.probes()[1], 0, 1e-20);
+    EXPECT_EQ(run.structure.slept + far_structure.slept, 0);
+  }
+}
+
 TEST(CouplingLoop, a_failure_in_the_parallel_scheme_leaves_nothing_under_way) {
   for (const auto& [of_soil, wire] :
        {std::pair(true, false), {false, false}, {true, true}, {false, true}}) {

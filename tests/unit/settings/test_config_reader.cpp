@@ -285,6 +285,13 @@ TEST(ConfigReader, keys_that_nobody_read_are_refused_with_the_nearest_one) {
       {R"(a.json: at /plaec: unknown key; did you mean "place"? Allowed: name, place)"});
 }
 
+TEST(ConfigReader, keys_for_other_circumstances_are_refused_with_these) {
+  auto in = reader({{"groups", {"a"}}});
+  expect_error<ConfigError>(
+      [&] { in.finish(); },
+      {"a.json: at /groups: found where it has no meaning, allowed only in tests"});
+}
+
 TEST(ConfigReader, mistakes_of_the_reading_code_are_no_errors_of_the_file) {
   const auto mistake = [](const Reading& reading, std::string_view part) {
     expect_error<std::logic_error>(
