@@ -129,6 +129,12 @@ CouplingSettings read_coupling(ConfigReader in) {
   if (implicit || in.has("convergence")) {
     s.convergence = read_convergence_settings(in.object("convergence"));
   }
+  if (s.scheme == Scheme::parallel_implicit && !s.convergence.force.given()) {
+    in.fail("convergence",
+            "found no \"force\" with the scheme \"parallel_implicit\", allowed: limits of \"force\", "
+            "with those of \"displacement\" or without: the structure's answer to a force that was "
+            "guessed says nothing of the soil's");
+  }
   s.mapping = read_mapping_settings(in.object("mapping"));
   in.finish();
   return s;

@@ -68,6 +68,16 @@ TEST(CouplerConfig, one_criterion_of_one_field_is_enough) {
   EXPECT_EQ(s.combine, Combine::any);
 }
 
+TEST(CouplerConfig, both_at_once_need_a_limit_of_the_force) {
+  Json config = test::good_coupler();
+  config["coupling"]["scheme"] = "parallel_implicit";
+  EXPECT_NO_THROW(read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys())));
+  config["coupling"]["convergence"].erase("force");
+  test::expect_error<ConfigError>(
+      [&] { read_coupler_settings(ConfigReader(config, "coupler.json", coupler_keys())); },
+      {"coupler.json: at /coupling/convergence", "found no \"force\"", "parallel_implicit"});
+}
+
 TEST(CouplerConfig, a_participant_may_have_a_command) {
   Json config = test::good_coupler();
   config["participants"]["structure"]["command"] = {"python3", "wall.py"};
