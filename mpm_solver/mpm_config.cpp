@@ -313,7 +313,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
-  settings.gauges = read_gauges<dim>(in);
+  settings.gauges = read_gauges<dim>(in, bounding_box(settings.grid));
   settings.outside = in.choice("outside") == "remove" ? Outside::remove : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);

@@ -174,6 +174,36 @@ TEST(StartCheck, coarse_surface_in_space) {
   EXPECT_TRUE(warning());
 }
 
+/// Cells of 0.25 m up to x = 2: farther than a cell no soil can meet a surface.
+TEST(StartCheck, a_surface_outside_the_grid_is_refused) {
+  EXPECT_TRUE(make_mpm(walled(2.2)));
+  Json json = walled(2.3);
+  expect_refused(json, {"/rigid_walls/0/surface", "\"ram\" from (2.3, -0.1) to (2.3, 0.6)",
+                        "outside the background grid", "(0, 0) to (2, 1)", "metres"});
+  json["interfaces"] = json["rigid_walls"];
+  json.erase("rigid_walls");
+  expect_refused(json, {"/interfaces/0/surface", "\"ram\"", "outside the background grid"});
+  expect_refused(below_block(2.5), {"/interfaces/0/surface", "(0, 0, 2.5) to (1, 1, 2.5)"});
+}
+
+TEST(StartCheck, a_surface_that_reaches_beyond_the_grid_or_comes_into_it) {
+  Json json = walled(1);
+  json["rigid_walls"][0]["surface"] = {{"polyline", {{40, -0.1}, {-40, -0.1}}}, {"spacing", 80}};
+  const auto outside = [&] {
+    const auto settings = mpm_settings<2>(json);
+    auto surface = surfaces_of(settings).front();
+    surface.moves = settings.rigid_walls[0].motion.moves();
+    return mpm::outside_grid<2>(surface, mpm::bounding_box(settings.grid), 0.25);
+  };
+  EXPECT_FALSE(outside());
+  json = walled(3);
+  json["rigid_walls"][0]["motion"] = {{"velocity", {-1, 0}}};
+  const auto warning = outside();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("unless its motion brings it in"), std::string::npos) << *warning;
+  EXPECT_TRUE(make_mpm(json));
+}
+
 TEST(StartCheck, a_wall_and_an_interface_of_one_name) {
   Json json = walled(1);
   json["interfaces"] = json["rigid_walls"];
