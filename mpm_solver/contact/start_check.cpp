@@ -14,6 +14,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/thin_walls.hpp"
 
 namespace gabion::mpm {
 
@@ -355,6 +356,9 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
       log::info("{}: no soil in front of it", settings.name);
     }
     if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
+  }
+  for (const auto& warning : thin_walls<dim>(comm, surfaces, points, cell_size)) {
+    log::warn("{}", warning);
   }
 }
 
