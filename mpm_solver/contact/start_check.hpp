@@ -67,10 +67,9 @@ std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
 /// Log the smallest gap of each surface; warn of coarse ones, of those that have to move to come
 /// into the grid and of thin_walls().
 /// @param grid  box around it [m]
-/// @throws ConfigError  a surface outside the grid; all soil that is near lies behind a surface:
-/// its
-///                      facets look the wrong way; soil inside the structure. The last two not for
-///                      the mode `fixed`, which may lie in soil.
+/// @throws ConfigError  a surface outside the grid; all soil that is near lies behind a surface, so
+///                      that its facets look the wrong way; soil inside the structure. The last two
+///                      not for the mode `fixed`, which may lie in soil.
 /// @note Collective.
 template <int dim>
 void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
