@@ -199,6 +199,7 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
   for (auto& entry : in.objects("interfaces")) {
     InterfaceSettings s{entry.name("name"), entry.text("soil"), entry.text("structure")};
     s.moment_about = entry.optional_vector("moment_about").value_or(std::vector<double>{});
+    s.where = fmt::format("{}/{}", in.where("interfaces"), result.size());
     entry.finish();
     if (!names.insert(s.name).second) {
       entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));

@@ -130,6 +130,18 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                       widest));
 }
 
+// Density below which a body seems to have another unit [kg/m^3]: no soil is as light.
+constexpr double least_density = 100;
+
+void warn_of_density(const ConfigReader& in, double density) {
+  if (density >= least_density) return;
+  log::warn(
+      "{}: found {} kg/m^3, lighter than any soil; 1 t/m^3 and 1 g/cm^3 are 1000 kg/m^3, a weight "
+      "of "
+      "1 kN/m^3 is 102 kg/m^3",
+      in.where("material/density"), density);
+}
+
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   settings.bodies_where = in.where("bodies");
@@ -153,6 +165,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
     body.material = read_material<dim>(item.object("material"));
+    warn_of_density(item, body.material.density);
     settings.initial_stress.emplace_back();
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body.material);
@@ -313,7 +326,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     item.finish();
     require_own_name(item, settings.probes);
   }
-  settings.gauges = read_gauges<dim>(in);
+  settings.gauges = read_gauges<dim>(in, bounding_box(settings.grid));
   settings.outside = in.choice("outside") == "remove" ? Outside::remove : Outside::error;
   if (alone) {
     *alone = read_alone_settings(in);

@@ -15,14 +15,14 @@ void check_surfaces(const SoilModel<dim>& model, const MaterialPoints<dim>& poin
     surfaces.push_back({interface, interface.surface.vertices, false});
   }
   for (const auto& wall : model.settings.rigid_walls) {
-    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true});
+    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, wall.motion.moves()});
     auto& vertices = surfaces.back().vertices;
     const auto moved = wall.motion.displacement(vertices, 0);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
       vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
     }
   }
-  check_start<dim>(model.comm, surfaces, points, model.cell_size, diagonal(model.grid));
+  check_start<dim>(model.comm, surfaces, points, model.cell_size, bounding_box(model.grid));
 }
 
 }  // namespace

@@ -77,13 +77,15 @@ void add_resultant(const InterfaceMesh& mesh, const double* u, const double* for
   add(mesh.coordinates.data(), u, force, mesh.num_vertices(), sum);
 }
 
-/// @throws ConfigError  as Mapping does, and says when the surfaces seem to have unequal units
-Mapping make_mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
-                     const MappingSettings& settings) {
+/// @throws ConfigError  as Mapping does, and says where the interface is and when the surfaces seem
+///                      to have unequal units
+Mapping make_mapping(const InterfaceSettings& names, const InterfaceMesh& structure,
+                     const InterfaceMesh& soil, const MappingSettings& settings) {
   try {
     return {structure, soil, settings};
   } catch (const ConfigError& error) {
-    throw ConfigError(error.what() + unit_hint(structure, soil));
+    throw ConfigError((names.where.empty() ? "" : names.where + ": ") + error.what() +
+                      unit_hint(structure, soil));
   }
 }
 
@@ -126,7 +128,7 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
     interfaces_.push_back({.names = names,
                            .soil_mesh = soil,
                            .structure_mesh = structure,
-                           .mapping = make_mapping(structure, soil, settings),
+                           .mapping = make_mapping(names, structure, soil, settings),
                            .begin = size_,
                            .reach = settings.moved * extent(structure)});
     size_ += std::ssize(structure.coordinates);

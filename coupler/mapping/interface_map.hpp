@@ -20,6 +20,7 @@ struct InterfaceSettings {
   std::string soil;
   std::string structure;
   std::vector<double> moment_about = {};  ///< [m], dim numbers; empty: the origin
+  std::string where = {};                 ///< its place in coupler.json, for messages
 };
 
 /// Force and moment about the origin, in deformed positions.

@@ -32,7 +32,8 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
         normal.dot(other) > 0,
         "interface \"{}\": facet {} of the soil's side at {} has normal {}, the "
         "structure's facet {} there has {}; allowed: normals that agree, both point "
-        "out of the structure",
+        "out of the structure, into the soil; reverse the order of the soil's polyline (the soil "
+        "is to its right), take its facets from a mesh of the structure",
         mesh.name, f, point_text(soil.centroid(f), mesh.dim), point_text(normal, mesh.dim),
         image.facet, point_text(other, mesh.dim));
   }

@@ -21,6 +21,7 @@ struct RigidMotion {
   Vector<3> axis = Vector<3>::UnitZ();       ///< of length 1; in 2D the normal of the plane
   double rate = 0;                           ///< [rad/s]
 
+  bool moves() const { return !velocity.isZero(0) || !times.empty() || rate != 0; }
   Vector<dim> translation(double time) const;
   /// x(t) - X of each vertex, num_vertices x dim [m].
   std::vector<double> displacement(const std::vector<Vector<dim>>& vertices, double time) const;

@@ -14,6 +14,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/thin_walls.hpp"
 
 namespace gabion::mpm {
 
@@ -314,8 +315,35 @@ std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, doub
 }
 
 template <int dim>
+std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
+                                        const Eigen::AlignedBox<double, dim>& grid,
+                                        double cell_size) {
+  Eigen::AlignedBox<double, dim> box;
+  for (const Vector<dim>& x : surface.vertices) box.extend(x);
+  if (box.squaredExteriorDistance(grid) <= cell_size * cell_size) return std::nullopt;
+  const auto text = [](const Eigen::AlignedBox<double, dim>& of) {
+    return fmt::format("({:.6g}) to ({:.6g})", fmt::join(of.min(), ", "),
+                       fmt::join(of.max(), ", "));
+  };
+  return fmt::format(
+      "{}: found \"{}\" from {}, wholly outside the background grid, which reaches from {}: soil "
+      "cannot meet it{}",
+      surface.settings.where, surface.settings.name, text(box), text(grid),
+      surface.moves ? " unless its motion brings it in"
+                    : "; allowed: a surface of which a part is in the grid or within a cell of it, "
+                      "in metres and from the same origin");
+}
+
+template <int dim>
 void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
-                 const MaterialPoints<dim>& points, double cell_size, double farthest) {
+                 const MaterialPoints<dim>& points, double cell_size,
+                 const Eigen::AlignedBox<double, dim>& grid) {
+  for (const StartSurface<dim>& surface : surfaces) {
+    const auto problem = outside_grid<dim>(surface, grid, cell_size);
+    require<ConfigError>(!problem || surface.moves, problem.value_or(""));
+    if (problem) log::warn("{}", *problem);
+  }
+  const double farthest = grid.diagonal().norm();
   const auto found = soil_at_start(surfaces, points, cell_size);
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const ContactSettings<dim>& settings = surfaces[k].settings;
@@ -328,6 +356,9 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
       log::info("{}: no soil in front of it", settings.name);
     }
     if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
+  }
+  for (const auto& warning : thin_walls<dim>(comm, surfaces, points, cell_size)) {
+    log::warn("{}", warning);
   }
 }
 
@@ -343,9 +374,13 @@ template double smallest_gap<3>(MPI_Comm, const StartSurface<3>&, const Material
                                 double);
 template std::optional<std::string> coarse_surface<2>(const StartSurface<2>&, double);
 template std::optional<std::string> coarse_surface<3>(const StartSurface<3>&, double);
+template std::optional<std::string> outside_grid<2>(const StartSurface<2>&,
+                                                    const Eigen::AlignedBox<double, 2>&, double);
 template void check_start<2>(MPI_Comm, const std::vector<StartSurface<2>>&,
-                             const MaterialPoints<2>&, double, double);
+                             const MaterialPoints<2>&, double, const Eigen::AlignedBox<double, 2>&);
+template std::optional<std::string> outside_grid<3>(const StartSurface<3>&,
+                                                    const Eigen::AlignedBox<double, 3>&, double);
 template void check_start<3>(MPI_Comm, const std::vector<StartSurface<3>>&,
-                             const MaterialPoints<3>&, double, double);
+                             const MaterialPoints<3>&, double, const Eigen::AlignedBox<double, 3>&);
 
 }  // namespace gabion::mpm

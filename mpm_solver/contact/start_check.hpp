@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -20,6 +21,7 @@ struct StartSurface {
   const ContactSettings<dim>& settings;
   std::vector<Vector<dim>> vertices;  ///< [m]
   bool rigid = false;
+  bool moves = false;  ///< rigid, but moves as given
 };
 
 /// How the soil of this rank lies to a surface at time 0. A material point is a ball of the radius
@@ -55,13 +57,23 @@ double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
 template <int dim>
 std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, double cell_size);
 
-/// Log the smallest gap of each surface, warn of coarse ones.
-/// @param farthest  where to end the search for gaps [m]
-/// @throws ConfigError  all soil that is near lies behind a surface: its facets look the wrong way;
-///                      soil inside the structure. Not for the mode `fixed`, which may lie in soil.
+/// What to say of a surface that lies outside the grid, farther than a cell: soil cannot meet it.
+/// @param grid  box around it [m]
+template <int dim>
+std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
+                                        const Eigen::AlignedBox<double, dim>& grid,
+                                        double cell_size);
+
+/// Log the smallest gap of each surface; warn of coarse ones, of those that have to move to come
+/// into the grid and of thin_walls().
+/// @param grid  box around it [m]
+/// @throws ConfigError  a surface outside the grid; all soil that is near lies behind a surface, so
+///                      that its facets look the wrong way; soil inside the structure. The last two
+///                      not for the mode `fixed`, which may lie in soil.
 /// @note Collective.
 template <int dim>
 void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
-                 const MaterialPoints<dim>& points, double cell_size, double farthest);
+                 const MaterialPoints<dim>& points, double cell_size,
+                 const Eigen::AlignedBox<double, dim>& grid);
 
 }  // namespace gabion::mpm

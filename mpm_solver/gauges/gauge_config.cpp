@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/gauges/gauge_config.hpp"
 
-#include <algorithm>
+#include <fmt/ranges.h>
 
+#include "common/base/log.hpp"
 #include "mpm_solver/config_checks.hpp"
 
 namespace gabion::mpm {
@@ -10,7 +11,28 @@ namespace gabion::mpm {
 namespace {
 
 template <int dim>
-Gauge<dim> read_gauge(ConfigReader& in) {
+Eigen::AlignedBox<double, dim> box_around(const typename Gauge<dim>::Corners& corners) {
+  Eigen::AlignedBox<double, dim> box;
+  for (const Vector<dim>& x : corners) box.extend(x);
+  if constexpr (dim == 3) box.extend(corners[1] + corners[2] - corners[0]);
+  return box;
+}
+
+template <int dim>
+void warn_outside(const ConfigReader& in, const std::string& name,
+                  const typename Gauge<dim>::Corners& corners,
+                  const Eigen::AlignedBox<double, dim>& grid) {
+  if (grid.intersects(box_around<dim>(corners))) return;
+  const auto& low = grid.min();
+  const auto& high = grid.max();
+  log::warn(
+      "{}: the gauge \"{}\" lies outside the background grid, from ({:.6g}) to ({:.6g}): no soil "
+      "ever comes to it, all of its columns stay zero",
+      in.where("corners"), name, fmt::join(low, ", "), fmt::join(high, ", "));
+}
+
+template <int dim>
+Gauge<dim> read_gauge(ConfigReader& in, const Eigen::AlignedBox<double, dim>& grid) {
   const std::string name = in.name("name");
   const auto rows = in.rows("corners", dim);
   if (rows.size() != dim) {
@@ -21,6 +43,7 @@ Gauge<dim> read_gauge(ConfigReader& in) {
   }
   typename Gauge<dim>::Corners corners;
   for (int k = 0; k < dim; ++k) corners[k] = Eigen::Map<const Vector<dim>>(rows[k].data());
+  warn_outside<dim>(in, name, corners, grid);
   try {
     return Gauge<dim>(name, corners);
   } catch (const ConfigError& error) {
@@ -43,17 +66,17 @@ KeyTable gauge_keys() {
 }
 
 template <int dim>
-std::vector<Gauge<dim>> read_gauges(ConfigReader& in) {
+std::vector<Gauge<dim>> read_gauges(ConfigReader& in, const Eigen::AlignedBox<double, dim>& grid) {
   std::vector<Gauge<dim>> gauges;
   for (auto& item : in.objects("gauges")) {
-    gauges.push_back(read_gauge<dim>(item));
+    gauges.push_back(read_gauge<dim>(item, grid));
     item.finish();
     require_own_name(item, gauges);
   }
   return gauges;
 }
 
-template std::vector<Gauge<2>> read_gauges<2>(ConfigReader&);
-template std::vector<Gauge<3>> read_gauges<3>(ConfigReader&);
+template std::vector<Gauge<2>> read_gauges<2>(ConfigReader&, const Eigen::AlignedBox<double, 2>&);
+template std::vector<Gauge<3>> read_gauges<3>(ConfigReader&, const Eigen::AlignedBox<double, 3>&);
 
 }  // namespace gabion::mpm

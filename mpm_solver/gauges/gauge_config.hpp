@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "common/settings/config_reader.hpp"
@@ -11,8 +12,10 @@ namespace gabion::mpm {
 /// Keys of an entry of "gauges".
 KeyTable gauge_keys();
 
-/// Read "gauges". @throws ConfigError
+/// Read "gauges", warn of those that lie outside the grid.
+/// @param grid  box around it [m]
+/// @throws ConfigError
 template <int dim>
-std::vector<Gauge<dim>> read_gauges(ConfigReader& in);
+std::vector<Gauge<dim>> read_gauges(ConfigReader& in, const Eigen::AlignedBox<double, dim>& grid);
 
 }  // namespace gabion::mpm

@@ -92,14 +92,11 @@ double mean_cell_size(const BackgroundGrid<dim>& grid) {
 }
 
 template <int dim>
-double diagonal(const BackgroundGrid<dim>& grid) {
-  if (grid.box) return (grid.box->high - grid.box->low).norm();
-  Vector<dim> low = grid.node(0), high = low;
-  for (const Vector<dim>& x : grid.stored->mesh.nodes) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return (high - low).norm();
+Eigen::AlignedBox<double, dim> bounding_box(const BackgroundGrid<dim>& grid) {
+  if (grid.box) return {grid.box->low, grid.box->high};
+  Eigen::AlignedBox<double, dim> around;
+  for (const Vector<dim>& x : grid.stored->mesh.nodes) around.extend(x);
+  return around;
 }
 
 template <int dim>
@@ -127,8 +124,8 @@ template double shortest_edge<2>(const BackgroundGrid<2>&, std::int32_t);
 template double shortest_edge<3>(const BackgroundGrid<3>&, std::int32_t);
 template double mean_cell_size<2>(const BackgroundGrid<2>&);
 template double mean_cell_size<3>(const BackgroundGrid<3>&);
-template double diagonal<2>(const BackgroundGrid<2>&);
-template double diagonal<3>(const BackgroundGrid<3>&);
+template Eigen::AlignedBox<double, 2> bounding_box<2>(const BackgroundGrid<2>&);
+template Eigen::AlignedBox<double, 3> bounding_box<3>(const BackgroundGrid<3>&);
 template double cell_volume<2>(const BackgroundGrid<2>&, std::int32_t);
 template double cell_volume<3>(const BackgroundGrid<3>&, std::int32_t);
 template std::vector<FacetGeometry<2>> facet_geometry<2>(const BackgroundGrid<2>&,

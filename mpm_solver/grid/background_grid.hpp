@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -117,9 +118,9 @@ double shortest_edge(const BackgroundGrid<dim>& grid, std::int32_t cell);
 template <int dim>
 double mean_cell_size(const BackgroundGrid<dim>& grid);
 
-/// Length of the diagonal of the box around all nodes [m].
+/// Box along the axes around all nodes [m].
 template <int dim>
-double diagonal(const BackgroundGrid<dim>& grid);
+Eigen::AlignedBox<double, dim> bounding_box(const BackgroundGrid<dim>& grid);
 
 template <int dim>
 double cell_volume(const BackgroundGrid<dim>& grid, std::int32_t cell);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether the initial stress is in balance.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -9,6 +12,25 @@
 #include "mpm_solver/step/soil_step.hpp"
 
 namespace gabion::mpm {
+
+namespace {
+
+// K du = r of the soil at rest. K is singular when a part of the soil can move freely.
+template <int dim>
+void solve_at_rest(LinearSystem<dim>& system, std::span<const double> r, std::span<double> du,
+                   const std::string& where) {
+  try {
+    system.solve(r, du);
+  } catch (const ConvergenceError& error) {
+    throw ConfigError(fmt::format(
+        "{}: found no equilibrium of the soil under its initial stress: some of it is held "
+        "nowhere, or not against every rigid motion; allowed: bodies that rest on \"walls\" of the "
+        "grid, or on what \"walls\" hold ({})",
+        where, error.what()));
+  }
+}
+
+}  // namespace
 
 template <int dim>
 void SoilStep<dim>::check_initial_stress() {
@@ -29,7 +51,7 @@ void SoilStep<dim>::check_initial_stress() {
   std::vector<double> du(n, 0.0), r(n);
   equilibrium_->evaluate(du, r, &system_.K());
   state_.wall_forces = forces_on_walls();
-  system_.solve(r, du);
+  solve_at_rest<dim>(system_, r, du, strictest->where);
   double largest = 0;
   for (std::size_t i = 0; i < n; i += dim) {
     largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));

@@ -24,7 +24,7 @@ class SoilStep {
   SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, PhaseTimes& times);
 
   /// Solve for the displacement that would balance the initial stress, if there is any.
-  /// @throws ConfigError  it is larger than InitialStress::max_displacement
+  /// @throws ConfigError  it is larger than InitialStress::max_displacement, or there is none
   void check_initial_stress();
 
   /// Solve from the state to request.time + request.dt; the state's surfaces then hold the forces.

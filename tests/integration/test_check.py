@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """--check in a launch: the set-up of a coupled run up to its first step, and what is wrong with it."""
 
+import copy
 import json
 import subprocess
 
@@ -104,11 +105,52 @@ class Soil(CheckCase):
         files["mpm"]["probes"].pop()
         self.assertNotIn("warning", self.check(files).text)
 
+    def test_a_gauge_outside_the_grid(self) -> None:
+        files = meeting()
+        files["mpm"]["gauges"] = [{"name": "part", "corners": [[0.3, -0.1], [0.3, 0.1]]},
+                                  {"name": "out", "corners": [[0.5, 0], [0.5, 0.1]]}]
+        self.warned(files, "mpm.json: at /gauges/1/corners", '"out"', "outside the background grid")
+        files["mpm"]["gauges"].pop()
+        self.assertNotIn("warning", self.check(files).text)
+
+    def test_a_material_in_other_units(self) -> None:
+        for key, value, word in (("friction_angle", 0.35, "in radians it would be 20.1 degrees"),
+                                 ("density", 2.65, "lighter than any soil")):
+            files = meeting()
+            files["mpm"]["bodies"][0]["material"][key] = value
+            self.warned(files, f"mpm.json: at /bodies/0/material/{key}: found {value}", word)
+
+    def test_initial_stress_of_a_body_that_is_held_nowhere(self) -> None:
+        files = meeting()
+        files["mpm"]["bodies"][0].update(velocity=[0, 0], initial_stress={"k0": 0.7, "surface": 0.12})
+        files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.1, 0.06], high=[0.18, 0.12])
+        self.refused(files, "mpm.json: at /bodies/0/initial_stress", "no equilibrium", "held nowhere")
 
     def test_a_reversed_surface(self) -> None:
         files = meeting()
         files["mpm"]["interfaces"][0]["surface"]["polyline"].reverse()
         self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "behind it", "reverse the order")
+        files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.08, 0], high=[0.16, 0.06])  # far from it
+        self.refused(files, "scene/coupler.json: at /interfaces/0: ", '"wall"', "normals that agree",
+                     "reverse the order of the soil's polyline")
+
+    def test_a_structure_outside_the_grid(self) -> None:
+        files = meeting()
+        surface = files["mpm"]["interfaces"][0]["surface"]
+        surface["polyline"] = [[x + 5, y] for x, y in surface["polyline"]]
+        files["fem"]["mesh"]["box"].update(low=[5.25, 0], high=[5.26, 0.05])
+        files["fem"]["probes"] = []
+        self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "from (5.25, 0) to (5.26, 0.05)",
+                     "outside the background grid", "(0.4, 0.16)")
+
+    def test_soil_on_both_sides_of_a_thin_wall(self) -> None:
+        files = meeting()
+        other = copy.deepcopy(files["mpm"]["bodies"][0])
+        other["name"] = "other"
+        other["mesh"]["box"].update(low=[0.27, 0], high=[0.35, 0.06])
+        files["mpm"]["bodies"].append(other)
+        self.warned(files, "mpm.json: at /interfaces/0/surface", 'soil on both sides of "wall"', "0.01 m thick",
+                    "0.5 cells of 0.02 m", "advised: cells smaller")
 
     def test_soil_inside_the_structure(self) -> None:
         files = meeting()

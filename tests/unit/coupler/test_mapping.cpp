@@ -245,7 +245,8 @@ TEST(Mapping, opposite_normals_are_refused) {
       [&] {
         Mapping(polyline({0, 1}), soil, projection);
       },
-      {"facet 1 of the soil's side", "normals that agree"});
+      {"facet 1 of the soil's side", "normals that agree",
+       "reverse the order of the soil's polyline"});
 }
 
 TEST(Mapping, unusable_meshes_are_refused) {

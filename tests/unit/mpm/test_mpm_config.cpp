@@ -604,6 +604,16 @@ TEST(MpmConfig, initial_stress_without_support) {
   EXPECT_NO_THROW(make_mpm(json));
 }
 
+/// Soil in the air, away from all walls.
+TEST(MpmConfig, initial_stress_of_a_body_that_is_held_nowhere) {
+  Json json = valid();
+  json["gravity"] = {0, -10};
+  json["bodies"][0]["mesh"] = box({0.25, 0.25}, {1, 0.75}, {3, 2}, "tri3");
+  json["bodies"][0]["initial_stress"] = {{"k0", 0.5}, {"surface", 0.75}};
+  expect_refused(json, {"mpm.json: at /bodies/0/initial_stress/k0", "no equilibrium",
+                        "held nowhere", "allowed: bodies that rest on \"walls\""});
+}
+
 TEST(MpmConfig, initial_stress_that_the_soil_does_not_bear) {
   Json json = valid();
   json["gravity"] = {0, -10};

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "mpm_solver/contact/start_check.hpp"
+#include "mpm_solver/contact/thin_walls.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -172,6 +173,96 @@ TEST(StartCheck, coarse_surface_in_space) {
   EXPECT_FALSE(warning());
   mesh = box({0, 0, 0.5}, {1, 1, 1.5}, {2, 4, 4}, "hex8");
   EXPECT_TRUE(warning());
+}
+
+/// Cells of 0.25 m up to x = 2: farther than a cell no soil can meet a surface.
+TEST(StartCheck, a_surface_outside_the_grid_is_refused) {
+  EXPECT_TRUE(make_mpm(walled(2.2)));
+  Json json = walled(2.3);
+  expect_refused(json, {"/rigid_walls/0/surface", "\"ram\" from (2.3, -0.1) to (2.3, 0.6)",
+                        "outside the background grid", "(0, 0) to (2, 1)", "metres"});
+  json["interfaces"] = json["rigid_walls"];
+  json.erase("rigid_walls");
+  expect_refused(json, {"/interfaces/0/surface", "\"ram\"", "outside the background grid"});
+  expect_refused(below_block(2.5), {"/interfaces/0/surface", "(0, 0, 2.5) to (1, 1, 2.5)"});
+}
+
+TEST(StartCheck, a_surface_that_reaches_beyond_the_grid_or_comes_into_it) {
+  Json json = walled(1);
+  json["rigid_walls"][0]["surface"] = {{"polyline", {{40, -0.1}, {-40, -0.1}}}, {"spacing", 80}};
+  const auto outside = [&] {
+    const auto settings = mpm_settings<2>(json);
+    auto surface = surfaces_of(settings).front();
+    surface.moves = settings.rigid_walls[0].motion.moves();
+    return mpm::outside_grid<2>(surface, mpm::bounding_box(settings.grid), 0.25);
+  };
+  EXPECT_FALSE(outside());
+  json = walled(3);
+  json["rigid_walls"][0]["motion"] = {{"velocity", {-1, 0}}};
+  const auto warning = outside();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("unless its motion brings it in"), std::string::npos) << *warning;
+  EXPECT_TRUE(make_mpm(json));
+}
+
+/// A plate from x = 1.05 on, with soil to its left and, from `right` on, to its right.
+Json plate_between(double thickness, double right) {
+  Json json = walled(1);
+  json["rigid_walls"][0]["surface"] = {
+      {"polyline", {{1.05 + thickness, -0.1}, {1.05 + thickness, 0.6}, {1.05, 0.6}, {1.05, -0.1}}},
+      {"spacing", 0.25}};
+  Json other = json["bodies"][0];
+  other["name"] = "other";
+  other["mesh"] = box({right, 0}, {right + 0.25, 0.5}, {2, 4}, "quad4");
+  json["bodies"].push_back(other);
+  return json;
+}
+
+TEST(StartCheck, thin_walls_with_soil_on_both_sides) {
+  const auto warnings = [](const Json& json) {
+    const auto solver = mpm_solver<2>(json);
+    const auto settings = mpm_settings<2>(json);
+    return mpm::thin_walls<2>(comm(), surfaces_of(settings), solver->points(), 0.25);
+  };
+  const auto found = warnings(plate_between(0.1, 1.2));
+  ASSERT_EQ(found.size(), 1u);
+  expect_parts(found[0], {"/rigid_walls/0/surface", "both sides of \"ram\"", "0.1 m thick",
+                          "0.4 cells of 0.25 m", "advised: cells smaller than the thickness"});
+  EXPECT_TRUE(warnings(plate_between(0.25, 1.35)).empty());  // as thick as a cell
+  Json one_side = plate_between(0.1, 1.2);
+  one_side["bodies"].erase(1);
+  EXPECT_TRUE(warnings(one_side).empty());
+}
+
+/// Each face may be a surface of its own.
+TEST(StartCheck, thin_walls_of_two_surfaces) {
+  Json json = plate_between(0.1, 1.2);
+  json["rigid_walls"].push_back(json["rigid_walls"][0]);
+  json["rigid_walls"][1]["name"] = "back";
+  json["rigid_walls"][0]["surface"]["polyline"] = {{1.05, 0.6}, {1.05, -0.1}};
+  json["rigid_walls"][1]["surface"]["polyline"] = {{1.15, -0.1}, {1.15, 0.6}};
+  const auto solver = mpm_solver<2>(json);
+  const auto settings = mpm_settings<2>(json);
+  const auto found = mpm::thin_walls<2>(comm(), surfaces_of(settings), solver->points(), 0.25);
+  ASSERT_EQ(found.size(), 1u);
+  expect_parts(found[0], {"the wall between \"ram\" and \"back\"", "0.1 m thick"});
+}
+
+TEST(StartCheck, thin_walls_in_space) {
+  Json json = below_block(0.5);
+  auto& surface = json["interfaces"][0]["surface"];
+  surface["mesh"] = box({0, 0, 0.5}, {1, 1, 0.6}, {4, 4, 1}, "hex8");
+  surface["groups"] = {"bottom", "top"};
+  const auto count = [&] {
+    const auto solver = mpm_solver<3>(json);
+    const auto settings = mpm_settings<3>(json);
+    return mpm::thin_walls<3>(comm(), surfaces_of(settings), solver->points(), 0.25).size();
+  };
+  EXPECT_EQ(count(), 0u);
+  json["bodies"].push_back(json["bodies"][0]);
+  json["bodies"][1]["name"] = "above";
+  json["bodies"][1]["mesh"] = box({0, 0, 0.75}, {1, 1, 1.25}, {4, 4, 2}, "hex8");
+  EXPECT_EQ(count(), 1u);
 }
 
 TEST(StartCheck, a_wall_and_an_interface_of_one_name) {
