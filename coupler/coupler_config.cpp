@@ -130,10 +130,11 @@ CouplingSettings read_coupling(ConfigReader in) {
     s.convergence = read_convergence_settings(in.object("convergence"));
   }
   if (s.scheme == Scheme::parallel_implicit && !s.convergence.force.given()) {
-    in.fail("convergence",
-            "found no \"force\" with the scheme \"parallel_implicit\", allowed: limits of \"force\", "
-            "with those of \"displacement\" or without: the structure's answer to a force that was "
-            "guessed says nothing of the soil's");
+    in.fail(
+        "convergence",
+        "found no \"force\" with the scheme \"parallel_implicit\", allowed: limits of \"force\", "
+        "with those of \"displacement\" or without: the structure's answer to a force that was "
+        "guessed says nothing of the soil's");
   }
   s.mapping = read_mapping_settings(in.object("mapping"));
   in.finish();
@@ -177,9 +178,11 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
                       named->sends_force ? "force" : "displacement", key, what));
 }
 
-void require_participant(ConfigReader& in, const ConfigReader& entry, const std::string& key,
-                         const std::string& found, const std::vector<ParticipantRole>& participants,
-                         bool sends_force) {
+void require_participant(ConfigReader& in, const ConfigReader& entry,
+                         const InterfaceSettings& names,
+                         const std::vector<ParticipantRole>& participants, bool sends_force) {
+  const std::string key = sends_force ? "soil" : "structure";
+  const std::string& found = sends_force ? names.soil : names.structure;
   std::vector<std::string> allowed;
   for (const auto& p : participants) {
     if (p.sends_force == sends_force) allowed.push_back(p.name);
@@ -204,8 +207,7 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
     if (!names.insert(s.name).second) {
       entry.fail("name", fmt::format("found \"{}\" twice, allowed: each name once", s.name));
     }
-    require_participant(in, entry, "soil", s.soil, participants, true);
-    require_participant(in, entry, "structure", s.structure, participants, false);
+    for (const bool force : {true, false}) require_participant(in, entry, s, participants, force);
     used.insert({s.soil, s.structure});
     result.push_back(s);
   }

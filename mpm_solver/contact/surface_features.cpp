@@ -125,43 +125,7 @@ bool is_new(const SurfaceFeature<dim>& feature, const std::vector<SurfaceFeature
   });
 }
 
-// The first corner of a quadrilateral's diagonal that points more to the middle of the surface, 0
-// or 1: a surface that is its own mirror image is cut into one, too.
-int cut_from(const ContactSurface<3>& surface, const Vector<3>& middle, const std::int32_t* v) {
-  const auto& x = surface.vertices;
-  const Vector<3> a = x[v[2]] - x[v[0]], b = x[v[3]] - x[v[1]];
-  const Vector<3> inwards = middle - 0.25 * (x[v[0]] + x[v[1]] + x[v[2]] + x[v[3]]);
-  const double along_a = std::abs(a.dot(inwards)) / a.norm();
-  const double along_b = std::abs(b.dot(inwards)) / b.norm();
-  return along_b > (1 + same_distance) * along_a ? 1 : 0;
-}
-
-template <int dim>
-Vector<dim> middle_of(const ContactSurface<dim>& surface) {
-  Vector<dim> sum = Vector<dim>::Zero();
-  for (const Vector<dim>& x : surface.vertices) sum += x;
-  return sum / static_cast<double>(surface.vertices.size());
-}
-
 }  // namespace
-
-template <int dim>
-std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface) {
-  std::vector<Simplex<dim>> result;
-  const std::size_t n = num_nodes(surface.facet_type);
-  const Vector<dim> middle = middle_of(surface);
-  for (std::size_t f = 0; f < surface.facets.size(); f += n) {
-    const std::int32_t* v = surface.facets.data() + f;
-    if constexpr (dim == 2) {
-      result.push_back({v[0], v[1]});
-    } else {
-      const int first = n == 4 ? cut_from(surface, middle, v) : 0;
-      result.push_back({v[first], v[first + 1], v[first + 2]});
-      if (n == 4) result.push_back({v[first], v[first + 2], v[(first + 3) % 4]});
-    }
-  }
-  return result;
-}
 
 template <int dim>
 Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners) {
@@ -397,8 +361,6 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   }
 }
 
-template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);
-template std::vector<Simplex<3>> simplices<3>(const ContactSurface<3>&);
 template std::vector<SimplexBounds<2>> bounds_of<2>(std::span<const Simplex<2>>,
                                                     std::span<const Vector<2>>);
 template std::vector<SimplexBounds<3>> bounds_of<3>(std::span<const Simplex<3>>,

@@ -115,15 +115,15 @@ TEST(Ledger, impulses_close_without_inertia) {
   Json tub = {{"name", "tub"},
               {"surface", {{"polyline", {{1, 1.1}, {1, 0}, {0, 0}, {0, 1.1}}}, {"spacing", 0.05}}},
               {"friction", 0}};
-  const auto solver =
-      make_mpm({{"dimension", 2},
-                {"grid", box({-0.2, -0.2}, {1.2, 1.2}, {14, 14}, "quad4")},
-                {"rigid_walls", Json::array({tub})},
-                {"analysis", "quasi_static"},
-                {"gravity", {0, -10}},
-                {"gravity_ramp", {{"duration", 0.4}}},
-                {"bodies", {body("block", box({0, 0}, {1, 1}, {10, 10}, "quad4"), 4,
-                                 elastic_soil("linear_elastic", 1e7, 0.3, 1000))}}});
+  const auto solver = make_mpm({{"dimension", 2},
+                                {"grid", box({-0.2, -0.2}, {1.2, 1.2}, {14, 14}, "quad4")},
+                                {"rigid_walls", Json::array({tub})},
+                                {"analysis", "quasi_static"},
+                                {"gravity", {0, -10}},
+                                {"gravity_ramp", {{"duration", 0.4}}},
+                                {"bodies",
+                                 {body("block", box({0, 0}, {1, 1}, {10, 10}, "quad4"), 4,
+                                       elastic_soil("linear_elastic", 1e7, 0.3, 1000))}}});
   run_steps(*solver, 0.1, 4);
   EXPECT_LT(momentum_error(*solver, 2), 1e-5 * 1000 * 10 * 0.4);
 }
