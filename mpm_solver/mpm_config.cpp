@@ -136,8 +136,7 @@ constexpr double least_density = 100;
 void warn_of_density(const ConfigReader& in, double density) {
   if (density >= least_density) return;
   log::warn(
-      "{}: found {} kg/m^3, lighter than any soil; 1 t/m^3 and 1 g/cm^3 are 1000 kg/m^3, a weight "
-      "of "
+      "{}: found {} kg/m^3, lighter than any soil; 1 t/m^3 and 1 g/cm^3 are 1000 kg/m^3, "
       "1 kN/m^3 is 102 kg/m^3",
       in.where("material/density"), density);
 }

@@ -151,9 +151,8 @@ std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b
                                 : fmt::format("the wall between \"{}\" and \"{}\"", a.name, b.name);
   return fmt::format(
       "{}: found soil on both sides of {}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
-      "m: "
-      "soil in cells that both sides share acts on itself through the structure, whose forces are "
-      "wrong; advised: cells smaller than the thickness",
+      "m: soil in cells that both sides share acts on itself through the structure, whose forces "
+      "are wrong; advised: cells smaller than the thickness",
       a.where, names, thickness, thickness / cell_size, cell_size);
 }
 
