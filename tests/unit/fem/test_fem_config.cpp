@@ -164,7 +164,7 @@ TEST(FemConfig, points_away_from_the_mesh) {
 TEST(FemConfig, time_is_only_read_without_a_coupler) {
   Json json = valid();
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
-  expect_refused(json, {"/time", "unknown"});
+  expect_refused(json, {"/time", "only in a scene without coupler.json"});
 }
 
 TEST(TimeFunction, table_is_linear_inside_and_held_outside) {

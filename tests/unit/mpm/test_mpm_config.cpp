@@ -478,7 +478,7 @@ TEST(MpmConfig, outside) {
 TEST(MpmConfig, time_is_read_only_without_a_coupler) {
   Json json = valid();
   json["time"] = {{"end", 1.0}, {"dt", 0.1}, {"dt_min", 0.01}};
-  expect_refused(json, {"/time", "unknown"});
+  expect_refused(json, {"/time", "only in a scene without coupler.json"});
   json["output"] = {{"interval", 0.5}};
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
