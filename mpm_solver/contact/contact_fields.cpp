@@ -177,9 +177,9 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
               const BallRadius<dim>& radius, double reach, ContactFields<dim>& fields) {
   double widest = 0;
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    widest = std::max(widest, cube_side<dim>(points.V0[p] * points.J[p]));
+    widest = std::max(widest, points.V0[p] * points.J[p]);
   }
-  const double farthest = reach + widest;
+  const double farthest = reach + cube_side<dim>(widest);
   const PlacedSurface<dim> placed(surface, fields.vertices, farthest);
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];

@@ -32,7 +32,8 @@ constexpr double same_strain_share = 0.01 * coupled_share;
 
 // Newmark's method with these parameters asks for no acceleration at the start of a step:
 // du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it;
-// and for the ledger of explicit steps and of those without inertia: the impulse of a force is dt F.
+// and for the ledger of explicit steps and of those without inertia: the impulse of a force is dt
+// F.
 constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
 
 // Over all ranks [m].
@@ -291,7 +292,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
     balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
   }
   state_.gauges.add_step(x_n, points, dt_);
-  state_.ledger.add_step(balance, with_inertia_ ? scheme_ : starting_scheme, dt_, dissipated, points);
+  state_.ledger.add_step(balance, with_inertia_ ? scheme_ : starting_scheme, dt_, dissipated,
+                         points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   state_.nearly_linear = implicit && first_iterations_ <= 1;

@@ -162,9 +162,10 @@ void WallStop<dim>::limit(const WallConditions<dim>& walls, std::span<const doub
 
 // The points get J . (u + W J / 2) in the frame of the walls: where that is a gain, the largest
 // share of J without one.
+// @returns what they get, <= 0 [J]
 template <int dim>
-void WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
-                               std::vector<double>& W_J) {
+double WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
+                                 std::vector<double>& W_J) {
   double sums[2] = {};
   auto& [J_u, J_W_J] = sums;
   for (std::size_t k = 0; k < u.size(); ++k) {
@@ -173,10 +174,12 @@ void WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const double
     J_W_J += J_[k] * W_J[k];
   }
   shared.total(sums);
-  if (J_u + 0.5 * J_W_J <= 0) return;
+  const double gain = J_u + 0.5 * J_W_J;
+  if (gain <= 0) return gain;
   const double share = std::max(0.0, -2 * J_u / J_W_J);
   for (double& J : J_) J *= share;
   respond(shared, J_, W_J);
+  return 0;
 }
 
 template <int dim>
@@ -204,23 +207,22 @@ void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<d
   limit(walls, u, r);
   search(walls, nodes, std::move(r));
   respond(shared, J_, W_J);
-  avoid_gain(shared, u, W_J);
+  const double gain = avoid_gain(shared, u, W_J);
   const std::vector<double> before(v.begin(), v.end());
   move_nodes(weights, nodes);
   walls.impose(v, 1 / dt);
-  double sums[2 + 2 * dim] = {};
+  double sums[1 + 2 * dim] = {};
   for (std::size_t k = 0; k < v.size(); ++k) {
     if (!shared.owns(static_cast<std::int32_t>(k / dim))) continue;
-    sums[0] -= J_[k] * (before[k] + 0.5 * W_J[k]);
-    sums[1] += J_[k] * of_walls[k];
-    sums[2 + k % dim] += J_[k];
-    sums[2 + dim + k % dim] += nodes.m[k / dim] * (v[k] - before[k]) - J_[k];
+    sums[0] += J_[k] * of_walls[k];
+    sums[1 + k % dim] += J_[k];
+    sums[1 + dim + k % dim] += nodes.m[k / dim] * (v[k] - before[k]) - J_[k];
   }
   shared.total(sums);
-  totals_ = {.loss = sums[0],
-             .work = sums[1],
-             .impulse = Eigen::Map<const Vector<dim>>(sums + 2),
-             .of_nodes = Eigen::Map<const Vector<dim>>(sums + 2 + dim)};
+  totals_ = {.loss = -gain - sums[0],
+             .work = sums[0],
+             .impulse = Eigen::Map<const Vector<dim>>(sums + 1),
+             .of_nodes = Eigen::Map<const Vector<dim>>(sums + 1 + dim)};
 }
 
 template <int dim>

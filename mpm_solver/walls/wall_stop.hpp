@@ -75,7 +75,7 @@ class WallStop {
   void search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes, std::vector<double> r);
   void limit(const WallConditions<dim>& walls, std::span<const double> u,
              std::vector<double>& r) const;
-  void avoid_gain(const SharedNodes& shared, std::span<const double> u, std::vector<double>& W_J);
+  double avoid_gain(const SharedNodes& shared, std::span<const double> u, std::vector<double>& W_J);
   void respond(const SharedNodes& shared, std::span<const double> impulse, std::span<double> dv);
   std::vector<double> smooth(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                              std::span<const double> v) const;

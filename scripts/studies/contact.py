@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studies.coupled import ANSWER, EXPLICIT, IMPACT_END, REST, SCENE, answer_of, step_size, without_limits
+from studies.coupled import (ANSWER, ANSWER_NAMES, EXPLICIT, IMPACT_END, REST, SCENE, answer_of, step_size,
+                             without_limits)
 from studies.ensemble import SHORTER, deviation, ensemble, error, mean_and_error
 from studies.measures import Measured
 from studies.runner import Runner
@@ -81,9 +82,9 @@ def answers_of(ensembles: dict[str, list[Measured]]) -> Iterator[tuple]:
 def report_range(runner: Runner, forms: dict[str, list[Measured]], title: str) -> None:
     """How far the means of forms lie apart, by their mean, beside their standard errors."""
     rows = []
-    for name, values in zip(ANSWER, answers_of(forms)):
+    for name, values in zip(ANSWER_NAMES, answers_of(forms)):
         means = [np.mean(of_form) for of_form in values]
-        rows.append([name.partition(" [")[0], *(100 * float(value / np.mean(means)) for value in (
+        rows.append([name, *(100 * float(value / np.mean(means)) for value in (
             np.ptp(means), np.mean([error(v) for v in values]), np.mean([deviation(v) for v in values])))])
     head = ["", "range of the means [%]", "standard error of a mean [%]", "deviation of a run [%]"]
     runner.report(head, rows, title)

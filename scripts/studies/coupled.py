@@ -35,6 +35,7 @@ def step_size(dt: float) -> list[str]:
 
 ANSWER = ["peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", f"impulse to {IMPACT_END:g} s [N s/m]",
           "impulse [N s/m]"]
+ANSWER_NAMES = [name.partition(" [")[0] for name in ANSWER]  # without units
 
 
 def answer_of(run: Measured) -> list[float]:
@@ -152,7 +153,7 @@ FORCE_LIMITS = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1]  # [N], root mean squa
 def tolerance(runner: Runner) -> None:
     """The answer of granular_obstacle over the limit of the coupling's force residual."""
     runs = {limit: runner.run(folder_of(f"force {limit:g} N"), SCENE,
-                              [f"coupler.json:/coupling/convergence/force/absolute={limit:g}"])
+                              [f"{CONVERGENCE}/force/absolute={limit:g}"])
             for limit in FORCE_LIMITS}
     reference = runs[FORCE_LIMITS[0]]
     rows = []

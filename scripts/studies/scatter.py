@@ -5,7 +5,7 @@ import numpy as np
 
 from plotting.style import legend_beside, new_figure
 from studies.contact import STEPS, explicit
-from studies.coupled import ANSWER, REST, SCENE, answer_of
+from studies.coupled import ANSWER_NAMES, REST, SCENE, answer_of
 from studies.ensemble import SHORTER, deviation, ensemble, with_other_modulus
 from studies.measures import Curve, Measured
 from studies.runner import Runner
@@ -39,7 +39,7 @@ def scatter(runner: Runner) -> None:
     of_change = {change: with_other_modulus(runner, f"modulus {change:g}", SCENE, explicit(dt), MEMBERS, change)
                  for change in CHANGES}
     of_steps = ensemble(runner, "steps", SCENE, explicit(dt), MEMBERS + 1, dt)
-    head = ["", "runs", *(f"{name.partition(' [')[0]} [%]" for name in ANSWER)]
+    head = ["", "runs", *(f"{name} [%]" for name in ANSWER_NAMES)]
     runner.report(head, [deviations(f"modulus by {change:g}", runs) for change, runs in of_change.items()]
                   + [deviations(f"steps by {SHORTER:g}", of_steps)],
                   "standard deviation of a run; what differs from one to the next")
