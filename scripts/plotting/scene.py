@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The scene at chosen times: soil points coloured by a field, structure as a deformed mesh."""
+"""The scene at chosen times: soil points coloured by a field, structure as a deformed mesh, rigid walls as lines."""
 
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from matplotlib.colors import Normalize
 from plotting.results import Frame, Results, ResultsError, Series
 from plotting.style import STRUCTURE, new_figure, plt, save
 from plotting.view import once, plane_view, view_of
+from plotting.walls import Walls, strokes, widened
 
 UNITS = {
     "displacement": "m",
@@ -52,6 +53,7 @@ class ScenePlot:
     def __init__(self, results: Results, field: str | None = None, plane: str | None = None):
         self.soil = results.soil
         self.structures = results.structures
+        self.rigid_walls = Walls(results)
         series = next((s for s in (self.soil, *self.structures) if s), None)
         if series is None:
             raise ResultsError(f"{results.folder}: neither mpm/soil.xdmf nor fem/structure.xdmf")
@@ -96,8 +98,13 @@ class ScenePlot:
         else:
             self.view = plane_view(results.dim, plane)
         every = self.view.project(every)
-        margin = 0.04 * np.ptp(every, axis=0).max()
-        self.low, self.high = every.min(axis=0) - margin, every.max(axis=0) + margin
+        walls = [segments for time in self._sampled_times() for segments in self.rigid_walls.at(time)]
+        low, high = widened(every.min(axis=0), every.max(axis=0), walls)
+        margin = 0.04 * (high - low).max()
+        self.low, self.high = low - margin, high + margin
+
+    def _sampled_times(self) -> np.ndarray:
+        return self.times[np.unique(np.linspace(0, len(self.times) - 1, 9).astype(int))]
 
     def _colours(self) -> None:
         if not self.soil:
@@ -131,11 +138,18 @@ class ScenePlot:
         axes.add_collection(LineCollection(self.view.project(first.points[edges]),
                                            colors=STRUCTURE, linewidths=0.8, linestyles=":"))
 
+    def _draw_walls(self, axes: Axes, time: float) -> None:
+        window = (self.high - self.low).max()
+        for segments in self.rigid_walls.at(time):
+            axes.add_collection(LineCollection(segments, colors=STRUCTURE, linewidths=1.4, capstyle="round"))
+            axes.add_collection(LineCollection(strokes(segments, window), colors=STRUCTURE, linewidths=0.6))
+
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""
         soil = self._draw_soil(axes, time) if self.soil else None
         for structure in self.structures:
             self._draw_structure(axes, structure, time)
+        self._draw_walls(axes, self.times[np.argmin(np.abs(self.times - time))])
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
         axes.set_ylim(*((self.high[1], self.low[1]) if self.view.inverted else (self.low[1], self.high[1])))

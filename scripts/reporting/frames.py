@@ -8,6 +8,7 @@ import numpy as np
 
 from plotting.results import Frame, Results, Series
 from plotting.scene import ScenePlot, label_of, scalar
+from plotting.walls import strokes
 
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
@@ -31,6 +32,7 @@ class Packer:
         self.num_points = len(first.points) if first else 0
         a_point = 4 + len(self.fields)
         a_frame = 4 * sum(len(used) for used, _ in self.meshes)
+        a_frame += sum(16 * len(segments) for segments in self.scene.rigid_walls.at(self.scene.times[0]))
         for points in (self.num_points, 4000, 2000, 1000):
             self.num_points = min(self.num_points, points)
             frames = MAX_BYTES // max(1, a_frame + a_point * self.num_points)
@@ -69,7 +71,18 @@ class Packer:
             frames = [self._places(structure.frame(structure.nearest(time)).points[used]) for time in times]
             packed["structures"].append({"corners": faces.shape[1], "faces": text_of(faces.astype("<u4")),
                                          "frames": frames})
-        return packed
+        return packed | self._walls(times)
+
+    def _walls(self, times: np.ndarray) -> dict[str, Any]:
+        """Lines of rigid walls and the strokes behind them, x1, y1, x2, y2 of each; which of them stand in each frame."""
+        window = (self.scene.high - self.scene.low).max()
+        numbers: dict[tuple[str, str], int] = {}  # those at rest are there once
+        frames = []
+        for time in times:
+            texts = [(text_of(segments.astype("<f4")), text_of(strokes(segments, window).astype("<f4")))
+                     for segments in self.scene.rigid_walls.at(time)]
+            frames.append([numbers.setdefault(text, len(numbers)) for text in texts])
+        return {"walls": [{"line": line, "strokes": behind} for line, behind in numbers], "standing": frames}
 
     def _soil(self) -> dict[str, Any]:
         soil = self.scene.soil

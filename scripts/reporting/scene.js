@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene on a canvas: soil points coloured by a field, structures as they deform.
+// The scene on a canvas: soil points coloured by a field, structures as they deform, rigid walls.
 function bytes(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
 }
@@ -29,6 +29,7 @@ class Scene {
       values: frame.values.map((values) => new Uint8Array(bytes(values)))}));
     this.structures = data.structures.map((each) => ({corners: each.corners, faces: new Uint32Array(bytes(each.faces)),
       frames: each.frames.map((frame) => new Uint16Array(bytes(frame)))}));
+    this.walls = data.walls.map((wall) => [new Float32Array(bytes(wall.line)), new Float32Array(bytes(wall.strokes))]);
     this.addControls(section.querySelector(".controls"));
     if (data.shown < data.points) {
       html("p", {className: "hint"}, section, `${data.shown} of ${data.points} points are drawn, larger than they are.`);
@@ -70,10 +71,14 @@ class Scene {
     this.draw();
   }
 
+  pixel(across, up) {
+    const y = up * this.scale;
+    return [40 + across * this.scale, this.data.inverted ? 10 + y : this.canvas.height - 80 - y];
+  }
+
   place(points, k) {
-    const across = points[2 * k] / 65535 * (this.data.high[0] - this.data.low[0]) * this.scale;
-    const up = points[2 * k + 1] / 65535 * (this.data.high[1] - this.data.low[1]) * this.scale;
-    return [40 + across, this.data.inverted ? 10 + up : this.canvas.height - 80 - up];
+    const [low, high] = [this.data.low, this.data.high];
+    return this.pixel(points[2 * k] / 65535 * (high[0] - low[0]), points[2 * k + 1] / 65535 * (high[1] - low[1]));
   }
 
   draw() {
@@ -81,6 +86,7 @@ class Scene {
     pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.drawSoil(pen);
     for (const structure of this.structures) this.drawStructure(pen, structure);
+    for (const number of this.data.standing[this.frame]) this.drawWall(pen, ...this.walls[number]);
     this.drawScales(pen);
     this.canvas.dataset.drawn = this.frame;
   }
@@ -109,6 +115,27 @@ class Scene {
       pen.fill();
       pen.stroke();
     }
+  }
+
+  drawWall(pen, line, strokes) {
+    const [low, high] = [this.data.low, this.data.high];
+    pen.save();
+    pen.beginPath();
+    const [left, floor] = this.pixel(0, this.data.inverted ? high[1] - low[1] : 0);
+    const height = (high[1] - low[1]) * this.scale;
+    pen.rect(left, floor - height, (high[0] - low[0]) * this.scale, height);
+    pen.clip();  // beds are longer than the picture
+    pen.strokeStyle = getComputedStyle(document.body).color;
+    for (const [ends, width] of [[line, 2], [strokes, 0.8]]) {
+      pen.lineWidth = width;
+      pen.beginPath();
+      for (let k = 0; k < ends.length; k += 4) {
+        pen.moveTo(...this.pixel(ends[k] - low[0], ends[k + 1] - low[1]));
+        pen.lineTo(...this.pixel(ends[k + 2] - low[0], ends[k + 3] - low[1]));
+      }
+      pen.stroke();
+    }
+    pen.restore();
   }
 
   drawScales(pen) {

@@ -152,6 +152,23 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
     return folder
 
 
+def write_rigid_walls(folder: Path) -> Path:
+    """To results in 2D: a bed at rest, longer than the scene, and a lid that falls 0.1 m/s and is dropped at 0.25 s."""
+    bed, lid = [], []
+    cells = np.array([[1, 2], [0, 1]])  # out of order
+    for time in np.linspace(0, END, 6):
+        bed.append((time, np.array([[9.0, 0, 0], [0.1, 0, 0], [-9, 0, 0]]), cells, {"pressure": np.zeros(2)}))
+        height = 0.2 - 0.1 * time
+        lid.append((time, np.array([[0, height, 0], [0.1, height, 0], [0.2, height, 0]]), cells,
+                    {"pressure": np.zeros(2)}))
+    write_series(folder / "mpm", "contact_bed", bed)
+    write_series(folder / "mpm", "contact_lid", lid)
+    (folder / "mpm" / "resolved_config.json").write_text(json.dumps({"mpm.json": {
+        "dimension": 2, "gravity": [0, -9.81], "rigid_walls": [{"name": "bed"}, {"name": "lid"}],
+        "phases": [{"until": 0.25}, {"rigid_walls": ["bed"]}]}}))
+    return folder
+
+
 KINDS = ("finished", "cut", "failed", "stopped", "unfinished", "killed")
 REASON = 'step 501 at 0.5 s: dt would become 5e-07 s; participant "soil": <no> solution & no "end"'
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
@@ -17,6 +18,7 @@ from plotting.scene import ScenePlot
 from plotting.style import COLOURS, new_figure, plt
 from plotting.summary import summary_lines
 from plotting.view import View, outer_faces, view_of
+from plotting.walls import Walls, strokes, widened
 
 
 class Reading(ScriptCase):
@@ -178,6 +180,49 @@ class Space(ScriptCase):
         points = np.stack(np.meshgrid(np.arange(40), np.arange(20), np.arange(2)), -1).reshape(-1, 3)
         for cloud in (points, points[points[:, 2] == 0]):
             self.assertAlmostEqual(ScenePlot._point_size_m(0.01 * cloud, 3), 0.01, delta=1e-6)
+
+
+class RigidWalls(ScriptCase):
+    def setUp(self) -> None:
+        super().setUp()
+        folder = made_up.write_rigid_walls(made_up.write_contact(made_up.write_results(self.folder / "a")))
+        self.scene = ScenePlot(Results(folder))
+
+    def test_each_is_where_it_is_as_long_as_it_acts(self) -> None:
+        for time, lid in ((0, 0.2), (0.2, 0.18), (0.3, None)):
+            bed, *others = self.scene.rigid_walls.at(time)
+            np.testing.assert_allclose(bed, [[[9, 0], [0.1, 0]], [[0.1, 0], [-9, 0]]])
+            self.assertEqual(len(others), lid is not None)
+            for segments in others:
+                np.testing.assert_allclose(segments, [[[0, lid], [0.1, lid]], [[0.1, lid], [0.2, lid]]], rtol=1e-12)
+
+    def test_strokes_are_on_the_side_without_soil(self) -> None:
+        bed, lid = self.scene.rigid_walls.at(0)
+        behind = strokes(lid, 0.25)
+        np.testing.assert_allclose(np.diff(behind[:, 0, 0]), 0.005)
+        self.assertTrue((behind[:, 0, 1] == 0.2).all())
+        self.assertTrue((behind[:, 1, 1] > 0.2).all())
+        self.assertTrue((strokes(bed, 0.25)[:, 1, 1] < 0).all())
+        self.assertEqual(len(strokes(lid, 1e3)), 1)
+
+    def test_window_holds_the_short_wall_and_some_of_the_long_one(self) -> None:
+        low, high = widened(np.array([0, 0]), np.array([1, 0.5]), [np.array([[[-9, 0.2], [9, 0.2]]])])
+        np.testing.assert_allclose([low, high], [[-1 / 7, 0], [8 / 7, 0.5]])
+        low, high = widened(low, high, [np.array([[[0.5, 0.5], [0.5, 0.9]]])])
+        np.testing.assert_allclose([low[1], high[1]], [0, 0.9])
+        self.assertGreater(self.scene.high[1], 0.2)
+
+    def test_lines_in_the_picture(self) -> None:
+        for time, count in ((0, 2), (made_up.END, 1)):
+            figure, (axes,) = new_figure()
+            self.scene.draw(axes, time)
+            lines = [c for c in axes.collections if isinstance(c, LineCollection)]
+            self.assertEqual(len(lines), 1 + 2 * count)  # the outline of the structure at the start is one
+            plt.close(figure)
+
+    def test_none_without_rigid_walls_and_in_space(self) -> None:
+        for write in (made_up.write_results, made_up.write_space_results):
+            self.assertEqual(len(Walls(Results(write(self.folder / write.__name__)))), 0)
 
 
 class Drawing(ScriptCase):

@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 from made_up_results import (AMPLITUDE, FORCE, KINDS, REASON, soil_frames, write_kind, write_results,
-                             write_space_results)
+                             write_rigid_walls, write_space_results)
 from script_case import ScriptCase
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
@@ -227,6 +227,16 @@ class Data(ReportCase):
         self.assertEqual((wall["corners"], len(wall["frames"])), (4, len(scene["times"])))
         faces = np.frombuffer(base64.b64decode(wall["faces"]), "<u4")
         self.assertEqual((len(faces), faces.max()), (20 * 4, 32))
+
+    def test_rigid_walls(self) -> None:
+        """One at rest is there once, one that moves for each frame in which it acts."""
+        scene = self.report(write_rigid_walls(write_results(self.folder))).blocks["scene-data"]
+        self.assertEqual(scene["standing"], [[0, 1], [0, 2], [0, 3], [0], [0], [0]])
+        lines = [np.frombuffer(base64.b64decode(wall["line"]), "<f4").reshape(-1, 2, 2) for wall in scene["walls"]]
+        for line, height in zip(lines, (0, 0.2, 0.19, 0.18), strict=True):
+            np.testing.assert_allclose(line[..., 1], height, rtol=1e-6)
+        behind = np.frombuffer(base64.b64decode(scene["walls"][1]["strokes"]), "<f4").reshape(-1, 2, 2)
+        self.assertTrue((behind[:, 1, 1] > behind[:, 0, 1]).all())
 
     def test_frames_in_space_and_of_few_bytes(self) -> None:
         from reporting import frames  # noqa: PLC0415

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import unittest
 
-from made_up_results import KINDS, write_kind, write_space_results
+from made_up_results import KINDS, write_kind, write_rigid_walls, write_space_results
 from script_case import ScriptCase
 
 CHROMIUM = shutil.which("chromium")
@@ -119,6 +119,11 @@ class Browser(ScriptCase):
                 self.assertGreater(found["painted"], 0.1)
                 self.assertIs(found["moved"], True)
                 self.assertEqual(found["frame"], "0")
+
+    def test_with_rigid_walls(self) -> None:
+        _, found = self.read(write_rigid_walls(write_kind(self.folder / "walls", "finished")))
+        self.assertGreater(found["painted"], 0.1)
+        self.assertIs(found["moved"], True)
 
     def test_in_space(self) -> None:
         _, found = self.read(write_space_results(self.folder / "space"))
