@@ -37,7 +37,8 @@ def facet_vectors(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 def chain(cells: np.ndarray) -> np.ndarray:
     """Numbers of segments in the order in which they follow each other; one line after the other."""
     following = {start: number for number, start in enumerate(cells[:, 0])}
-    heads = [number for number, start in enumerate(cells[:, 0]) if start not in set(cells[:, 1])]
+    ends = set(cells[:, 1])
+    heads = [number for number, start in enumerate(cells[:, 0]) if start not in ends]
     order: list[int] = []
     seen: set[int] = set()
     for first in [*heads, *range(len(cells))]:

@@ -73,6 +73,11 @@ class Frame:
     fields: dict[str, np.ndarray]
 
 
+def evenly(count: int, most: int) -> np.ndarray:
+    """Numbers of at most `most` of `count` frames, evenly, the first and the last one too."""
+    return np.unique(np.linspace(0, count - 1, most).astype(int))
+
+
 class Series:
     """A time series as its .xdmf index lists it; frames are read when asked for."""
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from plotting.results import Frame, Results, ResultsError, Series
+from plotting.results import Frame, Results, ResultsError, Series, evenly
 from plotting.style import STRUCTURE, new_figure, plt, save
 from plotting.view import once, plane_view, view_of
 from plotting.walls import Walls, strokes, widened
@@ -26,6 +26,7 @@ UNITS = {
     "mass": "kg",
 }
 
+SAMPLES = 9  # frames of a series that window and colours are chosen by
 
 # Octagon of diameter 1.4: neighbours at distance 1 overlap without holes.
 _ANGLES = np.pi / 4 * np.arange(8) + np.pi / 8
@@ -84,7 +85,7 @@ class ScenePlot:
         return size
 
     def _sample(self, series: Series) -> list[Frame]:
-        return [series.frame(i) for i in np.unique(np.linspace(0, len(series) - 1, 9).astype(int))]
+        return [series.frame(i) for i in evenly(len(series), SAMPLES)]
 
     def _window(self, results: Results, plane: str | None) -> None:
         clouds = [f.points for f in self._sample(self.soil)] if self.soil else []
@@ -98,13 +99,11 @@ class ScenePlot:
         else:
             self.view = plane_view(results.dim, plane)
         every = self.view.project(every)
-        walls = [segments for time in self._sampled_times() for segments in self.rigid_walls.at(time)]
+        times = self.times[evenly(len(self.times), SAMPLES)]
+        walls = [segments for time in times for segments in self.rigid_walls.at(time)]
         low, high = widened(every.min(axis=0), every.max(axis=0), walls)
         margin = 0.04 * (high - low).max()
         self.low, self.high = low - margin, high + margin
-
-    def _sampled_times(self) -> np.ndarray:
-        return self.times[np.unique(np.linspace(0, len(self.times) - 1, 9).astype(int))]
 
     def _colours(self) -> None:
         if not self.soil:
@@ -138,23 +137,28 @@ class ScenePlot:
         axes.add_collection(LineCollection(self.view.project(first.points[edges]),
                                            colors=STRUCTURE, linewidths=0.8, linestyles=":"))
 
-    def _draw_walls(self, axes: Axes, time: float) -> None:
+    def wall_lines(self, time: float) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Segments of each rigid wall that acts at `time`, and the strokes behind them."""
         window = (self.high - self.low).max()
-        for segments in self.rigid_walls.at(time):
+        return [(segments, strokes(segments, window)) for segments in self.rigid_walls.at(time)]
+
+    def _draw_walls(self, axes: Axes, time: float) -> None:
+        for segments, behind in self.wall_lines(time):
             axes.add_collection(LineCollection(segments, colors=STRUCTURE, linewidths=1.4, capstyle="round"))
-            axes.add_collection(LineCollection(strokes(segments, window), colors=STRUCTURE, linewidths=0.6))
+            axes.add_collection(LineCollection(behind, colors=STRUCTURE, linewidths=0.6))
 
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""
+        instant = self.times[np.argmin(np.abs(self.times - time))]
         soil = self._draw_soil(axes, time) if self.soil else None
         for structure in self.structures:
             self._draw_structure(axes, structure, time)
-        self._draw_walls(axes, self.times[np.argmin(np.abs(self.times - time))])
+        self._draw_walls(axes, instant)
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
         axes.set_ylim(*((self.high[1], self.low[1]) if self.view.inverted else (self.low[1], self.high[1])))
         axes.set_ylabel(self.view.labels[1])
-        axes.set_title(f"t = {self.times[np.argmin(np.abs(self.times - time))]:.3g} s", loc="left")
+        axes.set_title(f"t = {instant:.3g} s", loc="left")
         return soil
 
     def height_inch(self, width: float) -> float:
@@ -189,7 +193,7 @@ def plot_scene(scene: ScenePlot, times: list[float] | None, out: Path) -> Path:
 
 def animate_scene(scene: ScenePlot, out: Path, max_frames: int = 120) -> Path:
     """The run as a GIF of at most `max_frames` frames."""
-    picked = np.unique(np.linspace(0, len(scene.times) - 1, max_frames).astype(int))
+    picked = evenly(len(scene.times), max_frames)
     figure, (axes,) = new_figure(8.5, 1.1 + scene.height_inch(8.5))
     soil = scene.draw(axes, scene.times[0])
     if soil is not None:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 
-from plotting.results import Results, ResultsError, Series
+from plotting.results import Results, ResultsError, Series, evenly
 from plotting.scene import DISC, ScenePlot, label_of, scalar
 from plotting.style import new_figure, plt, save
 from plotting.surface import surface_of
@@ -192,7 +192,7 @@ def plot_space(view: SpacePlot, times: list[float] | None, out: Path) -> Path:
 
 def animate_space(view: SpacePlot, out: Path) -> Path:
     """The run as a GIF of at most MAX_FRAMES frames."""
-    picked = np.unique(np.linspace(0, len(view.times) - 1, MAX_FRAMES).astype(int))
+    picked = evenly(len(view.times), MAX_FRAMES)
     figure, (axes,) = new_figure(8.5, 0.6 + view.height_inch(8.5) / 0.72)
     soil = view.draw(axes, view.times[0])
     if soil is not None:

@@ -12,12 +12,11 @@ STROKE = 0.012  # length of a stroke over the longer edge of the window
 APART = 0.02  # of two strokes, likewise
 
 
-def dropped_at(settings: dict) -> dict[str, float]:
+def dropped_at(names: list[str], phases: list[dict]) -> dict[str, float]:
     """Name of a rigid wall -> time [s] from which on it no longer acts; only those that a phase drops."""
     dropped: dict[str, float] = {}
-    names = [wall["name"] for wall in settings.get("rigid_walls", [])]
     start = 0.0
-    for phase in settings.get("phases", []):
+    for phase in phases:
         kept = phase.get("rigid_walls", names)
         dropped |= {name: start for name in names if name not in kept and name not in dropped}
         start = phase.get("until", math.inf)
@@ -29,10 +28,14 @@ class Walls:
 
     def __init__(self, results: Results):
         settings = results.settings("mpm.json") if results.dim == 2 else {}
-        series = contact_series(results) if settings.get("rigid_walls") else {}
         names = [wall["name"] for wall in settings.get("rigid_walls", [])]
+        series = contact_series(results) if names else {}
         self._series: dict[str, Series] = {name: series[name] for name in names if name in series}
-        self._dropped = dropped_at(settings)
+        self._cells: dict[str, np.ndarray] = {}  # in their order, the same in all frames
+        for name, frames in self._series.items():
+            cells = frames.frame(0).cells
+            self._cells[name] = cells[chain(cells)]
+        self._dropped = dropped_at(names, settings.get("phases", []))
 
     def __len__(self) -> int:
         return len(self._series)
@@ -43,8 +46,7 @@ class Walls:
         for name, series in self._series.items():
             if time > self._dropped.get(name, math.inf):
                 continue
-            frame = series.frame(series.nearest(time))
-            found.append(frame.points[frame.cells[chain(frame.cells)], :2])
+            found.append(series.frame(series.nearest(time)).points[self._cells[name], :2])
         return found
 
 

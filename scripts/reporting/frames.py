@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from plotting.results import Frame, Results, Series
+from plotting.results import Frame, Results, Series, evenly
 from plotting.scene import ScenePlot, label_of, scalar
-from plotting.walls import strokes
 
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
@@ -39,7 +38,7 @@ class Packer:
             if frames >= min(MIN_FRAMES, len(self.scene.times)):
                 break
         count = min(MAX_FRAMES, max(2, frames), len(self.scene.times))
-        self.numbers = np.unique(np.linspace(0, len(self.scene.times) - 1, count).astype(int))
+        self.numbers = evenly(len(self.scene.times), count)
 
     def _mesh(self, structure: Series) -> tuple[np.ndarray, np.ndarray]:
         """Nodes that are seen, and faces of them."""
@@ -75,12 +74,11 @@ class Packer:
 
     def _walls(self, times: np.ndarray) -> dict[str, Any]:
         """Lines of rigid walls and the strokes behind them, x1, y1, x2, y2 of each; which of them stand in each frame."""
-        window = (self.scene.high - self.scene.low).max()
         numbers: dict[tuple[str, str], int] = {}  # those at rest are there once
         frames = []
         for time in times:
-            texts = [(text_of(segments.astype("<f4")), text_of(strokes(segments, window).astype("<f4")))
-                     for segments in self.scene.rigid_walls.at(time)]
+            texts = [(text_of(segments.astype("<f4")), text_of(behind.astype("<f4")))
+                     for segments, behind in self.scene.wall_lines(time)]
             frames.append([numbers.setdefault(text, len(numbers)) for text in texts])
         return {"walls": [{"line": line, "strokes": behind} for line, behind in numbers], "standing": frames}
 
