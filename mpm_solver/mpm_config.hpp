@@ -11,6 +11,7 @@
 #include "common/settings/scene.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
+#include "mpm_solver/grid/cell_quadrature.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -44,6 +45,7 @@ struct MpmSettings {
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
   bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
+  Quadrature quadrature = Quadrature::points;
   LockingCure locking;
   SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.

@@ -88,6 +88,12 @@ std::vector<Key> model_keys() {
                       "Functions of the grid; the last two need a `box` of quad4 or hex8.")
               .or_computed("`gimp` where the grid is such a box and all cells of the bodies are "
                            "boxes or upright columns of quad4 or hex8, else `linear`"),
+          key::choice("quadrature", {"cells", "points"},
+                      fmt::format("Over what the stresses of a cell are summed: `points`, or where "
+                                  "it lies inside the soil, all around filled by {:g} or more, as "
+                                  "over the cell. `cells` with `linear` only.",
+                                  least_filling))
+              .or_computed("`cells` with `linear`, else `points`"),
           key::vector("origin", "m",
                       "Place of the scene's zero point in coordinates of the world, such as those "
                       "of a map; for what is exported from the results, the run itself is local.")

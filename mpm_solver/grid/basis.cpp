@@ -141,15 +141,17 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
   require(grid.splits_border == (border != nullptr), "mpm_solver: the border of the soil");
   if (grid.patches.size() > 0) {
     evaluate_patch_basis(grid, points, weights);
-    return;
-  }
-  sort_by_cell(grid.num_cells(), points, weights);
-  if (border) split_groups(*border, *grid.box, points, weights);
-  if (grid.basis == Basis::linear) {
-    evaluate_linear_basis(grid, points, weights);
   } else {
-    evaluate_box_basis(grid, points, weights);
+    sort_by_cell(grid.num_cells(), points, weights);
+    if (border) split_groups(*border, *grid.box, points, weights);
+    if (grid.basis == Basis::linear) {
+      evaluate_linear_basis(grid, points, weights);
+    } else {
+      evaluate_box_basis(grid, points, weights);
+    }
   }
+  weights.volume.clear();
+  for (const std::int32_t p : weights.point) weights.volume.push_back(points.V0[p]);
 }
 
 template std::vector<std::int32_t> find_cells<2>(const BackgroundGrid<2>&, MaterialPoints<2>&);

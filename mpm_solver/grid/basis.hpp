@@ -43,6 +43,9 @@ struct PointWeights {
   /// All nodes of a group act on each of its points, in their order: as many as a cell has corners.
   bool whole_cells = false;
   std::vector<std::int32_t> point;   ///< of each entry
+  /// Stress-free volume over which each entry's stress is summed: V0 of its point, unless
+  /// CellQuadrature changed it [m^3].
+  std::vector<double> volume;
   std::vector<std::int32_t> starts;  ///< first value of each entry, and the number of values
   std::vector<std::uint8_t> local;   ///< of each value: its node's number within the group
   std::vector<double> N;             ///< of each value

@@ -193,8 +193,10 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
                            double dissipated, const MaterialPoints<dim>& points) {
   const PointTotals<dim> before = totals_;
   totals_ = point_totals(comm_, points);
-  sum_over_ranks(comm_, std::span<double>(&dissipated, 1));
-  plastic_ += dissipated;
+  double of_points[] = {dissipated, step.quadrature_loss};
+  sum_over_ranks(comm_, std::span<double>(of_points));
+  plastic_ += of_points[0];
+  quadrature_loss_ += of_points[1];
   time_damping_ += step.time_damping;
   wall_loss_ += step.wall_loss;
   transfer_loss_ += (before.kinetic_energy - step.kinetic_before) -
@@ -234,10 +236,10 @@ double Ledger<dim>::own_energy() const {
 
 template <int dim>
 std::vector<std::string> Ledger<dim>::names() {
-  std::vector<std::string> names = {"plastic_dissipation", "time_damping",   "transfer_loss",
-                                    "wall_loss",           "gravity_work",   "boundary_work",
-                                    "energy_balance",      "created_energy", "contact_energy",
-                                    "contact_friction",    "contact_loss",   "contact_created"};
+  std::vector<std::string> names = {
+      "plastic_dissipation", "time_damping",  "transfer_loss",  "wall_loss",      "quadrature_loss",
+      "gravity_work",        "boundary_work", "energy_balance", "created_energy", "contact_energy",
+      "contact_friction",    "contact_loss",  "contact_created"};
   for (int d = 0; d < dim; ++d) names.push_back(fmt::format("momentum_error_{}", "xyz"[d]));
   return names;
 }
@@ -245,10 +247,12 @@ std::vector<std::string> Ledger<dim>::names() {
 template <int dim>
 std::vector<double> Ledger<dim>::values() const {
   const double energy_start = totals_start_.kinetic_energy + totals_start_.elastic_energy;
-  const double balance = own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_;
-  std::vector<double> values = {
-      plastic_, time_damping_, transfer_loss_,  wall_loss_,        body_work_,    boundary_work_,
-      balance,  created_,      contact_.stored, contact_.friction, contact_.loss, contact_created_};
+  const double balance =
+      own_energy() - energy_start + time_damping_ + transfer_loss_ + wall_loss_ + quadrature_loss_;
+  std::vector<double> values = {plastic_,         time_damping_,   transfer_loss_,    wall_loss_,
+                                quadrature_loss_, body_work_,      boundary_work_,    balance,
+                                created_,         contact_.stored, contact_.friction, contact_.loss,
+                                contact_created_};
   const Vector<dim> error = totals_.momentum + removed_.momentum - totals_start_.momentum -
                             body_.impulse - boundary_.impulse - walls_.impulse;
   values.insert(values.end(), error.begin(), error.end());
@@ -278,6 +282,7 @@ void Ledger<dim>::visit_state(StateVisitor& visitor) {
                                                   {"time_damping", &time_damping_},
                                                   {"transfer_loss", &transfer_loss_},
                                                   {"wall_loss", &wall_loss_},
+                                                  {"quadrature_loss", &quadrature_loss_},
                                                   {"body_work", &body_work_},
                                                   {"boundary_work", &boundary_work_},
                                                   {"lowest_energy", &lowest_energy_},

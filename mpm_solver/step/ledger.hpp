@@ -19,13 +19,14 @@ namespace gabion::mpm {
 /// Forces are those of the instant that the scheme balances.
 template <int dim>
 struct StepBalance {
-  double kinetic_before = 0;  ///< of the velocity mapped from the points, before walls act [J]
-  double kinetic_after = 0;   ///< of v' [J]
-  double wall_loss = 0;       ///< kinetic energy of the components that walls stop [J]
-  double time_damping = 0;    ///< docs/theory/soil.md, (S28) [J]
-  double body_work = 0;       ///< of gravity and other body forces [J]
-  double sharing_loss = 0;    ///< elastic energy that share_volumes took [J]
-  double boundary_work = 0;   ///< of contacts and of moving walls [J]
+  double kinetic_before = 0;   ///< of the velocity mapped from the points, before walls act [J]
+  double kinetic_after = 0;    ///< of v' [J]
+  double wall_loss = 0;        ///< kinetic energy of the components that walls stop [J]
+  double time_damping = 0;     ///< docs/theory/soil.md, (S28) [J]
+  double body_work = 0;        ///< of gravity and other body forces [J]
+  double sharing_loss = 0;     ///< elastic energy that share_volumes took [J]
+  double quadrature_loss = 0;  ///< work on what CellQuadrature adds to the points' volumes [J]
+  double boundary_work = 0;    ///< of contacts and of moving walls [J]
   Vector<dim> body_force = Vector<dim>::Zero();      ///< [N]
   Vector<dim> boundary_force = Vector<dim>::Zero();  ///< [N]
   Vector<dim> step_force = Vector<dim>::Zero();      ///< of contacts whose force is constant [N]
@@ -113,7 +114,7 @@ class Ledger {
   PointTotals<dim> removed_;                           // front has no meaning
   ContactEnergy contact_;
   double contact_created_ = 0;  // sum of the steps in which its loss fell
-  double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0;
+  double plastic_ = 0, time_damping_ = 0, transfer_loss_ = 0, wall_loss_ = 0, quadrature_loss_ = 0;
   double body_work_ = 0, boundary_work_ = 0;
   double lowest_energy_ = 0, created_ = 0;
 };

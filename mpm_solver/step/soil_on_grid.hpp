@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "mpm_solver/grid/cell_quadrature.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "mpm_solver/step/soil_state.hpp"
 #include "mpm_solver/walls/wall_stop.hpp"
@@ -79,6 +80,7 @@ class SoilOnGrid {
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
   WallStop<dim> stop_;
+  std::optional<CellQuadrature<dim>> quadrature_;  // none: stresses are summed over points
   std::optional<GhostStiffness<dim>> ghost_;
   bool ghost_acts_ = false;
   SmallCutCounts small_cuts_;

@@ -37,7 +37,7 @@ void AveragedForces<dim>::set_volumes() {
   const auto& [points, weights] = std::tie(parts_.points, parts_.weights);
   for (std::size_t b = 0; b < averages_.size(); ++b) {
     const Lanes V = stresses_.of_points(b, [&](std::int32_t e) {
-      return points.V0[weights.point[e]] * points.J[weights.point[e]];
+      return weights.volume[e] * points.J[weights.point[e]];
     });
     averages_[b].start(stresses_.batches()[b].H, V);
     for (int l = 0; l < stresses_.points_of(b); ++l) {

@@ -92,7 +92,7 @@ bool InternalForces<dim>::group_stress(const Law& law, std::int32_t g, const Mat
   for (std::int32_t e = group.first; e < group.last; ++e) stresses.set_gradient(e, H);
   if (!stresses.evaluate(parts_, law, with_K, request.worst)) return false;
   for (std::int32_t e = group.first; e < group.last; ++e) {
-    const double V0 = parts_.points.V0[parts_.weights.point[e]];
+    const double V0 = parts_.weights.volume[e];
     known.P += V0 * stresses.P(e);
     if (with_K) known.A += V0 * stresses.A(e);
   }
@@ -246,8 +246,7 @@ std::vector<double> InternalForces<dim>::start_forces() const {
     sum.start(group.num_nodes);
     Matrix<dim> P = Matrix<dim>::Zero();
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
-      P += parts_.points.V0[p] * in_plane<dim>(parts_.points.tau[p]);
+      P += weights.volume[e] * in_plane<dim>(parts_.points.tau[weights.point[e]]);
       if (weights.constant_gradient && e + 1 < group.last) continue;
       const std::int32_t row = weights.constant_gradient ? group.first : e;
       share.set_stress(P);

@@ -105,8 +105,9 @@ class PointStresses {
     return x;
   }
 
+  /// Volumes of the points of a batch, as PointWeights has them [m^3].
   Lanes V0(const StressParts<dim>& parts, std::size_t b) const {
-    return of_points(b, [&](std::int32_t e) { return parts.points.V0[parts.weights.point[e]]; });
+    return of_points(b, [&](std::int32_t e) { return parts.weights.volume[e]; });
   }
 
   /// Set P, A if wanted, and the trial state.

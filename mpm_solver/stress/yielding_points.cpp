@@ -59,7 +59,7 @@ void YieldingPoints<dim>::add_stiffness(double share, const StressParts<dim>& pa
     for (std::int32_t e = group.first; e < group.last; ++e) {
       if (!yielded_[e]) continue;
       const std::int32_t row = weights.constant_gradient ? group.first : e;
-      of_point.set_tangent(parts.points.V0[weights.point[e]] * A);
+      of_point.set_tangent(weights.volume[e] * A);
       sum.add_point(weights.num_nodes(row), weights.local_of(row), weights.grad_of(row),
                     of_point.A);
     }

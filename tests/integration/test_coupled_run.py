@@ -170,7 +170,8 @@ class CoupledRun(IntegrationCase):
             # What is left of a balance is compared by the size of its terms.
             terms = {"momentum_error": "soil.momentum_x", "soil.momentum_y": "soil.momentum_x", "energy_balance": "soil.kinetic_energy",
                      "created_energy": "soil.kinetic_energy", "transfer_loss": "soil.kinetic_energy",
-                     "time_damping": "soil.kinetic_energy", "wall_loss": "soil.kinetic_energy"}
+                     "time_damping": "soil.kinetic_energy", "wall_loss": "soil.kinetic_energy",
+                     "quadrature_loss": "soil.kinetic_energy"}
             sized_by = next((by for name, by in terms.items() if name in column), column)
             scale = max(abs(float(row[sized_by])) for row in one)
             difference = max(abs(float(a[column]) - float(b[column])) for a, b in zip(one, two))

@@ -640,6 +640,7 @@ TEST(MpmConfig, probe_columns) {
                                                              "time_damping",
                                                              "transfer_loss",
                                                              "wall_loss",
+                                                             "quadrature_loss",
                                                              "gravity_work",
                                                              "boundary_work",
                                                              "energy_balance",

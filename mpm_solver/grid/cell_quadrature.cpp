@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/grid/cell_quadrature.hpp"
+
+#include <algorithm>
+
+#include "common/mechanics/elements/shape_functions.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Means of the gradients of the cell's functions over the cell [1/m].
+template <int dim>
+void mean_gradients(const BackgroundGrid<dim>& grid, std::int32_t cell, Vector<dim>* mean) {
+  const int n = grid.nodes_per_cell();
+  Vector<dim> corners[max_cell_nodes];
+  grid.corners(cell, corners);
+  std::fill_n(mean, n, Vector<dim>::Zero());
+  double volume = 0;
+  ShapeValues<dim> shape;
+  static const auto rule = gauss_rule<dim>(BoxGrid<dim>::cell_type, 3);
+  for (const QuadraturePoint<dim>& point : rule) {
+    shape_functions<dim>(grid.cell_type, point.xi, shape);
+    const double dV = point.weight * map_gradients<dim>(grid.cell_type, corners, shape);
+    for (int i = 0; i < n; ++i) mean[i] += dV * shape.dN[i];
+    volume += dV;
+  }
+  for (int i = 0; i < n; ++i) mean[i] /= volume;
+}
+
+}  // namespace
+
+const char* quadrature_name(Quadrature quadrature) {
+  return quadrature == Quadrature::cells ? "cells" : "points";
+}
+
+template <int dim>
+CellQuadrature<dim>::CellQuadrature(const BackgroundGrid<dim>& grid) : grid_(grid) {
+  if (grid.box) return;
+  cells_around_.assign(grid.num_nodes_total(), 0);
+  for (std::int32_t c = 0; c < grid.num_cells(); ++c) {
+    for (const std::int32_t node : grid.cell(c)) ++cells_around_[node];
+  }
+}
+
+template <int dim>
+std::int32_t CellQuadrature<dim>::cells_around(std::int32_t grid_node) const {
+  if (!grid_.box) return cells_around_[grid_node];
+  return static_cast<std::int32_t>(grid_.box->cells_around(grid_node).size());
+}
+
+template <int dim>
+void CellQuadrature<dim>::list_runs(const MaterialPoints<dim>& points,
+                                    const PointWeights<dim>& weights) {
+  runs_.clear();
+  bodies_.assign(grid_.num_cells(), 0);
+  filled_.assign(grid_.num_cells(), 0);
+  for (const CellGroup& group : weights.groups) {
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e], cell = points.cell[p];
+      if (e == group.first || cell != runs_.back().cell) {
+        runs_.push_back({.cell = cell, .first = e, .last = e});
+        ++bodies_.at(cell);
+      }
+      ++runs_.back().last;
+      filled_.at(cell) += points.V0[p] * points.J[p];
+    }
+  }
+}
+
+template <int dim>
+void CellQuadrature<dim>::count_filled(const GridNodes<dim>& nodes) {
+  filled_around_.assign(nodes.size(), 0);
+  filled_.for_each([&](std::size_t cell, double volume) {
+    const auto c = static_cast<std::int32_t>(cell);
+    if (volume < least_filling * cell_volume(grid_, c)) return;
+    for (const std::int32_t node : grid_.cell(c)) ++filled_around_[nodes.active[node]];
+  });
+  nodes.shared.sum(filled_around_, 1);
+}
+
+template <int dim>
+bool CellQuadrature<dim>::is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const {
+  const CellList corners = grid_.cell(cell);
+  return bodies_[cell] == 1 && std::all_of(corners.begin(), corners.end(), [&](std::int32_t node) {
+           return filled_around_[nodes.active[node]] == cells_around(node);
+         });
+}
+
+template <int dim>
+void CellQuadrature<dim>::shift_gradients(const Run& run, const MaterialPoints<dim>& points,
+                                          PointWeights<dim>& weights) const {
+  Vector<dim> shift[max_cell_nodes];
+  mean_gradients(grid_, run.cell, shift);
+  const double over_volume = 1 / cell_volume(grid_, run.cell);
+  const int n = grid_.nodes_per_cell();
+  for (std::int32_t e = run.first; e < run.last; ++e) {
+    const double share = over_volume * weights.volume[e] * points.J[weights.point[e]];
+    for (int i = 0; i < n; ++i) shift[i] -= share * weights.grad_of(e)[i];
+  }
+  for (std::int32_t e = run.first; e < run.last; ++e) {
+    for (int i = 0; i < n; ++i) weights.grad_N[weights.starts[e] + i] += shift[i];
+  }
+}
+
+template <int dim>
+void CellQuadrature<dim>::correct(const MaterialPoints<dim>& points, const GridNodes<dim>& nodes,
+                                  PointWeights<dim>& weights) {
+  list_runs(points, weights);
+  count_filled(nodes);
+  num_inside_ = 0;
+  for (const Run& run : runs_) {
+    if (!is_inside(run.cell, nodes)) continue;
+    ++num_inside_;
+    const double factor = cell_volume(grid_, run.cell) / filled_[run.cell];
+    for (std::int32_t e = run.first; e < run.last; ++e) weights.volume[e] *= factor;
+    if (!grid_.is_simplex()) shift_gradients(run, points, weights);
+  }
+}
+
+template class CellQuadrature<2>;
+template class CellQuadrature<3>;
+
+}  // namespace gabion::mpm

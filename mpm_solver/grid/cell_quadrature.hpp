@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mpm_solver/grid/grid_nodes.hpp"
+
+namespace gabion::mpm {
+
+/// How stresses are summed over a cell: over its points, or as over the cell itself where it lies
+/// inside the soil.
+enum class Quadrature { points, cells };
+const char* quadrature_name(Quadrature quadrature);
+
+/// A cell holds soil, as far as CellQuadrature is concerned, where its points fill this share of
+/// it.
+inline constexpr double least_filling = 0.3;
+
+/// Lets the points of a cell inside the soil integrate a constant stress as the cell would,
+///
+///     sum_p V_p = V_cell ,   sum_p V_p grad N_ip = int_cell grad N_i dx                      (S35)
+///
+/// whatever places they have come to: volumes get a common factor, gradients a common change, so
+/// linear fields are still met. A cell is inside when all cells that have one of its nodes hold
+/// soil, it and its points are those of one body. For linear functions, whose gradients jump from
+/// cell to cell: without, the error of a point that crosses does not fall with the cell size.
+/// Refers to the grid.
+/// @see Beuth, Wieckowski, Vermeer (2011), who have the volumes; Chen, Hillman, Rueter (2013) for
+///      gradients
+template <int dim>
+class CellQuadrature {
+ public:
+  explicit CellQuadrature(const BackgroundGrid<dim>& grid);
+
+  /// Change `volume` and `grad_N` of the entries of cells inside the soil.
+  /// @param nodes  as activated for these weights
+  /// @note Collective.
+  void correct(const MaterialPoints<dim>& points, const GridNodes<dim>& nodes,
+               PointWeights<dim>& weights);
+  /// Cells of this rank that the last correct() changed.
+  std::int64_t num_inside() const { return num_inside_; }
+
+ private:
+  /// Entries of one body in one cell.
+  struct Run {
+    std::int32_t cell, first, last;
+  };
+
+  void list_runs(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
+  void count_filled(const GridNodes<dim>& nodes);
+  bool is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const;
+  std::int32_t cells_around(std::int32_t grid_node) const;
+  void shift_gradients(const Run& run, const MaterialPoints<dim>& points,
+                       PointWeights<dim>& weights) const;
+
+  const BackgroundGrid<dim>& grid_;
+  std::vector<std::uint16_t> cells_around_;  // of each grid node; empty: that of a box
+  std::vector<Run> runs_;
+  SparseList<std::int32_t> bodies_;    // in each cell
+  SparseList<double> filled_;          // of each cell [m^3]
+  std::vector<double> filled_around_;  // of each active node: cells that hold soil
+  std::int64_t num_inside_ = 0;
+};
+
+}  // namespace gabion::mpm
