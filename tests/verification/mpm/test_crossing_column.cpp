@@ -145,7 +145,6 @@ struct Study {
 };
 
 const std::string jumps = "gradients of the linear basis jump where points cross cells";
-const std::string held = "a cell's weight jumps as points cross";
 const std::string quadrature =
     "points at single places integrate splines with an error of the square of the strain, whatever "
     "the cell size and the points per cell";
@@ -169,9 +168,9 @@ TEST(V2_CrossingColumn, two_percent) {
   error_row("mean stress error by rho g L, 128 cells, MPM gimp", gimp.stress.back(), 3e-4);
   error_row("mean stress error by rho g L, 128 cells, MPM bspline", bspline.stress.back(), 1e-3,
             quadrature);
-  error_row("mean stress error by rho g L, 128 cells, MPM quad4", linear.stress.back(), 0.001);
-  order_row("order of stress in h, 16 to 128 cells, MPM quad4", 1, linear.order(linear.stress, 2, 5),
-            0.9);
+  error_row("mean stress error by rho g L, 128 cells, MPM quad4", linear.stress.back(), 0.002);
+  order_row("order of stress in h, 16 to 128 cells, MPM quad4", 1,
+            linear.order(linear.stress, 2, 5), 0.9);
   error_row("mean stress error by rho g L, 128 cells, MPM quad4, quadrature by points",
             points.stress.back(), 0.04, jumps);
   EXPECT_LT(points.order(points.stress, 2, 5), 0);  // it stalls
@@ -193,7 +192,8 @@ TEST(V2_CrossingColumn, half_its_height) {
   error_row("mean stress error by rho g L at 50 %, 64 cells, MPM gimp", gimp.stress.back(), 5e-4);
   error_row("mean stress error by rho g L at 50 %, 64 cells, MPM bspline", bspline.stress.back(),
             8e-3, quadrature);
-  error_row("mean stress error by rho g L at 50 %, 64 cells, MPM quad4", linear.stress.back(), 0.001);
+  error_row("mean stress error by rho g L at 50 %, 64 cells, MPM quad4", linear.stress.back(),
+            0.003);
 }
 
 TEST(V2_CrossingColumn, in_space) {
@@ -205,7 +205,8 @@ TEST(V2_CrossingColumn, in_space) {
       height.push_back(found.height);
     }
     const std::string what = basis == "linear" ? "hex8" : basis + " 3D";
-    error_row("mean stress error by rho g L, 32 cells, MPM " + what, stress[1], 3e-3);
+    error_row("mean stress error by rho g L, 32 cells, MPM " + what, stress[1],
+              basis == "linear" ? 6e-3 : 3e-3);
     order_row("order of heights in h, 8 to 32 cells, MPM " + what, 2,
               std::log(height[0] / height[1]) / std::log(4), 1.7);
   }
