@@ -203,12 +203,15 @@ void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
   if (any_dynamic) read_transfer(in.object("transfer"), settings);
 }
 
-Quadrature read_quadrature(ConfigReader& in, Basis basis) {
-  const bool linear = basis == Basis::linear;
-  const bool cells = in.choice_or("quadrature", linear ? "cells" : "points") == "cells";
+template <int dim>
+Quadrature read_quadrature(ConfigReader& in, const MpmSettings<dim>& settings) {
+  const bool linear = settings.grid.basis == Basis::linear;
+  const bool yields = !std::ranges::all_of(
+      settings.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
+  const bool cells = in.choice_or("quadrature", linear && yields ? "cells" : "points") == "cells";
   if (cells && !linear) {
     in.fail("quadrature", fmt::format("found \"cells\" with \"basis\": \"{}\", allowed: points",
-                                      basis_name(basis)));
+                                      basis_name(settings.grid.basis)));
   }
   return cells ? Quadrature::cells : Quadrature::points;
 }
@@ -306,7 +309,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
   in.vector("origin", dim);
   read_motion(in, settings);
-  settings.quadrature = read_quadrature(in, settings.grid.basis);
+  settings.quadrature = read_quadrature(in, settings);
   settings.locking = read_locking(in.object("locking"), settings);
   settings.small_cuts = read_small_cuts(in.object("small_cuts"), settings);
   read_solvers(in, settings);

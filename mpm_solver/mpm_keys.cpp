@@ -93,7 +93,7 @@ std::vector<Key> model_keys() {
                                   "it lies inside the soil, all around filled by {:g} or more, as "
                                   "over the cell. `cells` with `linear` only.",
                                   least_filling))
-              .or_computed("`cells` with `linear`, else `points`"),
+              .or_computed("`cells` with `linear` where a body yields, else `points`"),
           key::vector("origin", "m",
                       "Place of the scene's zero point in coordinates of the world, such as those "
                       "of a map; for what is exported from the results, the run itself is local.")

@@ -2,6 +2,7 @@
 #include "mpm_solver/grid/cell_quadrature.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "common/mechanics/elements/shape_functions.hpp"
 
@@ -32,6 +33,35 @@ void mean_gradients(const BackgroundGrid<dim>& grid, std::int32_t cell, Vector<d
 
 const char* quadrature_name(Quadrature quadrature) {
   return quadrature == Quadrature::cells ? "cells" : "points";
+}
+
+template <int dim>
+OpenNodes open_nodes(const BackgroundGrid<dim>& grid, const std::vector<WallSettings>& walls) {
+  const auto n = static_cast<std::size_t>(num_nodes(facet_type(grid.cell_type)));
+  const auto key = [n](const std::int32_t* facet) {
+    std::vector<std::int32_t> nodes(facet, facet + n);
+    std::sort(nodes.begin(), nodes.end());
+    return nodes;
+  };
+  std::set<std::vector<std::int32_t>> walled;
+  for (const WallSettings& wall : walls) {
+    if (wall.motion.moves()) continue;
+    const auto& facets = find_facets(grid.facet_groups, wall.group, wall.where);
+    for (std::size_t k = 0; k < facets.size(); k += n) walled.insert(key(&facets[k]));
+  }
+  OpenNodes open(grid.num_nodes_total(), 0);
+  const auto add = [&](const std::vector<std::int32_t>& facets) {
+    for (std::size_t k = 0; k < facets.size(); k += n) {
+      if (walled.contains(key(&facets[k]))) continue;
+      for (std::size_t i = k; i < k + n; ++i) open.at(facets[i]) = 1;
+    }
+  };
+  if (grid.box) {
+    for (const auto& side : grid.box->sides()) add(side.second);
+  } else {
+    add(boundary_facets(grid.stored->mesh));
+  }
+  return open;
 }
 
 template <int dim>
@@ -80,10 +110,11 @@ void CellQuadrature<dim>::count_filled(const GridNodes<dim>& nodes) {
 }
 
 template <int dim>
-bool CellQuadrature<dim>::is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const {
+bool CellQuadrature<dim>::is_inside(std::int32_t cell, const OpenNodes& open,
+                                    const GridNodes<dim>& nodes) const {
   const CellList corners = grid_.cell(cell);
   return bodies_[cell] == 1 && std::all_of(corners.begin(), corners.end(), [&](std::int32_t node) {
-           return filled_around_[nodes.active[node]] == cells_around(node);
+           return open[node] == 0 && filled_around_[nodes.active[node]] == cells_around(node);
          });
 }
 
@@ -104,13 +135,13 @@ void CellQuadrature<dim>::shift_gradients(const Run& run, const MaterialPoints<d
 }
 
 template <int dim>
-void CellQuadrature<dim>::correct(const MaterialPoints<dim>& points, const GridNodes<dim>& nodes,
-                                  PointWeights<dim>& weights) {
+void CellQuadrature<dim>::correct(const OpenNodes& open, const MaterialPoints<dim>& points,
+                                  const GridNodes<dim>& nodes, PointWeights<dim>& weights) {
   list_runs(points, weights);
   count_filled(nodes);
   num_inside_ = 0;
   for (const Run& run : runs_) {
-    if (!is_inside(run.cell, nodes)) continue;
+    if (!is_inside(run.cell, open, nodes)) continue;
     ++num_inside_;
     const double factor = cell_volume(grid_, run.cell) / filled_[run.cell];
     for (std::int32_t e = run.first; e < run.last; ++e) weights.volume[e] *= factor;
@@ -118,6 +149,8 @@ void CellQuadrature<dim>::correct(const MaterialPoints<dim>& points, const GridN
   }
 }
 
+template OpenNodes open_nodes<2>(const BackgroundGrid<2>&, const std::vector<WallSettings>&);
+template OpenNodes open_nodes<3>(const BackgroundGrid<3>&, const std::vector<WallSettings>&);
 template class CellQuadrature<2>;
 template class CellQuadrature<3>;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
 
 namespace gabion::mpm {
 
@@ -17,15 +18,22 @@ const char* quadrature_name(Quadrature quadrature);
 /// it.
 inline constexpr double least_filling = 0.3;
 
+/// 1 for the nodes of facets at the sides of the grid where soil may lose touch with the side: no
+/// wall is there, or one that moves.
+using OpenNodes = SparseList<char>;
+
+template <int dim>
+OpenNodes open_nodes(const BackgroundGrid<dim>& grid, const std::vector<WallSettings>& walls);
+
 /// Lets the points of a cell inside the soil integrate a constant stress as the cell would,
 ///
 ///     sum_p V_p = V_cell ,   sum_p V_p grad N_ip = int_cell grad N_i dx                      (S35)
 ///
 /// whatever places they have come to: volumes get a common factor, gradients a common change, so
-/// linear fields are still met. A cell is inside when all cells that have one of its nodes hold
-/// soil, it and its points are those of one body. For linear functions, whose gradients jump from
-/// cell to cell: without, the error of a point that crosses does not fall with the cell size.
-/// Refers to the grid.
+/// linear fields are still met. A cell is inside when all cells around its nodes hold soil, sides
+/// of the grid there have walls at rest, and its points are those of one body. For linear
+/// functions, whose gradients jump from cell to cell: without, the error of a point that crosses
+/// does not fall with the cell size. Refers to the grid.
 /// @see Beuth, Wieckowski, Vermeer (2011), who have the volumes; Chen, Hillman, Rueter (2013) for
 ///      gradients
 template <int dim>
@@ -34,10 +42,11 @@ class CellQuadrature {
   explicit CellQuadrature(const BackgroundGrid<dim>& grid);
 
   /// Change `volume` and `grad_N` of the entries of cells inside the soil.
+  /// @param open   of the phase's walls
   /// @param nodes  as activated for these weights
   /// @note Collective.
-  void correct(const MaterialPoints<dim>& points, const GridNodes<dim>& nodes,
-               PointWeights<dim>& weights);
+  void correct(const OpenNodes& open, const MaterialPoints<dim>& points,
+               const GridNodes<dim>& nodes, PointWeights<dim>& weights);
   /// Cells of this rank that the last correct() changed.
   std::int64_t num_inside() const { return num_inside_; }
 
@@ -49,7 +58,7 @@ class CellQuadrature {
 
   void list_runs(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
   void count_filled(const GridNodes<dim>& nodes);
-  bool is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const;
+  bool is_inside(std::int32_t cell, const OpenNodes& open, const GridNodes<dim>& nodes) const;
   std::int32_t cells_around(std::int32_t grid_node) const;
   void shift_gradients(const Run& run, const MaterialPoints<dim>& points,
                        PointWeights<dim>& weights) const;

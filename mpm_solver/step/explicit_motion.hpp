@@ -47,7 +47,7 @@ class ExplicitMotion {
     std::vector<double> a;           ///< at the end, f / m [m/s^2]
     std::vector<double> wall_force;  ///< mean force that the walls take [N], before they act
     double internal_work = 0, body_work = 0, contact_work = 0, wall_work = 0;  // [J]
-    PointWork plastic_work;                             ///< of this rank's points
+    double plastic_work = 0;                            ///< of this rank's points [J]
     Vector<dim> body_impulse = Vector<dim>::Zero();     // [N s]
     Vector<dim> contact_impulse = Vector<dim>::Zero();  // [N s]
     double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]

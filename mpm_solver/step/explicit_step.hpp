@@ -53,7 +53,7 @@ class ExplicitStep {
   /// What grid_to_points leaves out.
   void finish_points(MaterialPoints<dim>& points) const;
   /// Of this rank's points [J].
-  PointWork plastic_work() const { return motion_->result().plastic_work; }
+  double plastic_work() const { return motion_->result().plastic_work; }
   double contact_rate() const { return motion_->result().contact_rate; }
 
   const SubstepCounts& counts() const { return counts_; }

@@ -52,7 +52,12 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
   for (const Phase& phase : settings.phases) {
     walls_of_phases_.emplace_back(model_.grid, phase.walls);
   }
-  if (settings.quadrature == Quadrature::cells) quadrature_.emplace(model_.grid);
+  if (settings.quadrature == Quadrature::cells) {
+    quadrature_.emplace(model_.grid);
+    for (const Phase& phase : settings.phases) {
+      open_of_phases_.push_back(open_nodes(model_.grid, phase.walls));
+    }
+  }
   if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
                      settings.phases)) {
     ghost_.emplace(model_.grid, settings.bodies, settings.small_cuts.ghost_factor);
@@ -85,7 +90,9 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
       mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
     }
     activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);
-    if (quadrature_) quadrature_->correct(points_, nodes_, weights_);
+    if (quadrature_) {
+      quadrature_->correct(open_of_phases_[mapping.phase], points_, nodes_, weights_);
+    }
   }
   {
     const ScopedTimer timer(times_, "points to grid");

@@ -81,6 +81,7 @@ class SoilOnGrid {
   GridNodes<dim> nodes_;
   WallStop<dim> stop_;
   std::optional<CellQuadrature<dim>> quadrature_;  // none: stresses are summed over points
+  std::vector<OpenNodes> open_of_phases_;          // with it
   std::optional<GhostStiffness<dim>> ghost_;
   bool ghost_acts_ = false;
   SmallCutCounts small_cuts_;

@@ -282,11 +282,10 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
   }
-  PointWork work = implicit ? plastic_work<dim>(soil_.weights(), trial_, points, points.tau)
-                            : explicit_.plastic_work();
-  const double dissipated = work.own;
-  work += elastic_work<dim>(soil_.weights(), trial_, points);
-  balance.quadrature_loss = work.difference();
+  const double dissipated = implicit
+                                ? plastic_work<dim>(soil_.weights(), trial_, points, points.tau)
+                                : explicit_.plastic_work();
+  balance.quadrature_loss = unstored_work(soil_.weights(), trial_, points);
   accept_stresses(soil_.weights(), trial_, points);
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);

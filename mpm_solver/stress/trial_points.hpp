@@ -28,29 +28,17 @@ struct TrialPoints {
   }
 };
 
-/// Work of this rank's points [J].
-struct PointWork {
-  double own = 0;     ///< over the stress-free volumes of the points
-  double summed = 0;  ///< over those of PointWeights
-  PointWork& operator+=(const PointWork& other) {
-    own += other.own;
-    summed += other.summed;
-    return *this;
-  }
-  /// What went into neither the points nor heat, since forces act over the volumes of PointWeights.
-  double difference() const { return summed - own; }
-};
-
-/// Plastic work on the way to the trial state.
+/// Plastic work of this rank's points on their way to the trial state [J].
 /// @param tau  stresses where the way began, one a point [Pa]
 template <int dim>
-PointWork plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
-                       const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau);
+double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                    const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau);
 
-/// Change of the elastic energy from the accepted state to the trial state.
+/// What forces over the volumes of PointWeights do on the way from the accepted state to the trial
+/// state that turns into neither heat nor elastic energy of this rank's points [J].
 template <int dim>
-PointWork elastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
-                       const MaterialPoints<dim>& points);
+double unstored_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                     const MaterialPoints<dim>& points);
 
 /// Make stresses and memory of the trial state those of the points.
 template <int dim>

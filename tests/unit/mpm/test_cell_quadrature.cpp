@@ -29,6 +29,12 @@ SoilPatch<dim> stirred(CellType type, int points_per_cell, double shift, int cel
   return soil;
 }
 
+/// All sides have walls.
+template <int dim>
+mpm::OpenNodes none_open(const SoilPatch<dim>& soil) {
+  return {static_cast<std::size_t>(soil.grid.num_nodes_total()), 0};
+}
+
 template <int dim>
 std::set<std::int32_t> inside(const SoilPatch<dim>& soil, const mpm::PointWeights<dim>& plain) {
   std::set<std::int32_t> cells;
@@ -45,7 +51,7 @@ void check_cells(CellType type, int points_per_cell) {
   SoilPatch<dim> soil = stirred<dim>(type, points_per_cell, 0.1);
   const auto plain = soil.weights;
   mpm::CellQuadrature<dim> quadrature(soil.grid);
-  quadrature.correct(soil.points, soil.nodes, soil.weights);
+  quadrature.correct(none_open(soil), soil.points, soil.nodes, soil.weights);
   const auto cells = inside(soil, plain);
   EXPECT_EQ(std::ssize(cells), quadrature.num_inside());
   EXPECT_GT(std::ssize(cells), soil.grid.num_cells() / 2);
@@ -89,6 +95,26 @@ TEST(CellQuadrature, points_inside_the_soil_integrate_like_their_cell) {
   check_cells<3>(CellType::tet4, 4);
 }
 
+/// Cells at a side are inside only where a wall at rest closes it.
+TEST(CellQuadrature, takes_sides_without_a_wall_for_the_border) {
+  SoilPatch<2> soil(CellType::quad4, 4);
+  soil.fill(4);
+  soil.to_grid();
+  const auto num_inside = [&](const std::vector<mpm::WallSettings>& walls) {
+    mpm::CellQuadrature<2> quadrature(soil.grid);
+    quadrature.correct(mpm::open_nodes(soil.grid, walls), soil.points, soil.nodes, soil.weights);
+    return quadrature.num_inside();
+  };
+  mpm::WallSettings left, bottom, moving;
+  left.group = "left";
+  bottom.group = "bottom";
+  moving.group = "right";
+  moving.motion.velocity = {0.1, 0};
+  EXPECT_EQ(num_inside({}), 2 * 2);
+  EXPECT_EQ(num_inside({left, moving}), 3 * 2);
+  EXPECT_EQ(num_inside({left, bottom}), 3 * 3);
+}
+
 /// Six columns, the last one empty; another body from the fifth row on, which sank into the fourth.
 TEST(CellQuadrature, leaves_the_border_and_cells_of_two_bodies) {
   SoilPatch<2> soil(CellType::quad4, 6);
@@ -102,7 +128,7 @@ TEST(CellQuadrature, leaves_the_border_and_cells_of_two_bodies) {
   soil.to_grid();
   const auto plain = soil.weights;
   mpm::CellQuadrature<2> quadrature(soil.grid);
-  quadrature.correct(soil.points, soil.nodes, soil.weights);
+  quadrature.correct(none_open(soil), soil.points, soil.nodes, soil.weights);
   EXPECT_EQ(quadrature.num_inside(), 4 * 5);
   for (std::size_t e = 0; e < plain.point.size(); ++e) {
     const Vector<2>& x = soil.points.x[plain.point[e]];
@@ -112,7 +138,7 @@ TEST(CellQuadrature, leaves_the_border_and_cells_of_two_bodies) {
 
   for (std::int32_t p = 0; p < 4; ++p) soil.points.V0[p] *= 0.9 * mpm::least_filling;
   soil.to_grid();
-  quadrature.correct(soil.points, soil.nodes, soil.weights);
+  quadrature.correct(none_open(soil), soil.points, soil.nodes, soil.weights);
   EXPECT_EQ(quadrature.num_inside(), 4 * 5 - 4);  // that of these points and those around it
 }
 
@@ -149,7 +175,7 @@ TEST(CellQuadrature, a_constant_stress_pushes_no_node) {
     const double plain = largest_inner_force(soil);
     EXPECT_GT(plain, 1e-3);
     mpm::CellQuadrature quadrature(soil.grid);
-    quadrature.correct(soil.points, soil.nodes, soil.weights);
+    quadrature.correct(none_open(soil), soil.points, soil.nodes, soil.weights);
     EXPECT_LT(largest_inner_force(soil), 1e-14);
   };
   check(stirred<2>(CellType::quad4, 9, 0.2));
@@ -192,7 +218,7 @@ void check_frequency(CellType type, int points_per_cell) {
     soil.bodies = {{"soil", {"", 1, law}}};
     for (std::int32_t p = 0; p < soil.points.size(); ++p) soil.points.m[p] = soil.points.V0[p];
     mpm::CellQuadrature<dim> quadrature(soil.grid);
-    quadrature.correct(soil.points, soil.nodes, soil.weights);
+    quadrature.correct(none_open(soil), soil.points, soil.nodes, soil.weights);
     EXPECT_GT(quadrature.num_inside(), 0);
     const double limit = 4 * law.p_wave_modulus() / std::pow(mpm::effective_size(soil.grid, 0), 2);
     EXPECT_LT(squared_frequency(soil), 0.7 * limit) << shift;
