@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
-#include "mpm_solver/grid/cell_quadrature.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "mpm_solver/step/soil_state.hpp"
+#include "mpm_solver/stress/cell_quadrature.hpp"
 #include "mpm_solver/walls/wall_stop.hpp"
 
 namespace gabion::mpm {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/grid/cell_quadrature.hpp"
+#include "mpm_solver/stress/cell_quadrature.hpp"
 
 #include <gtest/gtest.h>
 

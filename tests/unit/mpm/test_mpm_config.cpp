@@ -204,6 +204,29 @@ TEST(MpmConfig, basis_needs_cells_in_rows) {
   }
 }
 
+TEST(MpmConfig, linear_functions_of_soil_that_yields_sum_over_cells) {
+  const auto quadrature = [](const Json& json) {
+    return make_mpm(json)->summary().at("quadrature");
+  };
+  Json json = valid();
+  json["basis"] = "linear";
+  json["bodies"][0]["material"] = elastic_soil("hencky_elastic", 1e6, 0.3, 1000);
+  EXPECT_EQ(quadrature(json), "points");
+  json["quadrature"] = "cells";
+  EXPECT_EQ(quadrature(json), "cells");
+  json.erase("quadrature");
+  json["bodies"][0]["material"] = elastic_soil("mohr_coulomb", 1e6, 0.3, 1000);
+  json["bodies"][0]["material"].update(
+      {{"friction_angle", 30}, {"dilation_angle", 0}, {"cohesion", 0}});
+  EXPECT_EQ(quadrature(json), "cells");
+  json["quadrature"] = "points";
+  EXPECT_EQ(quadrature(json), "points");
+  json["grid"] = box({0, 0}, {2, 1}, {8, 4}, "quad4");
+  json["basis"] = "bspline";
+  json["quadrature"] = "cells";
+  expect_refused(json, {"/quadrature", "\"cells\"", "\"bspline\"", "points"});
+}
+
 TEST(MpmConfig, boxes_of_soil_in_a_box_of_cells_get_domains) {
   const auto basis = [](const Json& json) { return make_mpm(json)->summary().at("basis"); };
   EXPECT_EQ(mpm_solver<3>(valid_3d())->summary().at("basis"), "gimp");
