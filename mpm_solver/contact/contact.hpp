@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,6 +56,12 @@ struct ContactEnergy {
   /// @param stored_now, slid  energy at its end, friction in it
   void add_step(double work, double stored_now, double slid);
 };
+
+/// Cauchy stresses along the axes that a body is under at a place when the run begins [Pa]; none:
+/// free of stress.
+template <int dim>
+using StressAtRest =
+    std::function<std::optional<Vector<dim>>(std::int32_t body, const Vector<dim>& x)>;
 
 /// A surface that touches the soil: between them act equal and opposite forces, by a method of its
 /// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
@@ -148,6 +156,11 @@ class Contact {
   /// when it comes no nearer.
   virtual double approach_step(double dt, double margin) const = 0;
 
+  /// Soil that touches the surface as the run begins presses on it with its stress there, from now
+  /// on: forces, counts and energy are those of soil that has not moved. Without effect where a
+  /// method cannot. Collective over the soil's ranks.
+  /// @pre begin_step and set_displacement for the start of the run
+  virtual void begin_at_rest(const StressAtRest<dim>& stress) { static_cast<void>(stress); }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
   /// Of the accepted state.

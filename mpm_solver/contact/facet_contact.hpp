@@ -24,7 +24,8 @@ namespace gabion::mpm {
 /// SurfaceValues say: linear fields are met exactly, and force and place are those of both sides.
 /// The ball of an elastic body is strained with it; the offset o carries what else the surface goes
 /// against the centre from step to step. Penetration and friction follow ContactLaw; in inside
-/// corners depths are those of WayOut. A point that was open slips from the moment when it touches,
+/// corners depths are those of WayOut. A touch of soil that was at rest under stress when the run
+/// began has the depth of that stress from the beginning: its gap is less by it. A point that was open slips from the moment when it touches,
 /// the way of the step being straight. The force F of a step is constant in it
 /// (NewmarkBossak::step_force_weight): contact then takes energy or keeps it, at any stiffness and
 /// dt.
@@ -60,6 +61,7 @@ class FacetContact final : public Contact<dim> {
   double approach_step(double dt, double margin) const override;
   double allowed_way() const override { return watched_ - surface_motion_; }
 
+  void begin_at_rest(const StressAtRest<dim>& stress) override;
   void accept() override;
   ContactEnergy energy() const override { return energy_; }
   ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
@@ -70,20 +72,27 @@ class FacetContact final : public Contact<dim> {
  private:
   /// A touch goes on in the next step where its normal turned by less than 60 degrees.
   static constexpr double same_normal = 0.5;
+  /// Soil that lies nearer to the surface than this share of a cell at the start rests on it.
+  static constexpr double touching_share = 0.01;
 
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
     Vector<dim> normal = Vector<dim>::Zero();
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
-    Vector<dim> slip = Vector<dim>::Zero();   // elastic, tangential [m]
+    Vector<dim> slip = Vector<dim>::Zero();   // elastic; along -normal what the touch began with [m]
+
+    double begun() const { return -normal.dot(slip); }
+    Vector<dim> tangential() const { return slip + begun() * normal; }
   };
   /// A point that may touch in the step.
   struct Candidate {
     std::int64_t id = 0;
+    std::int32_t body = 0;
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
     Vector<dim> offset = Vector<dim>::Zero();     // of the ball from its point
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
-    double volume = 0;
+    double volume = 0;   // that its area is made of
+    double present = 1;  // its volume now, over that
     double modulus = 0;
     bool deforms = false;  // the ball is strained like the soil; else it is rigid
     double distance = 0;   // to the nearest facet at the start, 0 behind one
@@ -100,7 +109,8 @@ class FacetContact final : public Contact<dim> {
     std::int32_t candidate = 0;
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
-    double gap = 0;
+    double begun = 0;                        // depth that it began with [m]
+    double gap = 0;                          // less that depth
     std::int32_t first_weight = 0;           // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // touches of the point, itself too
     std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
@@ -143,7 +153,15 @@ class FacetContact final : public Contact<dim> {
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
+  static double most_begun(const Candidate& c);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  std::vector<Memory> touches_at_rest(std::int32_t candidate, std::span<const double> du,
+                                      const StressAtRest<dim>& stress);
+  void remember_shear(const Touch& touch, const StressAtRest<dim>& stress);
+  void remember_touches();
+  Memory memory_of(const Touch& touch) const;
+  double stored_in_slip(const Touch& touch, const Memory& memory) const;
+  double stored_in_depth(const Touch& touch) const;
   Vector<dim> offset_of(std::int64_t id) const;
   Matrix<dim> shape_of(std::int64_t id, double depth) const;
   double offset_after(const Touch& touch) const;

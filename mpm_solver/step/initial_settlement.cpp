@@ -30,6 +30,17 @@ void solve_at_rest(LinearSystem<dim>& system, std::span<const double> r, std::sp
   }
 }
 
+template <int dim>
+StressAtRest<dim> stress_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity) {
+  return [&settings, gravity](std::int32_t body,
+                              const Vector<dim>& x) -> std::optional<Vector<dim>> {
+    const auto& stress = settings.initial_stress[body];
+    if (!stress) return std::nullopt;
+    return initial_stress_at<dim>(
+        *stress, {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
+  };
+}
+
 }  // namespace
 
 template <int dim>
@@ -49,8 +60,11 @@ void SoilStep<dim>::check_initial_stress() {
   state_.surfaces.move_walls(0);
   const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
   std::vector<double> du(n, 0.0), r(n);
+  state_.surfaces.begin_at_rest(stress_at_rest<dim>(model_.settings, gravity));
   equilibrium_->evaluate(du, r, &system_.K());
   state_.wall_forces = forces_on_walls();
+  state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
+  state_.ledger.set_contact_energy(state_.surfaces.energy());
   solve_at_rest<dim>(system_, r, du, strictest->where);
   double largest = 0;
   for (std::size_t i = 0; i < n; i += dim) {
