@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/laid_sides.hpp"
 
 namespace gabion::mpm {
 
@@ -57,11 +57,14 @@ struct ContactEnergy {
   void add_step(double work, double stored_now, double slid);
 };
 
-/// Cauchy stresses along the axes that a body is under at a place when the run begins [Pa]; none:
-/// free of stress.
+/// Soil that is under stress when the run begins.
 template <int dim>
-using StressAtRest =
-    std::function<std::optional<Vector<dim>>(std::int32_t body, const Vector<dim>& x)>;
+struct SoilAtRest {
+  /// Sides that a point was laid at, none in a body that is free of stress.
+  std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
+  /// Cauchy stresses of a body along the axes at a place [Pa].
+  std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
+};
 
 /// A surface that touches the soil: between them act equal and opposite forces, by a method of its
 /// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
@@ -160,7 +163,7 @@ class Contact {
   /// on: forces, counts and energy are those of soil that has not moved. Without effect where a
   /// method cannot. Collective over the soil's ranks.
   /// @pre begin_step and set_displacement for the start of the run
-  virtual void begin_at_rest(const StressAtRest<dim>& stress) { static_cast<void>(stress); }
+  virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
   /// Of the accepted state.

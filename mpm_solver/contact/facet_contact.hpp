@@ -7,6 +7,7 @@
 
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/way_at_rest.hpp"
 #include "mpm_solver/contact/way_out.hpp"
 #include "mpm_solver/grid/surface_values.hpp"
 
@@ -61,7 +62,7 @@ class FacetContact final : public Contact<dim> {
   double approach_step(double dt, double margin) const override;
   double allowed_way() const override { return watched_ - surface_motion_; }
 
-  void begin_at_rest(const StressAtRest<dim>& stress) override;
+  void begin_at_rest(const SoilAtRest<dim>& rest) override;
   void accept() override;
   ContactEnergy energy() const override { return energy_; }
   ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
@@ -72,8 +73,10 @@ class FacetContact final : public Contact<dim> {
  private:
   /// A touch goes on in the next step where its normal turned by less than 60 degrees.
   static constexpr double same_normal = 0.5;
-  /// Soil that lies nearer to the surface than this share of a cell at the start rests on it.
+  /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
   static constexpr double touching_share = 0.01;
+  /// where the side is turned against the surface by no more than the angle of this cosine.
+  static constexpr double along_side = 0.99;
 
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
@@ -91,8 +94,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
     Vector<dim> offset = Vector<dim>::Zero();     // of the ball from its point
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
-    double volume = 0;   // that its area is made of
-    double present = 1;  // its volume now, over that
+    double volume = 0;
     double modulus = 0;
     bool deforms = false;  // the ball is strained like the soil; else it is rigid
     double distance = 0;   // to the nearest facet at the start, 0 behind one
@@ -155,9 +157,9 @@ class FacetContact final : public Contact<dim> {
                  std::span<const double> du);
   static double most_begun(const Candidate& c);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
-  std::vector<Memory> touches_at_rest(std::int32_t candidate, std::span<const double> du,
-                                      const StressAtRest<dim>& stress);
-  void remember_shear(const Touch& touch, const StressAtRest<dim>& stress);
+  std::vector<RestingPlace<dim>> places_at_rest(const Candidate& c, const SoilAtRest<dim>& rest);
+  void lay_on(std::span<const RestingPlace<dim>> places, Candidate& c);
+  void remember_shear(const Touch& touch, std::span<const RestingPlace<dim>> places);
   void remember_touches();
   Memory memory_of(const Touch& touch) const;
   double stored_in_slip(const Touch& touch, const Memory& memory) const;

@@ -100,7 +100,6 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       c.deforms = soil.elastic[group.body] != 0;
       c.modulus = soil.moduli[group.body];
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
-      c.present = c.deforms ? 1 : soil.points.J[p];
       c.shape = shape_of(c.id, soil.points.depth[p]);
       if (memory != memory_.end()) c.memory = &memory->second;
       if (soil.grid.basis != Basis::linear) {

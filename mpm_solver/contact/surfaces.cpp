@@ -219,8 +219,8 @@ ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoin
 }
 
 template <int dim>
-void Surfaces<dim>::begin_at_rest(const StressAtRest<dim>& stress) {
-  for (const auto& contact : contacts_) contact->begin_at_rest(stress);
+void Surfaces<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
+  for (const auto& contact : contacts_) contact->begin_at_rest(rest);
 }
 
 template <int dim>

@@ -57,7 +57,7 @@ class Surfaces {
                             double reach) const;
 
   /// Contact::begin_at_rest of all of them.
-  void begin_at_rest(const StressAtRest<dim>& stress);
+  void begin_at_rest(const SoilAtRest<dim>& rest);
   void accept();
   /// Contact::give and Contact::take of all of them.
   void give(std::span<const std::int64_t> ids, Packet& packet);

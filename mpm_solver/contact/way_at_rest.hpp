@@ -11,8 +11,9 @@ namespace gabion::mpm {
 template <int dim>
 struct RestingPlace {
   Vector<dim> normal = Vector<dim>::Zero();  ///< of length 1, into the soil
-  double gap = 0;                            ///< of the ball [m]
+  double gap = 0;                            ///< of the point's ball [m]
   double square = 0;                         ///< of the depth that bears the pressure alone [m^2]
+  Vector<dim> pull = Vector<dim>::Zero();    ///< tangential force of the soil on the face [N]
 };
 
 /// The way u whose depths n_k . u give each face the traction that it has at rest, where WayOut

@@ -31,14 +31,19 @@ void solve_at_rest(LinearSystem<dim>& system, std::span<const double> r, std::sp
 }
 
 template <int dim>
-StressAtRest<dim> stress_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity) {
-  return [&settings, gravity](std::int32_t body,
-                              const Vector<dim>& x) -> std::optional<Vector<dim>> {
-    const auto& stress = settings.initial_stress[body];
-    if (!stress) return std::nullopt;
-    return initial_stress_at<dim>(
-        *stress, {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
+SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
+                             const std::vector<std::int64_t>& first_ids) {
+  SoilAtRest<dim> rest;
+  rest.sides = [&](std::int32_t body, std::int64_t id) -> std::vector<LaidSide<dim>> {
+    if (!settings.initial_stress[body]) return {};
+    return laid_sides<dim>(settings.layouts[body], id - first_ids[body]);
   };
+  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) {
+    return initial_stress_at<dim>(
+        *settings.initial_stress[body],
+        {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
+  };
+  return rest;
 }
 
 }  // namespace
@@ -60,7 +65,8 @@ void SoilStep<dim>::check_initial_stress() {
   state_.surfaces.move_walls(0);
   const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
   std::vector<double> du(n, 0.0), r(n);
-  state_.surfaces.begin_at_rest(stress_at_rest<dim>(model_.settings, gravity));
+  state_.surfaces.begin_at_rest(
+      soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids));
   equilibrium_->evaluate(du, r, &system_.K());
   state_.wall_forces = forces_on_walls();
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
