@@ -2,14 +2,13 @@
 // Whether the initial stress is in balance.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/step/soil_step.hpp"
+#include "mpm_solver/stress/point_motion.hpp"
 
 namespace gabion::mpm {
 
@@ -72,17 +71,15 @@ void SoilStep<dim>::check_initial_stress() {
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   solve_at_rest<dim>(system_, r, du, strictest->where);
-  double largest = 0;
-  for (std::size_t i = 0; i < n; i += dim) {
-    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
-  }
-  largest = max_over_ranks(model_.comm, largest);
+  const double largest = max_over_ranks(
+      model_.comm,
+      largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du)));
   initial_displacement_ = largest;
   log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
             largest / model_.cell_size);
   require<ConfigError>(
       largest <= strictest->max_displacement * model_.cell_size,
-      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+      "{}: the initial stress is not in balance, a point would move by {:.3g} cells; "
       "allowed: \"max_displacement\" = {:g}",
       strictest->where, largest / model_.cell_size, strictest->max_displacement);
 }

@@ -54,6 +54,37 @@ Json resting(const Way& way) {
   return json;
 }
 
+TEST(V12, measure_explicit) {
+  for (const std::string basis : {"gimp", "linear"})
+  for (const double dt : {1e-5, 1e-4, 2e-4, 1e-3})
+  for (const double E : {2e7}) {
+    Json json = resting({.basis = basis, .E = E});
+    json["time_integration"] = {{"scheme", "explicit"}};
+    const auto solver = mpm_solver<2>(json);
+    const double f0 = probe(*solver, "wall.fx");
+    run_steps(*solver, dt, 1);
+    const double f1 = probe(*solver, "wall.fx");
+    double most = 0;
+    for (int n = 2; n < 200; ++n) { run_steps(*solver, dt, 1, n); most = std::max(most, std::abs(probe(*solver, "wall.fx") / f0 - 1)); }
+    fmt::print("explicit {} dt {} E {:.0e}: {:.5f} first, {:.5f} most, created {} balance {} stress {} loss {}\n", basis, dt, E, f1 / f0 - 1, most, probe(*solver, "contact_created"), probe(*solver, "energy_balance"), probe(*solver, "contact_energy"), probe(*solver, "contact_loss"));
+  }
+}
+
+TEST(V12, measure_receding) {
+  for (const std::string basis : {"gimp"})
+  for (const double E : {1e6, 1e8}) {
+    Json json = resting({.basis = basis, .E = E});
+    json["analysis"] = "quasi_static";
+    json["newton"] = Json::object();
+    json["rigid_walls"][0]["motion"] = {{"velocity", {0.001, 0}}};
+    const auto solver = mpm_solver<2>(json);
+    fmt::print("recede E {:.0e}:", E);
+    for (int n = 1; n <= 20; ++n) { run_steps(*solver, 0.1, 1, n);
+      fmt::print(" {:.4f}", probe(*solver, "wall.fx") / 5000); }
+    fmt::print("\n");
+  }
+}
+
 TEST(V12, measure) {
   for (const std::string basis : {"gimp", "linear", "tri3", "bspline"})
   for (const std::string locking : {"none", "fbar"})
