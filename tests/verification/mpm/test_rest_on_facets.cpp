@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Soil under initial stress between surfaces of facets.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <algorithm>
+#include <cmath>
 
 #include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
@@ -11,110 +13,196 @@
 namespace gabion::test {
 namespace {
 
-constexpr double density = 2000, g = 10, k0 = 0.5;
+constexpr double density = 2000, g = 10, k0 = 0.5, H = 1;
 constexpr int cells = 10;
-constexpr double h = 1.0 / cells;
+constexpr double h = H / cells;
 
-struct Way {
-  std::string basis = "gimp";
-  std::string type = "quad4";
-  std::string locking = "none";
-  double E = 2e7;
-  double at = 0;            // of the wall in its cell
-  bool floor = false;       // of facets too
-  double max = 1;
+struct Scene {
+  std::string basis;  // "tri3": linear, on triangles
+  double E = 0;
+  double at = 0;       // place of the wall in its cell, that of the floor as well
+  bool floor = false;  // of facets; else a wall of the grid
+  double max_displacement = 1e-3;
 };
 
-Json resting(const Way& way) {
-  Json sand = elastic_soil("mohr_coulomb", way.E, 0.3, density);
+Json facets(const std::string& name, const Json& polyline) {
+  return {{"name", name}, {"surface", {{"polyline", polyline}, {"spacing", h}}}, {"mode", "slip"}};
+}
+
+/// V12: soil of the height H between a smooth wall of the grid at x = 0 and one of facets.
+Json at_rest(const Scene& scene) {
+  Json sand = elastic_soil("mohr_coulomb", scene.E, 0.3, density);
   sand["friction_angle"] = 35;
-  const double W = 1 + h * way.at, low = way.floor ? -2 * h : 0;
-  const double y = way.floor ? -h * way.at : 0;
+  const std::string type = scene.basis == "tri3" ? "tri3" : "quad4";
+  const double W = 1 + h * scene.at, low = scene.floor ? -h * scene.at : 0;
+  const int below = scene.floor ? 2 : 0;
   Json json = {{"dimension", 2},
-               {"grid", box({0, low}, {1 + 3 * h, 1 + h}, {cells + 3, cells + (way.floor ? 3 : 1)}, way.type)},
-               {"basis", way.basis},
-               {"locking", {{"method", way.locking}}},
+               {"grid", box({0, -below * h}, {1 + 3 * h, H + h}, {13, cells + 1 + below}, type)},
+               {"basis", type == "tri3" ? "linear" : scene.basis},
+               {"locking", {{"method", "none"}}},
                {"gravity", {0, -g}},
                {"walls", {wall("left", "slip")}},
-               {"newton", exact_newton},
                {"bodies",
-                {body("soil", box({0, y}, {W, 1 + y}, {cells, cells}, way.type), way.type == "tri3" ? 3 : 4, sand)}},
-               {"rigid_walls",
-                {{{"name", "wall"},
-                  {"surface", {{"polyline", {{W, 1 + h}, {W, y - (way.floor ? 0 : 1)}}}, {"spacing", h}}},
-                  {"mode", "slip"}}}}};
-  if (way.floor) {
-    json["rigid_walls"].push_back({{"name", "floor"},
-                  {"surface", {{"polyline", {{W, y}, {-1, y}}}, {"spacing", h}}},
-                  {"mode", "slip"}});
+                {body("soil", box({0, low}, {W, low + H}, {cells, cells}, type),
+                      type == "tri3" ? 3 : 4, sand)}},
+               {"rigid_walls", {facets("wall", {{W, H + h}, {W, scene.floor ? low : -H}})}}};
+  if (scene.floor) {
+    json["rigid_walls"].push_back(facets("floor", {{W, low}, {-1, low}}));
   } else {
     json["walls"].push_back(wall("bottom", "slip"));
   }
-  json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", 1 + y}, {"max_displacement", way.max}};
+  json["bodies"][0]["initial_stress"] = {
+      {"k0", k0}, {"surface", low + H}, {"max_displacement", scene.max_displacement}};
   return json;
 }
 
-TEST(V12, measure_explicit) {
-  for (const std::string basis : {"gimp", "linear"})
-  for (const double dt : {1e-5, 1e-4, 2e-4, 1e-3})
-  for (const double E : {2e7}) {
-    Json json = resting({.basis = basis, .E = E});
-    json["time_integration"] = {{"scheme", "explicit"}};
-    const auto solver = mpm_solver<2>(json);
-    const double f0 = probe(*solver, "wall.fx");
-    run_steps(*solver, dt, 1);
-    const double f1 = probe(*solver, "wall.fx");
-    double most = 0;
-    for (int n = 2; n < 200; ++n) { run_steps(*solver, dt, 1, n); most = std::max(most, std::abs(probe(*solver, "wall.fx") / f0 - 1)); }
-    fmt::print("explicit {} dt {} E {:.0e}: {:.5f} first, {:.5f} most, created {} balance {} stress {} loss {}\n", basis, dt, E, f1 / f0 - 1, most, probe(*solver, "contact_created"), probe(*solver, "energy_balance"), probe(*solver, "contact_energy"), probe(*solver, "contact_loss"));
+/// K0 int sigma_v dd of compressed soil, by Simpson's rule over s: dd = (1 + s / C) ds / (rho g),
+/// sigma_v = s exp(s / C).
+double thrust(double E) {
+  const double lambda = E * 0.3 / (1.3 * 0.4), mu = E / 2.6, C = (3 * lambda + 2 * mu) / (1 + 2 * k0);
+  const double load = density * g * H, end = 2 * load / (1 + std::sqrt(1 + 2 * load / C));
+  const auto value = [&](double s) { return k0 * s * std::exp(s / C) * (1 + s / C) / (density * g); };
+  double sum = 0;
+  constexpr int parts = 100;
+  for (int k = 0; k < parts; ++k) {
+    const double a = k * end / parts, b = (k + 1) * end / parts;
+    sum += (b - a) / 6 * (value(a) + 4 * value(0.5 * (a + b)) + value(b));
   }
+  return sum;
 }
 
-TEST(V12, measure_receding) {
-  for (const std::string basis : {"gimp"})
-  for (const double E : {1e6, 1e8}) {
-    Json json = resting({.basis = basis, .E = E});
-    json["analysis"] = "quasi_static";
-    json["newton"] = Json::object();
-    json["rigid_walls"][0]["motion"] = {{"velocity", {0.001, 0}}};
-    const auto solver = mpm_solver<2>(json);
-    fmt::print("recede E {:.0e}:", E);
-    for (int n = 1; n <= 20; ++n) { run_steps(*solver, 0.1, 1, n);
-      fmt::print(" {:.4f}", probe(*solver, "wall.fx") / 5000); }
-    fmt::print("\n");
-  }
+struct Bounds {
+  double at_once = 0, later = 0;
+  std::string limitation = {};
+};
+
+void verify_force(const Scene& scene, const std::string& when, double force, double bound,
+                  const std::string& limitation) {
+  verify({.id = "V12",
+          .what = fmt::format("K0 box, force on a wall by facets, {} at {} of a cell{}, E {:g} MPa, "
+                              "{}",
+                              scene.basis, scene.at, scene.floor ? ", floor by facets" : "",
+                              scene.E / 1e6, when),
+          .exact = thrust(scene.E),
+          .computed = force,
+          .bound = bound,
+          .unit = "N",
+          .limitation = limitation});
 }
 
-TEST(V12, measure) {
-  for (const std::string basis : {"gimp", "linear", "tri3", "bspline"})
-  for (const std::string locking : {"none", "fbar"})
-  for (const bool floor : {false, true})
-  for (const double E : {1e5, 2e7, 1e8})
+void check_at_rest(const Scene& scene, const Bounds& bounds) {
+  const auto solver = make_mpm(at_rest(scene));
+  verify_force(scene, "at once", probe(*solver, "wall.fx"), bounds.at_once, "");
+  const double stored = probe(*solver, "contact_energy"), weight = g * probe(*solver, "mass");
+  EXPECT_GT(stored, 0);
+  if (scene.floor) {
+    EXPECT_NEAR(probe(*solver, "floor.fy"), -weight, 1e-6 * weight);
+  }
+  run_with_cuts(*solver, {.end = 0.5, .dt = 0.01, .dt_min = 1e-4});
+  verify_force(scene, "after 0.5 s", probe(*solver, "wall.fx"), bounds.later, bounds.limitation);
+  EXPECT_EQ(probe(*solver, "contact_friction"), 0);
+  EXPECT_LT(probe(*solver, "contact_created"), 1e-9 * stored);
+  if (!scene.floor) return;
+  verify({.id = "V12",
+          .what = fmt::format("K0 box, weight on a floor by facets, {} at {} of a cell, E {:g} MPa, "
+                              "after 0.5 s",
+                              scene.basis, scene.at, scene.E / 1e6),
+          .exact = -weight,
+          .computed = probe(*solver, "floor.fy"),
+          .bound = 1e-3,
+          .unit = "N"});
+}
+
+TEST(V12_RestOnFacets, gimp) {
   for (const double at : {0.0, 0.5, 0.25}) {
-    Way way{.basis = basis, .locking = locking, .E = E, .at = at, .floor = floor};
-    if (basis == "tri3") way.basis = "linear", way.type = "tri3";
-    if (floor && E == 2e7) continue;
-    try {
-    const auto solver = mpm_solver<2>(resting(way));
-    const double lam = E * .3 / 1.3 / .4, mu = E / 2.6, C = (3 * lam + 2 * mu) / (1 + 2 * k0);
-    // F = int K0 s exp(s / C) dd ,  dd = (1 + s / C) ds / (rho g)
-    double F = 0, s1 = 2 * density * g / (1 + std::sqrt(1 + 2 * density * g / C));
-    const int N = 2000;
-    for (int k = 0; k < N; ++k) { double s = (k + .5) / N * s1; F += k0 * s * std::exp(s / C) * (1 + s / C) / (density * g) * s1 / N; }
-    const double d0 = static_cast<double>(solver->summary().at("initial_displacement")) / h;
-    const double f0 = probe(*solver, "wall.fx") / F;
-    const double w = probe(*solver, "mass") * g;
-    const double w0 = floor ? probe(*solver, "floor.fy") / w : 0;
-    std::string rest;
-    try { run_with_cuts(*solver, {.end = 0.5, .dt = 0.01, .dt_min = 1e-5}); 
-    double most = 0;
-    for (const auto& u : solver->points().u) most = std::max(most, u.norm());
-    rest = fmt::format("{:9.5f} floor {:9.5f} moved {:.2e} h, balance {:.1e} created {:.1e} loss {:.1e} Ec {:.3e} KE {:.1e}", probe(*solver, "wall.fx") / F - 1, floor ? probe(*solver, "floor.fy") / w +1 : 0, most / h,
-      probe(*solver, "energy_balance"), probe(*solver, "contact_created"), probe(*solver, "contact_loss"), probe(*solver, "contact_energy"), probe(*solver, "kinetic_energy"));
-    } catch (const std::exception& e) { rest = e.what(); }
-    fmt::print("{:8} {} floor {:d} E {:.0e} at {:4}: lacks {:.2e} h, force {:9.5f} floor {:9.5f} later {}\n", basis, locking, floor, E, at, d0, f0 - 1, floor ? w0 + 1 : 0, rest);
-    } catch (const std::exception& e) { fmt::print("{:8} {} floor {:d} E {:.0e} at {:4}: {}\n", basis, locking, floor, E, at, e.what()); }
-    std::fflush(stdout);
+    check_at_rest({.basis = "gimp", .E = 1e5, .at = at}, {1e-4, 6e-5});
+    check_at_rest({.basis = "gimp", .E = 2e7, .at = at}, {5e-7, 7e-7});
+    check_at_rest({.basis = "gimp", .E = 1e8, .at = at}, {1e-7, 1e-7});
+    check_at_rest({.basis = "gimp", .E = 1e5, .at = at, .floor = true}, {1e-4, 2e-3});
+    check_at_rest({.basis = "gimp", .E = 1e8, .at = at, .floor = true}, {1e-7, 4e-4});
+  }
+}
+
+TEST(V12_RestOnFacets, bspline) {
+  for (const double at : {0.0, 0.5, 0.25}) {
+    const double most = 0.05;
+    check_at_rest({.basis = "bspline", .E = 1e5, .at = at, .max_displacement = most}, {1e-4, 0.012});
+    check_at_rest({.basis = "bspline", .E = 2e7, .at = at}, {1e-6, 6e-3});
+    check_at_rest({.basis = "bspline", .E = 1e8, .at = at, .floor = true}, {1e-6, 4e-3});
+  }
+}
+
+TEST(V12_RestOnFacets, linear) {
+  check_at_rest({.basis = "linear", .E = 1e5}, {1e-4, 1e-7});
+  check_at_rest({.basis = "linear", .E = 1e5, .floor = true}, {1e-4, 3e-6});
+  for (const double at : {0.0, 0.5, 0.25}) {
+    const bool cut = at > 0;
+    const std::string limit =
+        cut ? "points of cut cells do not have the volume that lies in the cell" : "";
+    check_at_rest({.basis = "linear", .E = 2e7, .at = at}, {1e-7, cut ? 0.06 : 1e-7, limit});
+    check_at_rest({.basis = "linear", .E = 1e8, .at = at, .floor = true},
+                  {1e-7, cut ? 0.05 : 1e-7, limit});
+    check_at_rest({.basis = "tri3", .E = 2e7, .at = at}, {1e-6, cut ? 0.03 : 5e-3, limit});
+  }
+}
+
+/// The explicit step meets the contact where the soil would be without it.
+TEST(V12_RestOnFacets, explicit_steps) {
+  for (const double dt : {1e-4, 1e-3}) {
+    Scene scene{.basis = "gimp", .E = 2e7};
+    Json json = at_rest(scene);
+    json["time_integration"] = {{"scheme", "explicit"}};
+    const auto solver = make_mpm(json);
+    run_steps(*solver, dt, 1);
+    verify_force(scene, fmt::format("after an explicit step of {} ms", dt * 1e3),
+                 probe(*solver, "wall.fx"), dt > 5e-4 ? 0.05 : 2.5e-3,
+                 dt > 5e-4 ? "its substeps are as long as `courant` allows" : "");
+  }
+}
+
+/// In 3D between a wall of the grid and one of facets, on a floor of facets.
+TEST(V12_RestOnFacets, in_3d) {
+  constexpr int n = 4;
+  constexpr double a = 0.25, W = 0.5625;
+  Json sand = elastic_soil("mohr_coulomb", 1e7, 0.3, density);
+  sand["friction_angle"] = 35;
+  const auto plane = [&](const std::string& name, const Json& low, const Json& high,
+                         const std::string& group) -> Json {
+    return {{"name", name},
+            {"mode", "slip"},
+            {"surface",
+             {{"mesh", {{"box", {{"low", low}, {"high", high}, {"cells", {2, 2, 4}}, {"type", "hex8"}}}}},
+              {"groups", {group}}}}};
+  };
+  Json json = {{"dimension", 3},
+               {"grid", box({0, 0, -0.5}, {1, 0.5, 1.25}, {4, 2, 7}, "hex8")},
+               {"basis", "gimp"},
+               {"locking", {{"method", "none"}}},
+               {"gravity", {0, 0, -g}},
+               {"walls", {wall("left", "slip"), wall("front", "slip"), wall("back", "slip")}},
+               {"bodies",
+                {body("soil", box({0, 0, -a / 2}, {W, 0.5, H - a / 2}, {2, 2, n}, "hex8"), 8, sand)}},
+               {"rigid_walls",
+                {plane("wall", {W, -0.5, -a / 2}, {0.9, 1, 1.5}, "left"),
+                 plane("floor", {-1, -0.5, -0.4}, {W, 1, -a / 2}, "top")}}};
+  json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", H - a / 2}};
+  const auto solver = make_mpm(json);
+  const double weight = g * probe(*solver, "mass");
+  for (const bool later : {false, true}) {
+    if (later) run_steps(*solver, 0.01, 20);
+    const std::string when = later ? "after 0.2 s" : "at once";
+    verify({.id = "V12",
+            .what = "K0 box in 3D, force on a wall by facets, gimp, " + when,
+            .exact = 0.5 * thrust(1e7),
+            .computed = probe(*solver, "wall.fx"),
+            .bound = 2e-5,
+            .unit = "N"});
+    verify({.id = "V12",
+            .what = "K0 box in 3D, weight on a floor by facets, gimp, " + when,
+            .exact = -weight,
+            .computed = probe(*solver, "floor.fz"),
+            .bound = 2e-5,
+            .unit = "N"});
   }
 }
 
