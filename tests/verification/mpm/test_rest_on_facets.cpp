@@ -2,9 +2,12 @@
 // Soil under initial stress between surfaces of facets.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
@@ -158,6 +161,55 @@ TEST(V12_RestOnFacets, explicit_steps) {
                  probe(*solver, "wall.fx"), dt > 5e-4 ? 0.05 : 2.5e-3,
                  dt > 5e-4 ? "its substeps are as long as `courant` allows" : "");
   }
+}
+
+/// Columns of soil of the height H whose right side leans outwards by `lean`, as a Gmsh file.
+std::string leaning_block(double lean) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    fmt::format("gabion_leaning_block_{}.msh", getpid());
+  std::ofstream out(path);
+  out.precision(17);
+  const int n = cells + 1;
+  out << fmt::format("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {0} 1 {0}\n2 1 0 {0}\n", n * n);
+  for (int k = 1; k <= n * n; ++k) out << k << "\n";
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) out << i * h * (1 + lean * j * h) << " " << j * h << " 0\n";
+  }
+  out << fmt::format("$EndNodes\n$Elements\n1 {0} 1 {0}\n2 1 3 {0}\n", cells * cells);
+  for (int k = 0; k < cells * cells; ++k) {
+    const int a = 1 + k % cells + n * (k / cells);
+    out << fmt::format("{} {} {} {} {}\n", k + 1, a, a + 1, a + n + 1, a + n);
+  }
+  out << "$EndElements\n";
+  return path.string();
+}
+
+/// Soil on a rough wall that leans outwards: horizontal thrust and the weight of the soil above it.
+TEST(V12_RestOnFacets, leaning_wall) {
+  constexpr double lean = 0.3, E = 2e7;
+  const std::string mesh = leaning_block(lean);
+  Json json = at_rest({.basis = "linear", .E = E, .max_displacement = 1});
+  json["grid"] = box({0, 0}, {1.5, 1.1}, {15, 11}, "quad4");
+  json["bodies"][0]["mesh"] = {{"file", mesh}};
+  json["rigid_walls"][0] = facets("wall", {{1 + 1.1 * lean, 1.1}, {1 - 0.1 * lean, -0.1}});
+  json["rigid_walls"][0]["mode"] = "contact";
+  json["rigid_walls"][0]["friction"] = 0.4;
+  const auto solver = make_mpm(json);
+  for (const bool later : {false, true}) {
+    if (later) run_steps(*solver, 0.01, 50);
+    for (const std::string part : {"fx", "fy"}) {
+      verify({.id = "V12",
+              .what = fmt::format("K0 box, {} on a rough wall by facets that leans outwards, linear, "
+                                  "E 20 MPa, {}",
+                                  part == "fx" ? "thrust" : "weight",
+                                  later ? "after 0.5 s" : "at once"),
+              .exact = part == "fx" ? thrust(E) : -lean / k0 * thrust(E),
+              .computed = probe(*solver, "wall." + part),
+              .bound = later ? 0.05 : 1e-6,
+              .unit = "N"});
+    }
+  }
+  std::filesystem::remove(mesh);
 }
 
 /// In 3D between a wall of the grid and one of facets, on a floor of facets.
