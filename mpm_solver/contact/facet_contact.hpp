@@ -26,10 +26,10 @@ namespace gabion::mpm {
 /// The ball of an elastic body is strained with it; the offset o carries what else the surface goes
 /// against the centre from step to step. Penetration and friction follow ContactLaw; in inside
 /// corners depths are those of WayOut. A touch of soil that was at rest under stress when the run
-/// began has the depth of that stress from the beginning: its gap is less by it. A point that was open slips from the moment when it touches,
-/// the way of the step being straight. The force F of a step is constant in it
-/// (NewmarkBossak::step_force_weight): contact then takes energy or keeps it, at any stiffness and
-/// dt.
+/// began has the depth of that stress from the beginning: its gap is less by it. A point that was
+/// open slips from the moment when it touches, the way of the step being straight. The force F of a
+/// step is constant in it (NewmarkBossak::step_force_weight): contact then takes energy or keeps
+/// it, at any stiffness and dt.
 ///
 /// Each rank carries its own material points, and looks as far ahead as all ranks together would.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
@@ -82,7 +82,7 @@ class FacetContact final : public Contact<dim> {
   struct Memory {
     Vector<dim> normal = Vector<dim>::Zero();
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
-    Vector<dim> slip = Vector<dim>::Zero();   // elastic; along -normal what the touch began with [m]
+    Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
 
     double begun() const { return -normal.dot(slip); }
     Vector<dim> tangential() const { return slip + begun() * normal; }

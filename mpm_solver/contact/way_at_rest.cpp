@@ -17,9 +17,8 @@ constexpr double one_face = 0.866;
 template <int dim>
 Vector<dim> way_at_rest(std::span<const RestingPlace<dim>> places) {
   std::vector<RestingPlace<dim>> nearest(places.begin(), places.end());
-  std::stable_sort(nearest.begin(), nearest.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.gap) < std::abs(b.gap);
-  });
+  std::stable_sort(nearest.begin(), nearest.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a.gap) < std::abs(b.gap); });
   Vector<dim> s = Vector<dim>::Zero();
   for (std::size_t k = 0; k < nearest.size(); ++k) {
     const bool known = std::any_of(

@@ -47,6 +47,20 @@ SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>
 
 }  // namespace
 
+// Surfaces are where they are at time 0, without forces of stress as yet.
+template <int dim>
+void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
+  if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
+  map_soil(1);
+  if (state_.surfaces.contacts().empty()) return;
+  state_.surfaces.begin_step(surface_of_soil(1));
+  state_.surfaces.receive({});
+  state_.surfaces.move_walls(0);
+  state_.surfaces.begin_at_rest(
+      soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids));
+  state_.ledger.set_contact_energy(state_.surfaces.energy());
+}
+
 template <int dim>
 void SoilStep<dim>::check_initial_stress() {
   const InitialStress* strictest = nullptr;
@@ -57,19 +71,14 @@ void SoilStep<dim>::check_initial_stress() {
   }
   if (!strictest) return;
   with_inertia_ = false;
-  map_soil(1);
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
+  begin_at_rest(gravity);
   make_equilibrium(gravity, gravity, 1);
-  state_.surfaces.receive({});
-  state_.surfaces.move_walls(0);
   const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
   std::vector<double> du(n, 0.0), r(n);
-  state_.surfaces.begin_at_rest(
-      soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids));
   equilibrium_->evaluate(du, r, &system_.K());
   state_.wall_forces = forces_on_walls();
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
-  state_.ledger.set_contact_energy(state_.surfaces.energy());
   solve_at_rest<dim>(system_, r, du, strictest->where);
   const double largest = max_over_ranks(
       model_.comm,

@@ -62,9 +62,12 @@ Json at_rest(const Scene& scene) {
 /// K0 int sigma_v dd of compressed soil, by Simpson's rule over s: dd = (1 + s / C) ds / (rho g),
 /// sigma_v = s exp(s / C).
 double thrust(double E) {
-  const double lambda = E * 0.3 / (1.3 * 0.4), mu = E / 2.6, C = (3 * lambda + 2 * mu) / (1 + 2 * k0);
+  const double lambda = E * 0.3 / (1.3 * 0.4), mu = E / 2.6,
+               C = (3 * lambda + 2 * mu) / (1 + 2 * k0);
   const double load = density * g * H, end = 2 * load / (1 + std::sqrt(1 + 2 * load / C));
-  const auto value = [&](double s) { return k0 * s * std::exp(s / C) * (1 + s / C) / (density * g); };
+  const auto value = [&](double s) {
+    return k0 * s * std::exp(s / C) * (1 + s / C) / (density * g);
+  };
   double sum = 0;
   constexpr int parts = 100;
   for (int k = 0; k < parts; ++k) {
@@ -82,10 +85,10 @@ struct Bounds {
 void verify_force(const Scene& scene, const std::string& when, double force, double bound,
                   const std::string& limitation) {
   verify({.id = "V12",
-          .what = fmt::format("K0 box, force on a wall by facets, {} at {} of a cell{}, E {:g} MPa, "
-                              "{}",
-                              scene.basis, scene.at, scene.floor ? ", floor by facets" : "",
-                              scene.E / 1e6, when),
+          .what = fmt::format(
+              "K0 box, force on a wall by facets, {} at {} of a cell{}, E {:g} MPa, "
+              "{}",
+              scene.basis, scene.at, scene.floor ? ", floor by facets" : "", scene.E / 1e6, when),
           .exact = thrust(scene.E),
           .computed = force,
           .bound = bound,
@@ -106,14 +109,15 @@ void check_at_rest(const Scene& scene, const Bounds& bounds) {
   EXPECT_EQ(probe(*solver, "contact_friction"), 0);
   EXPECT_LT(probe(*solver, "contact_created"), 1e-9 * stored);
   if (!scene.floor) return;
-  verify({.id = "V12",
-          .what = fmt::format("K0 box, weight on a floor by facets, {} at {} of a cell, E {:g} MPa, "
-                              "after 0.5 s",
-                              scene.basis, scene.at, scene.E / 1e6),
-          .exact = -weight,
-          .computed = probe(*solver, "floor.fy"),
-          .bound = 1e-3,
-          .unit = "N"});
+  verify(
+      {.id = "V12",
+       .what = fmt::format("K0 box, weight on a floor by facets, {} at {} of a cell, E {:g} MPa, "
+                           "after 0.5 s",
+                           scene.basis, scene.at, scene.E / 1e6),
+       .exact = -weight,
+       .computed = probe(*solver, "floor.fy"),
+       .bound = 1e-3,
+       .unit = "N"});
 }
 
 TEST(V12_RestOnFacets, gimp) {
@@ -129,7 +133,8 @@ TEST(V12_RestOnFacets, gimp) {
 TEST(V12_RestOnFacets, bspline) {
   for (const double at : {0.0, 0.5, 0.25}) {
     const double most = 0.05;
-    check_at_rest({.basis = "bspline", .E = 1e5, .at = at, .max_displacement = most}, {1e-4, 0.012});
+    check_at_rest({.basis = "bspline", .E = 1e5, .at = at, .max_displacement = most},
+                  {1e-4, 0.012});
     check_at_rest({.basis = "bspline", .E = 2e7, .at = at}, {1e-6, 6e-3});
     check_at_rest({.basis = "bspline", .E = 1e8, .at = at, .floor = true}, {1e-6, 4e-3});
   }
@@ -165,12 +170,13 @@ TEST(V12_RestOnFacets, explicit_steps) {
 
 /// Columns of soil of the height H whose right side leans outwards by `lean`, as a Gmsh file.
 std::string leaning_block(double lean) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    fmt::format("gabion_leaning_block_{}.msh", getpid());
+  const auto path =
+      std::filesystem::temp_directory_path() / fmt::format("gabion_leaning_block_{}.msh", getpid());
   std::ofstream out(path);
   out.precision(17);
   const int n = cells + 1;
-  out << fmt::format("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {0} 1 {0}\n2 1 0 {0}\n", n * n);
+  out << fmt::format("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {0} 1 {0}\n2 1 0 {0}\n",
+                     n * n);
   for (int k = 1; k <= n * n; ++k) out << k << "\n";
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) out << i * h * (1 + lean * j * h) << " " << j * h << " 0\n";
@@ -199,10 +205,10 @@ TEST(V12_RestOnFacets, leaning_wall) {
     if (later) run_steps(*solver, 0.01, 50);
     for (const std::string part : {"fx", "fy"}) {
       verify({.id = "V12",
-              .what = fmt::format("K0 box, {} on a rough wall by facets that leans outwards, linear, "
-                                  "E 20 MPa, {}",
-                                  part == "fx" ? "thrust" : "weight",
-                                  later ? "after 0.5 s" : "at once"),
+              .what = fmt::format(
+                  "K0 box, {} on a rough wall by facets that leans outwards, linear, "
+                  "E 20 MPa, {}",
+                  part == "fx" ? "thrust" : "weight", later ? "after 0.5 s" : "at once"),
               .exact = part == "fx" ? thrust(E) : -lean / k0 * thrust(E),
               .computed = probe(*solver, "wall." + part),
               .bound = later ? 0.05 : 1e-6,
@@ -223,20 +229,22 @@ TEST(V12_RestOnFacets, in_3d) {
     return {{"name", name},
             {"mode", "slip"},
             {"surface",
-             {{"mesh", {{"box", {{"low", low}, {"high", high}, {"cells", {2, 2, 4}}, {"type", "hex8"}}}}},
+             {{"mesh",
+               {{"box", {{"low", low}, {"high", high}, {"cells", {2, 2, 4}}, {"type", "hex8"}}}}},
               {"groups", {group}}}}};
   };
-  Json json = {{"dimension", 3},
-               {"grid", box({0, 0, -0.5}, {1, 0.5, 1.25}, {4, 2, 7}, "hex8")},
-               {"basis", "gimp"},
-               {"locking", {{"method", "none"}}},
-               {"gravity", {0, 0, -g}},
-               {"walls", {wall("left", "slip"), wall("front", "slip"), wall("back", "slip")}},
-               {"bodies",
-                {body("soil", box({0, 0, -a / 2}, {W, 0.5, H - a / 2}, {2, 2, n}, "hex8"), 8, sand)}},
-               {"rigid_walls",
-                {plane("wall", {W, -0.5, -a / 2}, {0.9, 1, 1.5}, "left"),
-                 plane("floor", {-1, -0.5, -0.4}, {W, 1, -a / 2}, "top")}}};
+  Json json = {
+      {"dimension", 3},
+      {"grid", box({0, 0, -0.5}, {1, 0.5, 1.25}, {4, 2, 7}, "hex8")},
+      {"basis", "gimp"},
+      {"locking", {{"method", "none"}}},
+      {"gravity", {0, 0, -g}},
+      {"walls", {wall("left", "slip"), wall("front", "slip"), wall("back", "slip")}},
+      {"bodies",
+       {body("soil", box({0, 0, -a / 2}, {W, 0.5, H - a / 2}, {2, 2, n}, "hex8"), 8, sand)}},
+      {"rigid_walls",
+       {plane("wall", {W, -0.5, -a / 2}, {0.9, 1, 1.5}, "left"),
+        plane("floor", {-1, -0.5, -0.4}, {W, 1, -a / 2}, "top")}}};
   json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", H - a / 2}};
   const auto solver = make_mpm(json);
   const double weight = g * probe(*solver, "mass");
