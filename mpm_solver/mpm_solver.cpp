@@ -34,10 +34,10 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       state_(model_),
       step_(model_, state_, times_),
       report_(model_, output_folder) {
-  model_.settings.layouts.clear();  // the points are laid
   report_.log_start(state_, step_.soil().weights());
   check_surfaces(model_, state_.points);
   step_.check_initial_stress();
+  model_.settings.layouts.clear();  // the points are laid and at rest
 }
 
 template <int dim>

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -15,6 +16,7 @@
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/laid_sides.hpp"
 
 namespace gabion::mpm {
 
@@ -53,6 +55,15 @@ struct ContactEnergy {
   /// @param work    of soil and surface on the contact in a step
   /// @param stored_now, slid  energy at its end, friction in it
   void add_step(double work, double stored_now, double slid);
+};
+
+/// Soil that is under stress when the run begins.
+template <int dim>
+struct SoilAtRest {
+  /// Sides that a point was laid at, none in a body that is free of stress.
+  std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
+  /// Cauchy stresses of a body along the axes at a place [Pa].
+  std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
 };
 
 /// A surface that touches the soil: between them act equal and opposite forces, by a method of its
@@ -148,6 +159,11 @@ class Contact {
   /// when it comes no nearer.
   virtual double approach_step(double dt, double margin) const = 0;
 
+  /// Soil that touches the surface as the run begins presses on it with its stress there, from now
+  /// on: forces, counts and energy are those of soil that has not moved. Without effect where a
+  /// method cannot. Collective over the soil's ranks.
+  /// @pre begin_step and set_displacement for the start of the run
+  virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
   /// Of the accepted state.

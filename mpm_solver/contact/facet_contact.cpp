@@ -76,16 +76,25 @@ const typename FacetContact<dim>::Memory* FacetContact<dim>::remembered(
   return best;
 }
 
+template <int dim>
+double FacetContact<dim>::most_begun(const Candidate& c) {
+  double most = 0;
+  if (!c.memory) return most;
+  for (const Memory& memory : *c.memory) most = std::max(most, memory.begun());
+  return most;
+}
+
 // A touch that goes on has slipped since it began; a new one since the way met the surface.
 template <int dim>
 void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
   const Vector<dim> way = tangential<dim>(touch.relative, n);
   if (const Memory* memory = remembered(c, n)) {
-    const Vector<dim> turned = tangential<dim>(memory->slip, n);
+    const Vector<dim> slip = memory->tangential();
+    const Vector<dim> turned = tangential<dim>(slip, n);
     const double size = turned.norm();
     touch.slip = way;
-    if (size > 0) touch.slip += turned * (memory->slip.norm() / size);
+    if (size > 0) touch.slip += turned * (slip.norm() / size);
     return;
   }
   const double closing = -n.dot(touch.relative);
@@ -127,7 +136,8 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
     const std::ptrdiff_t node = nodes_[c.first_value + k];
     touch.motion += w[k] * Eigen::Map<const Vector<dim>>(du.data() + node * dim);
   }
-  touch.gap = feature.distance - touch.radius + n.dot(touch.motion - c.motion);
+  if (const Memory* memory = remembered(c, n)) touch.begun = memory->begun();
+  touch.gap = feature.distance - touch.radius + n.dot(touch.motion - c.motion) - touch.begun;
   touch.relative = touch.motion - surface_motion(feature);
   set_slip(c, touch);
   touch.frame = frame_of<dim>(n);
@@ -151,7 +161,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
     against_centre = std::max(against_centre, (du_k - motion).norm());
   }
-  const double reach = c.shape.norm() + against_centre + c.offset.norm();
+  const double reach = c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
   find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, features_);
   const std::size_t first = touches_.size();
@@ -176,7 +186,8 @@ double FacetContact<dim>::offset_after(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
   const double offset = n.dot(c.offset + touch.motion - c.motion);
   if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - touch.radius;
-  return touch.gap < 0 ? std::max(offset, -touch.radius) : std::max(offset - touch.gap, 0.0);
+  if (touch.gap < 0) return std::max(offset, -touch.radius);
+  return std::max(offset - touch.gap - touch.begun, 0.0);
 }
 
 // Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of
@@ -349,7 +360,7 @@ ContactCounts FacetContact<dim>::counts() const {
   for (const Touch& touch : touches_) {
     ++result.closed;
     result.sliding += touch.traction.sliding;
-    result.penetration = std::max(result.penetration, -touch.gap);
+    result.penetration = std::max(result.penetration, -touch.gap - touch.begun);
   }
   if (substeps_) result.closed = std::max(result.closed, substeps_->closed);
   return result;

@@ -7,6 +7,7 @@
 
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/way_at_rest.hpp"
 #include "mpm_solver/contact/way_out.hpp"
 #include "mpm_solver/grid/surface_values.hpp"
 
@@ -24,10 +25,11 @@ namespace gabion::mpm {
 /// SurfaceValues say: linear fields are met exactly, and force and place are those of both sides.
 /// The ball of an elastic body is strained with it; the offset o carries what else the surface goes
 /// against the centre from step to step. Penetration and friction follow ContactLaw; in inside
-/// corners depths are those of WayOut. A point that was open slips from the moment when it touches,
-/// the way of the step being straight. The force F of a step is constant in it
-/// (NewmarkBossak::step_force_weight): contact then takes energy or keeps it, at any stiffness and
-/// dt.
+/// corners depths are those of WayOut. A touch of soil that was at rest under stress when the run
+/// began has the depth of that stress from the beginning: its gap is less by it. A point that was
+/// open slips from the moment when it touches, the way of the step being straight. The force F of a
+/// step is constant in it (NewmarkBossak::step_force_weight): contact then takes energy or keeps
+/// it, at any stiffness and dt.
 ///
 /// Each rank carries its own material points, and looks as far ahead as all ranks together would.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
@@ -60,6 +62,7 @@ class FacetContact final : public Contact<dim> {
   double approach_step(double dt, double margin) const override;
   double allowed_way() const override { return watched_ - surface_motion_; }
 
+  void begin_at_rest(const SoilAtRest<dim>& rest) override;
   void accept() override;
   ContactEnergy energy() const override { return energy_; }
   ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
@@ -70,16 +73,24 @@ class FacetContact final : public Contact<dim> {
  private:
   /// A touch goes on in the next step where its normal turned by less than 60 degrees.
   static constexpr double same_normal = 0.5;
+  /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
+  static constexpr double touching_share = 0.01;
+  /// where the side is turned against the surface by no more than the angle of this cosine.
+  static constexpr double along_side = 0.99;
 
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
     Vector<dim> normal = Vector<dim>::Zero();
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
-    Vector<dim> slip = Vector<dim>::Zero();   // elastic, tangential [m]
+    Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
+
+    double begun() const { return -normal.dot(slip); }
+    Vector<dim> tangential() const { return slip + begun() * normal; }
   };
   /// A point that may touch in the step.
   struct Candidate {
     std::int64_t id = 0;
+    std::int32_t body = 0;
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
     Vector<dim> offset = Vector<dim>::Zero();     // of the ball from its point
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
@@ -100,7 +111,8 @@ class FacetContact final : public Contact<dim> {
     std::int32_t candidate = 0;
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
-    double gap = 0;
+    double begun = 0;                        // depth that it began with [m]
+    double gap = 0;                          // less that depth
     std::int32_t first_weight = 0;           // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // touches of the point, itself too
     std::array<double, dim> shares{};        // d depth / d their gaps, < 0 turned
@@ -143,7 +155,15 @@ class FacetContact final : public Contact<dim> {
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
+  static double most_begun(const Candidate& c);
   const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  std::vector<RestingPlace<dim>> places_at_rest(const Candidate& c, const SoilAtRest<dim>& rest);
+  void lay_on(std::span<const RestingPlace<dim>> places, Candidate& c);
+  void remember_shear(const Touch& touch, std::span<const RestingPlace<dim>> places);
+  void remember_touches();
+  Memory memory_of(const Touch& touch) const;
+  double stored_in_slip(const Touch& touch, const Memory& memory) const;
+  double stored_in_depth(const Touch& touch) const;
   Vector<dim> offset_of(std::int64_t id) const;
   Matrix<dim> shape_of(std::int64_t id, double depth) const;
   double offset_after(const Touch& touch) const;

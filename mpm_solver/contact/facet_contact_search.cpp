@@ -94,6 +94,7 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
       if (near.empty() && memory == memory_.end()) continue;
       Candidate& c = candidates_.emplace_back();
       c.id = soil.points.id[p];
+      c.body = group.body;
       c.x = soil.points.x[p] + offset;
       c.offset = offset;
       c.deforms = soil.elastic[group.body] != 0;

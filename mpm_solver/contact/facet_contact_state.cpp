@@ -65,7 +65,7 @@ ContactMark<dim> FacetContact<dim>::mark_of(const Touch& touch) const {
   return {.facet = touch.feature.simplex / cuts,
           .sliding = touch.traction.sliding,
           .area = touch.area,
-          .gap = touch.gap,
+          .gap = touch.gap + touch.begun,
           .x = touch.feature.x,
           .normal = n,
           .force = -touch.force,
@@ -118,6 +118,29 @@ void FacetContact<dim>::accept_offsets() {
 }
 
 template <int dim>
+typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& touch) const {
+  const Vector<dim>& n = touch.feature.normal;
+  Memory memory{.normal = n, .force = touch.force, .slip = -touch.begun * n};
+  const ContactLaw law = law_of(candidates_[touch.candidate], touch.part);
+  if (law.mode == ContactMode::contact) {
+    const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
+    memory.slip -= pull / (touch.area * law.tangential_penalty);
+  }
+  return memory;
+}
+
+template <int dim>
+double FacetContact<dim>::stored_in_slip(const Touch& touch, const Memory& memory) const {
+  const double k = law_of(candidates_[touch.candidate], touch.part).tangential_penalty;
+  return 0.5 * touch.area * k * memory.tangential().squaredNorm();
+}
+
+template <int dim>
+double FacetContact<dim>::stored_in_depth(const Touch& touch) const {
+  return touch.area * law_of(candidates_[touch.candidate], 1).stored(touch.stored_depth);
+}
+
+template <int dim>
 void FacetContact<dim>::accept() {
   double work = 0, stored = 0, stored_slip = 0, slid = 0;
   memory_.clear();
@@ -126,18 +149,14 @@ void FacetContact<dim>::accept() {
   for (const Touch& touch : touches_) {
     deepest_ = std::max(deepest_, -touch.gap);
     marks_.push_back(mark_of(touch));
-    const Vector<dim>& n = touch.feature.normal;
-    const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
-    Memory memory{.normal = n, .force = touch.force, .slip = Vector<dim>::Zero()};
-    const ContactLaw law = law_of(candidates_[touch.candidate], touch.part);
-    if (law.mode == ContactMode::contact) {
-      memory.slip = -pull / (touch.area * law.tangential_penalty);
-      slid -= pull.dot(touch.slip - memory.slip);
-      const double in_slip = 0.5 * touch.area * law.tangential_penalty * memory.slip.squaredNorm();
-      stored += in_slip;
-      stored_slip += in_slip;
+    const Memory memory = memory_of(touch);
+    if (mode_ == ContactMode::contact) {
+      const Vector<dim>& n = touch.feature.normal;
+      const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
+      slid -= pull.dot(touch.slip - memory.tangential());
     }
-    stored += touch.area * law.stored(touch.stored_depth);
+    stored_slip += stored_in_slip(touch, memory);
+    stored += stored_in_depth(touch) + stored_in_slip(touch, memory);
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }

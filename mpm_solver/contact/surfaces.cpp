@@ -219,6 +219,11 @@ ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoin
 }
 
 template <int dim>
+void Surfaces<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
+  for (const auto& contact : contacts_) contact->begin_at_rest(rest);
+}
+
+template <int dim>
 void Surfaces<dim>::accept() {
   for (const auto& contact : contacts_) contact->accept();
 }

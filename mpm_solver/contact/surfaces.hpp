@@ -56,6 +56,8 @@ class Surfaces {
   ContactFields<dim> fields(std::size_t contact, const MaterialPoints<dim>& points,
                             double reach) const;
 
+  /// Contact::begin_at_rest of all of them.
+  void begin_at_rest(const SoilAtRest<dim>& rest);
   void accept();
   /// Contact::give and Contact::take of all of them.
   void give(std::span<const std::int64_t> ids, Packet& packet);

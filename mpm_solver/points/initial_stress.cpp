@@ -170,11 +170,24 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
                        problem.empty() ? "refused on another rank" : problem);
 }
 
+template <int dim>
+Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
+                              double height) {
+  const double d = stress.surface - height;
+  if (d <= 0) return Vector<dim>::Zero();
+  const Material<dim>& material = at_rest.body.material;
+  const double weight = -material.density * at_rest.gravity[dim - 1];
+  const auto soil = geostatic<dim>(material.law, stress.k0, weight, d);
+  return soil.tau.template head<dim>() / soil.J;
+}
+
 template InitialStress read_initial_stress<2>(ConfigReader, const Material<2>&);
 template InitialStress read_initial_stress<3>(ConfigReader, const Material<3>&);
 template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
                                     MaterialPoints<2>&);
 template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,
                                     MaterialPoints<3>&);
+template Vector<2> initial_stress_at<2>(const InitialStress&, const BodyAtRest<2>&, double);
+template Vector<3> initial_stress_at<3>(const InitialStress&, const BodyAtRest<3>&, double);
 
 }  // namespace gabion::mpm

@@ -55,4 +55,9 @@ template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points);
 
+/// Cauchy stresses along the axes that the same law gives at a height; none above the surface [Pa].
+template <int dim>
+Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
+                              double height);
+
 }  // namespace gabion::mpm

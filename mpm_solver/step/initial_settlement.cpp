@@ -2,14 +2,13 @@
 // Whether the initial stress is in balance.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/step/soil_step.hpp"
+#include "mpm_solver/stress/point_motion.hpp"
 
 namespace gabion::mpm {
 
@@ -30,7 +29,37 @@ void solve_at_rest(LinearSystem<dim>& system, std::span<const double> r, std::sp
   }
 }
 
+template <int dim>
+SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
+                             const std::vector<std::int64_t>& first_ids) {
+  SoilAtRest<dim> rest;
+  rest.sides = [&](std::int32_t body, std::int64_t id) -> std::vector<LaidSide<dim>> {
+    if (!settings.initial_stress[body]) return {};
+    return laid_sides<dim>(settings.layouts[body], id - first_ids[body]);
+  };
+  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) {
+    return initial_stress_at<dim>(
+        *settings.initial_stress[body],
+        {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
+  };
+  return rest;
+}
+
 }  // namespace
+
+// Surfaces are where they are at time 0, without forces of stress as yet.
+template <int dim>
+void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
+  if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
+  map_soil(1);
+  if (state_.surfaces.contacts().empty()) return;
+  state_.surfaces.begin_step(surface_of_soil(1));
+  state_.surfaces.receive({});
+  state_.surfaces.move_walls(0);
+  state_.surfaces.begin_at_rest(
+      soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids));
+  state_.ledger.set_contact_energy(state_.surfaces.energy());
+}
 
 template <int dim>
 void SoilStep<dim>::check_initial_stress() {
@@ -42,27 +71,24 @@ void SoilStep<dim>::check_initial_stress() {
   }
   if (!strictest) return;
   with_inertia_ = false;
-  map_soil(1);
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
+  begin_at_rest(gravity);
   make_equilibrium(gravity, gravity, 1);
-  state_.surfaces.receive({});
-  state_.surfaces.move_walls(0);
   const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
   std::vector<double> du(n, 0.0), r(n);
   equilibrium_->evaluate(du, r, &system_.K());
   state_.wall_forces = forces_on_walls();
+  state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   solve_at_rest<dim>(system_, r, du, strictest->where);
-  double largest = 0;
-  for (std::size_t i = 0; i < n; i += dim) {
-    largest = std::max(largest, norm_of(std::span<const double>(du).subspan(i, dim)));
-  }
-  largest = max_over_ranks(model_.comm, largest);
+  const double largest = max_over_ranks(
+      model_.comm,
+      largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du)));
   initial_displacement_ = largest;
   log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
             largest / model_.cell_size);
   require<ConfigError>(
       largest <= strictest->max_displacement * model_.cell_size,
-      "{}: the initial stress is not in balance, a node would move by {:.3g} cells; "
+      "{}: the initial stress is not in balance, a point would move by {:.3g} cells; "
       "allowed: \"max_displacement\" = {:g}",
       strictest->where, largest / model_.cell_size, strictest->max_displacement);
 }

@@ -23,7 +23,8 @@ class SoilStep {
  public:
   SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, PhaseTimes& times);
 
-  /// Solve for the displacement that would balance the initial stress, if there is any.
+  /// Let soil under initial stress, if there is any, press on the surfaces that it touches, and
+  /// solve for the displacement that would balance it.
   /// @throws ConfigError  it is larger than InitialStress::max_displacement, or there is none
   void check_initial_stress();
 
@@ -69,6 +70,7 @@ class SoilStep {
   void begin(const StepRequest& request);
   void begin_explicit(const StepRequest& request);
   void enter_phase(double time);
+  void begin_at_rest(const Vector<dim>& gravity);
   SoilSurface<dim> surface_of_soil(double dt) const;
   void map_soil(double dt);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);

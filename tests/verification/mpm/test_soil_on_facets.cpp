@@ -49,7 +49,6 @@ Json between_walls(const Way& way, double W, double direction) {
                   {"surface", {{"polyline", {{W, 2}, {W, -1}}}, {"spacing", h}}},
                   {"mode", "slip"},
                   {"motion", {{"velocity", {direction * 0.005, 0}}}}}}}};
-  // Facets carry nothing at a gap of 0: the soil moves against them before it is in balance.
   json["bodies"][0]["initial_stress"] = {{"k0", 0.7}, {"surface", 1}, {"max_displacement", 0.3}};
   if (way.analysis == "dynamic") json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.3}};
   return json;

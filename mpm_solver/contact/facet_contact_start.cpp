@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contact by facets with soil that is at rest under stress when the run begins.
+#include <algorithm>
+#include <cmath>
+
+#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// To set a ball off from faces at any angle; one is enough where they are at right angles.
+constexpr int projections = 20;
+
+// Balls that are off by less, by the cell size, touch.
+constexpr double round_off = 1e-9;
+
+}  // namespace
+
+// Faces that soil was laid against where the point is. The force is that of the stress at the face,
+// on the point's share of the side; the area of the contact may be another one.
+template <int dim>
+std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(const Candidate& c,
+                                                                 const SoilAtRest<dim>& rest) {
+  std::vector<RestingPlace<dim>> places;
+  const auto sides = rest.sides(c.body, c.id);
+  if (sides.empty()) return places;
+  double deepest = 0;
+  for (const auto& side : sides) deepest = std::max(deepest, side.depth);
+  const double tolerance = touching_share * cell_size_;
+  find_features<dim>(surface_of(c, end_), c.x, c.x, deepest + tolerance, features_);
+  for (const auto& feature : features_) {
+    const Vector<dim>& n = feature.normal;
+    const auto side = std::find_if(sides.begin(), sides.end(), [&](const auto& s) {
+      return s.normal.dot(n) > along_side && std::abs(s.depth - feature.distance) <= tolerance;
+    });
+    if (side == sides.end()) continue;
+    const Vector<dim> stress = rest.stress(c.body, feature.x + side->shift);
+    const Vector<dim> force = side->area * stress.cwiseProduct(n);
+    const double R = radius(c, n), area = c.volume / (2 * R);
+    const double square = -n.dot(force) / (area * law_of(c, 1).penalty);
+    if (square > 0) places.push_back({n, feature.distance - R, square, force - n.dot(force) * n});
+  }
+  return places;
+}
+
+// Set the ball off to where it touches, and remember the depths of its touches.
+template <int dim>
+void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candidate& c) {
+  Vector<dim> offset = Vector<dim>::Zero();
+  for (int k = 0; k < projections; ++k) {
+    for (const auto& place : places) {
+      offset -= (place.gap + place.normal.dot(offset)) * place.normal;
+    }
+  }
+  if (offset.norm() > round_off * cell_size_) {
+    offset_[c.id] = c.offset = offset;
+    c.x += offset;
+  }
+  const Vector<dim> way = way_at_rest<dim>(places);
+  auto& memory = memory_[c.id];
+  memory.clear();
+  for (const auto& place : places) {
+    const Vector<dim>& n = place.normal;
+    const double gap = place.gap + n.dot(c.offset);
+    memory.emplace_back();
+    memory.back().normal = n;
+    memory.back().slip = -(n.dot(way) + gap) * n;
+  }
+  c.memory = &memory;
+}
+
+template <int dim>
+void FacetContact<dim>::remember_shear(const Touch& touch,
+                                       std::span<const RestingPlace<dim>> places) {
+  const Candidate& c = candidates_[touch.candidate];
+  const double k = touch.area * law_of(c, touch.part).tangential_penalty;
+  for (Memory& memory : memory_[c.id]) {
+    for (const auto& place : places) {
+      if (memory.normal == place.normal && place.normal == touch.feature.normal) {
+        memory.slip += place.pull / k;
+      }
+    }
+  }
+}
+
+// Of the accepted state, that touches stand as they do.
+template <int dim>
+void FacetContact<dim>::remember_touches() {
+  memory_.clear();
+  energy_ = {};
+  stored_slip_ = 0;
+  for (const Touch& touch : touches_) {
+    const Memory memory = memory_of(touch);
+    stored_slip_ += stored_in_slip(touch, memory);
+    energy_.stored += stored_in_depth(touch) + stored_in_slip(touch, memory);
+    deepest_ = std::max(deepest_, -touch.gap);
+    memory_[candidates_[touch.candidate].id].push_back(memory);
+  }
+  deepest_ = max_over_ranks(comm_, deepest_);
+  for (Candidate& c : candidates_) {
+    const auto memory = memory_.find(c.id);
+    c.memory = memory == memory_.end() ? nullptr : &memory->second;
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
+  const std::int32_t nodes =
+      nodes_.empty() ? 0 : 1 + *std::max_element(nodes_.begin(), nodes_.end());
+  const std::vector<double> du(static_cast<std::size_t>(nodes) * dim, 0.0);
+  std::vector<double> r(du.size());
+  std::vector<std::vector<RestingPlace<dim>>> places;
+  for (Candidate& c : candidates_) {
+    places.push_back(places_at_rest(c, rest));
+    if (!places.back().empty()) lay_on(places.back(), c);
+  }
+  add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness
+  if (mode_ == ContactMode::contact) {
+    for (const Touch& touch : touches_) remember_shear(touch, places[touch.candidate]);
+    add_forces(du, r, nullptr);
+  }
+  remember_touches();
+}
+
+template class FacetContact<2>;
+template class FacetContact<3>;
+
+}  // namespace gabion::mpm

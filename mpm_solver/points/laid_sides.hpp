@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// A side of the cell that a point was laid in, with the row of the cell's points next to it.
+template <int dim>
+struct LaidSide {
+  Vector<dim> normal = Vector<dim>::Zero();  ///< of length 1, into the cell
+  double depth = 0;                          ///< of the point below the side [m]
+  double area = 0;                           ///< of the side, the point's share by volume [m^2]
+  /// From the mean place of the row's points to the middle of the side, across its normal [m]: a
+  /// linear traction has the resultant of its values at the points, shifted by that.
+  Vector<dim> shift = Vector<dim>::Zero();
+};
+
+/// The sides of its cell whose row a point belongs to: it is as near to them as any point of the
+/// cell. A side that is warped counts with its mean plane.
+/// @param number  of the point in its body
+template <int dim>
+std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number);
+
+}  // namespace gabion::mpm

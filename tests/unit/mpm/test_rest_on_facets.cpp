@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Soil that begins at rest under stress on surfaces of facets.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mpm_solver/contact/way_at_rest.hpp"
+#include "mpm_solver/contact/way_out.hpp"
+#include "solver_program/ranked_state.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr double density = 2000, g = 10, k0 = 0.5;
+
+/// A block in the corner of a floor and a wall, one surface. Its weight and its thrust are on it.
+Json in_a_corner(const std::string& basis, const std::string& mode) {
+  constexpr double W = 1.0625, low = -0.0625;
+  Json sand = elastic_soil("mohr_coulomb", 1e7, 0.3, density);
+  sand["friction_angle"] = 35;
+  Json json = {{"dimension", 2},
+               {"grid", box({0, -0.25}, {1.375, 1.125}, {11, 11}, "quad4")},
+               {"basis", basis},
+               {"locking", {{"method", "none"}}},
+               {"gravity", {0, -g}},
+               {"walls", {wall("left", "slip")}},
+               {"newton", exact_newton},
+               {"linear_solver", {{"method", "mumps"}}},
+               {"bodies", {body("soil", box({0, low}, {W, low + 1}, {8, 8}, "quad4"), 4, sand)}},
+               {"rigid_walls",
+                {{{"name", "corner"},
+                  {"surface", {{"polyline", {{W, 1.1}, {W, low}, {-1, low}}}, {"spacing", 0.1}}},
+                  {"mode", mode}}}}};
+  json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", low + 1}};
+  return json;
+}
+
+/// Of two faces that are turned against each other by an angle.
+std::vector<mpm::RestingPlace<2>> two_places(double angle, double first, double second) {
+  std::vector<mpm::RestingPlace<2>> places(2);
+  places[0].normal = Vector<2>(0, 1);
+  places[0].square = first;
+  places[1].normal = Vector<2>(std::sin(angle), std::cos(angle));
+  places[1].square = second;
+  return places;
+}
+
+Vector<2> way_of(const std::vector<mpm::RestingPlace<2>>& places) {
+  return mpm::way_at_rest<2>(std::span<const mpm::RestingPlace<2>>(places));
+}
+
+TEST(RestOnFacets, both_faces_of_a_corner_get_their_stress) {
+  for (const std::string basis : {"linear", "gimp", "bspline"}) {
+    for (const std::string mode : {"slip", "contact"}) {
+      const auto solver = make_mpm(in_a_corner(basis, mode));
+      const double weight = g * probe(*solver, "mass"), thrust = k0 * weight / 2 / 1.0625;
+      EXPECT_NEAR(probe(*solver, "corner.fy"), -weight, 1e-9 * weight) << basis << mode;
+      EXPECT_NEAR(probe(*solver, "corner.fx"), thrust, 1e-3 * thrust) << basis << mode;
+    }
+  }
+}
+
+/// Depths that are shared as contact shares them give each face the traction that was asked for.
+TEST(RestOnFacets, depths_give_each_face_its_traction) {
+  for (const double angle : {0.6, 1.0, M_PI / 2, 2.0}) {
+    const auto places = two_places(angle, 4e-4, 1e-4);
+    const Vector<2> u = way_of(places);
+    const std::vector<Vector<2>> normals = {places[0].normal, places[1].normal};
+    const std::vector<double> deltas = {normals[0].dot(u), normals[1].dot(u)};
+    if (deltas[1] <= 0) continue;
+    const auto out = mpm::way_out<2>(normals, deltas);
+    ASSERT_EQ(out.size, 2) << angle;
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(out.depths[k] * out.length, places[k].square, 1e-15) << angle;
+    }
+  }
+}
+
+TEST(RestOnFacets, faces_that_are_nearly_parallel_are_one) {
+  auto places = two_places(0.1, 9e-4, 4e-4);
+  places[0].gap = 1e-3;
+  places[1].gap = -1e-4;
+  EXPECT_NEAR(way_of(places).norm(), 0.02, 1e-15);
+  EXPECT_EQ(mpm::way_at_rest<2>(std::span<const mpm::RestingPlace<2>>()).norm(), 0);
+}
+
+TEST(RestOnFacets, ranks_together_and_alone) {
+  for (const std::string basis : {"linear", "gimp", "bspline"}) {
+    const Json json = in_a_corner(basis, "contact");
+    const auto together = make_mpm(json), alone = make_mpm(json, MPI_COMM_SELF);
+    for (int n = 0; n <= 10; ++n) {
+      if (n > 0) {
+        run_steps(*together, 0.002, 1, n);
+        run_steps(*alone, 0.002, 1, n);
+      }
+      for (const std::string name : {"corner.fx", "corner.fy", "corner.mz", "contact_energy"}) {
+        const double expected = probe(*alone, name);
+        EXPECT_NEAR(probe(*together, name), expected, 1e-7 * std::abs(expected)) << basis << name;
+      }
+    }
+  }
+}
+
+/// A run that goes on from a saved state does not begin at rest again.
+TEST(RestOnFacets, a_restart_goes_on) {
+  Json json = in_a_corner("gimp", "contact");
+  json["rigid_walls"][0]["motion"] = {{"velocity", {0.05, 0}}};
+  json["linear_solver"] = {{"method", "gmres"}};
+  const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+             second = mpm_solver<2>(json);
+  run_steps(*straight, 0.002, 10);
+  run_steps(*first, 0.002, 4);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  run_steps(*second, 0.002, 6, 5);
+  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+  EXPECT_EQ(second->probes(), straight->probes());
+}
+
+/// A wall that goes away loses its force step by step, without a jump, and keeps none.
+TEST(RestOnFacets, a_wall_that_goes_away_loses_its_force_smoothly) {
+  Json json = in_a_corner("gimp", "slip");
+  json["analysis"] = "quasi_static";
+  json["bodies"][0]["material"] = elastic_soil("linear_elastic", 1e7, 0.3, density);
+  json["rigid_walls"][0]["motion"] = {{"velocity", {3e-5, 0}}};
+  const auto solver = make_mpm(json);
+  const double start = probe(*solver, "corner.fx");
+  double before = start;
+  for (int n = 1; n <= 40; ++n) {
+    run_steps(*solver, 1, 1, n);
+    const double force = probe(*solver, "corner.fx");
+    EXPECT_LE(force, before + 1e-9 * start);
+    EXPECT_GE(force, before - 0.05 * start) << n;
+    before = force;
+  }
+  EXPECT_LT(before, 0.3 * start);
+}
+
+/// Soil that lies farther from the surface than it was laid does not touch it, and neither does
+/// soil without initial stress.
+TEST(RestOnFacets, only_stressed_soil_that_touches) {
+  Json json = in_a_corner("gimp", "slip");
+  json["bodies"][0]["initial_stress"]["max_displacement"] = 100;
+  json["rigid_walls"][0]["surface"]["polyline"] = {{1.07, 1.1}, {1.07, -0.0625}, {-1, -0.0625}};
+  EXPECT_EQ(probe(*make_mpm(json), "corner.fx"), 0);
+  json["bodies"][0].erase("initial_stress");
+  EXPECT_EQ(probe(*make_mpm(json), "corner.fy"), 0);
+  EXPECT_EQ(probe(*make_mpm(json), "contact_energy"), 0);
+}
+
+}  // namespace
+}  // namespace gabion::test
