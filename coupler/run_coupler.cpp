@@ -82,6 +82,7 @@ void check_scene(const CouplerSettings& settings, const Scene& scene,
   try {
     check_run(server, settings, expected, run, scene);
   } catch (const std::exception& error) {
+    log::last_error(error.what());
     server.abort(error.what());
     throw;
   }
@@ -247,6 +248,7 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   try {
     couple(server, {settings, scene, options, restart}, files);
   } catch (const std::exception& error) {
+    log::last_error(error.what());
     server.abort(error.what());
     throw;
   }

@@ -69,4 +69,11 @@ void write(Level level, std::string_view text) {
   logger().log(to_spdlog(level), "{}{}", mark, text);
 }
 
+void last_error(const std::string& text) {
+  static std::string said;
+  if (text == said) return;
+  said = text;
+  write(Level::error, text);
+}
+
 }  // namespace gabion::log

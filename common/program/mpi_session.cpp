@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <thread>
 
 #include "common/base/require.hpp"
 
@@ -70,6 +72,8 @@ std::string MpiSession::share(const std::string& program, const std::string& tex
 }
 
 void MpiSession::abort(int exit_code) {
+  // The launcher drops what it has not read from its programs by then.
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::_Exit(exit_code);
 }

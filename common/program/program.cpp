@@ -34,12 +34,12 @@ int run_program(int argc, char** argv, const std::string& program,
   MpiSession session(argc, argv, program);
   log::start(role.prefix, log::Level::info, session.is_root());
   const auto fail = [&](const std::string& message, int exit_code) {
-    log::error("{}", message);
+    log::last_error(message);
     if (!session.is_only_process()) MpiSession::abort(exit_code);
     return exit_code;
   };
   const auto follow = [&](const Error& error, double head_start) {
-    log::error("{}", error.what());
+    log::last_error(error.what());
     if (!session.is_only_process()) MpiSession::leave(error.exit_code(), head_start);
     return error.exit_code();
   };

@@ -31,7 +31,8 @@ TEST(Log, lines_of_the_file_carry_time_prefix_and_level_once) {
   log::info("step {}", 1);
   log::debug("not shown");
   log::warn("dt cut");
-  log::error("lost");
+  log::last_error("lost");
+  log::last_error("lost");
   const auto lines = lines_of(path);
   ASSERT_EQ(lines.size(), 3u);
   const std::string time = R"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3} )";
