@@ -54,8 +54,7 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
   const LockingCure& locking = model_.settings.locking;
   log::info("F-bar against volumetric locking: {} ({})", locking.average_volumes ? "on" : "off",
             locking.reason);
-  log::info("stresses summed over {}, basis {}", quadrature_name(model_.settings.quadrature),
-            basis_name(model_.grid.basis));
+  log::info("stresses summed over {}", quadrature_name(model_.settings.quadrature));
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
       model_.grid.num_cells(), model_.grid.num_nodes_total(), model_.cell_size, model_.wave_speed);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/mechanics/petsc/linear_solver.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "common/base/log.hpp"
@@ -22,6 +25,11 @@ constexpr double direct_tolerance = 1e-8;
 // an iteration: up to these bounds it needs no check.
 constexpr int trusted_iterations = 100;
 constexpr double trusted_tolerance = 1e-10;
+
+std::string regime_text(double courant) {
+  if (courant == 0) return "mass alone";
+  return std::isinf(courant) ? "statics" : fmt::format("Courant number {:.3g}", courant);
+}
 
 }  // namespace
 
@@ -195,8 +203,8 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64
   const LinearMethod method =
       choose_linear_method(impl_->settings, regime, impl_->dim, num_dofs, impl_->num_ranks);
   if (!impl_->is_chosen || method != impl_->chosen)
-    log::info("linear solver: {} for {} nodes, Courant number {:.3g}", method.name(), num_nodes,
-              regime.courant);
+    log::info("linear solver: {} for {} nodes, {}", method.name(), num_nodes,
+              regime_text(regime.courant));
   impl_->chosen = method;
   impl_->is_chosen = true;
 }
