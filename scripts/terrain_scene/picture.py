@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A picture of a scene before it runs: slope, mass and barrier from above, and a section through them."""
 
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,9 @@ def draw_map(axes: plt.Axes, made: Made) -> None:
     axes.figure.colorbar(mass, ax=axes, label="depth of the mass [m]", shrink=0.8)
     if made.plan.barrier is not None:
         axes.plot(*made.plan.barrier.line.T, color=COLOURS[0], linewidth=3, label="barrier")
+    for gauge, colour in zip(made.plan.gauges, cycle(COLOURS[2:])):
+        axes.plot(*gauge.line.T, color=colour, linewidth=1.5, linestyle="--", label=f"gauge {gauge.name}")
+    if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right")
     axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", title="from above")
     axes.ticklabel_format(useOffset=False, style="plain")

@@ -34,6 +34,13 @@ class Barrier:
 
 
 @dataclass
+class Gauge:
+    name: str
+    line: np.ndarray  # its two ends
+    height: float  # above the highest ground under the line
+
+
+@dataclass
 class Plan:
     """Coordinates are those of the world, as in the rasters [m]."""
 
@@ -47,6 +54,7 @@ class Plan:
     barrier: Barrier | None
     end: float
     dt: float
+    gauges: list[Gauge]
     notes: list[str] = field(default_factory=list)  # defaults that were taken
 
 
@@ -59,7 +67,8 @@ class Reader:
         self.values, self.where = dict(values), where
 
     def fail(self, key: str, allowed: str) -> TerrainError:
-        return TerrainError(f"{self.where}/{key}: found {self.values.get(key, 'nothing')!r}, allowed: {allowed}")
+        found = repr(self.values[key]) if key in self.values else "nothing"
+        return TerrainError(f"{self.where}/{key}: found {found}, allowed: {allowed}")
 
     def number(self, key: str, at_least_zero: bool = False) -> float:
         value = self.values.get(key)
@@ -78,6 +87,21 @@ class Reader:
             raise self.fail(key, f"at least {at_least} rows [x, y]")
         del self.values[key]
         return rows
+
+    def name(self, key: str) -> str:
+        value = self.values.get(key)
+        if not isinstance(value, str) or not value:
+            raise self.fail(key, "a name")
+        del self.values[key]
+        return value
+
+    def children(self, key: str) -> "list[Reader]":
+        """Of a list of objects; none where the key is missing."""
+        values = self.values.get(key, [])
+        if not isinstance(values, list):
+            raise self.fail(key, "a list of objects")
+        self.values.pop(key, None)
+        return [Reader(value, f"{self.where}/{key}/{k}") for k, value in enumerate(values)]
 
     def child(self, key: str) -> "Reader":
         return Reader(self.values.pop(key, None), f"{self.where}/{key}")
@@ -120,6 +144,15 @@ def read_barrier(reader: Reader, friction: float, notes: list[str]) -> Barrier:
     return barrier
 
 
+def read_gauge(reader: Reader) -> Gauge:
+    line = reader.rows("line", 2)
+    if len(line) != 2:
+        raise TerrainError(f"{reader.where}/line: found {len(line)} rows, allowed: 2, the ends of a straight line")
+    gauge = Gauge(reader.name("name"), line, reader.number("height"))
+    reader.finish()
+    return gauge
+
+
 def read_plan(path: Path) -> Plan:
     """Files are relative to the plan. @raises TerrainError"""
     try:
@@ -137,7 +170,7 @@ def read_plan(path: Path) -> Plan:
     time = reader.child("time")
     plan = Plan(slope, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"), friction,
                 read_slide(reader.child("slide"), path.parent, notes), barrier, time.number("end"), time.number("dt"),
-                notes)
+                [read_gauge(each) for each in reader.children("gauges")], notes)
     time.finish()
     reader.finish()
     return plan

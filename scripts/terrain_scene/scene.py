@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.path import Path as Polygon
 
 from .barrier import Wall, build_wall
+from .gauges import gauge_settings
 from .plan import GRAVITY, Plan
 from .raster import TerrainError
 from .slope import THINNEST, Columns, Depth, Slope, lay_columns, write_hexahedra, write_ply
@@ -26,6 +27,7 @@ class Made:
     slope: Slope
     columns: Columns
     wall: Wall | None
+    gauges: list[dict]  # settings
     cells: tuple[int, int, int]  # of the grid, from (0, 0, 0)
 
 
@@ -77,7 +79,8 @@ def make(plan: Plan) -> Made:
         wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
     top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max()) + plan.clear_height
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
-    return Made(plan, origin, slope, columns, wall, (count, rows, int(np.ceil(top / plan.cell_size))))
+    gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
+    return Made(plan, origin, slope, columns, wall, gauges, (count, rows, int(np.ceil(top / plan.cell_size))))
 
 
 def soil_settings(made: Made) -> dict:
@@ -94,6 +97,8 @@ def soil_settings(made: Made) -> dict:
         "rigid_walls": [{"name": "terrain", "surface": {"triangles": "terrain.ply", "normals": "up"},
                          "friction": plan.friction}],
     }
+    if made.gauges:
+        settings["gauges"] = made.gauges
     if made.wall is not None:
         settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
                                    "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]

@@ -219,6 +219,27 @@ class Scenes(TerrainCase):
         self.assertFalse((self.folder / "scene" / "coupler.json").exists())
         self.assertIn("basis: gimp", self.check("mpm_solver"))
 
+    def test_gauges_stand_on_the_slope(self) -> None:
+        line = [[WEST + 15, SOUTH + 6], [WEST + 15, SOUTH + 14]]  # northwards: flow to the east counts positive
+        self.make(gauges=[{"name": "throat", "line": line, "height": 3}])
+        soil = json.loads((self.folder / "scene" / "mpm.json").read_text())
+        gauge, = soil["gauges"]
+        self.assertEqual(gauge["name"], "throat")
+        low, high = (plane(WEST + 15, SOUTH + y) - soil["origin"][2] for y in (6, 14))
+        np.testing.assert_allclose(gauge["corners"], [[13, 4, low], [13, 12, low], [13, 4, high + 3]], atol=1e-6)
+        self.assertNotIn("warning", self.check("coupler", "mpm_solver", "fem_solver"))
+
+    def test_gauges_that_cannot_be(self) -> None:
+        line = [[WEST + 15, SOUTH + 6], [WEST + 15, SOUTH + 14]]
+        for words, change in (("/gauges/0/name: found nothing", {"line": line, "height": 3}),
+                              ("/gauges/0/line: found 3 rows", {"name": "a", "line": [*line, line[0]], "height": 3}),
+                              ("gauge a: line: found no length", {"name": "a", "line": line[:1] * 2, "height": 3}),
+                              ("gauge a: line: found a part outside", {"name": "a", "line": [line[0], [WEST, SOUTH]],
+                                                                       "height": 3}),
+                              ("/gauges/0/height: found 0", {"name": "a", "line": line, "height": 0})):
+            self.refused(words, gauges=[change])
+        self.refused("/gauges: found 3, allowed: a list of objects", gauges=3)
+
     def test_plans_that_cannot_be(self) -> None:
         self.refused("unknown: depht", slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
         self.refused("exactly one of depth", slide={"polygon": [[0, 0], [1, 0], [0, 1]]})

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Upright pieces of planes on the slope, through which the soil is watched."""
+
+import numpy as np
+
+from .plan import Gauge
+from .raster import TerrainError
+from .slope import Slope
+
+SAMPLES = 8  # a cell of the slope along the line
+
+
+def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
+    """From the lowest ground under its line to `height` above the highest; flow to the right of the line counts positive.
+
+    @raises TerrainError  the line leaves the area or has no length
+    """
+    line = gauge.line - origin[:2]
+    where = f"gauge {gauge.name}: line"
+    if not np.linalg.norm(line[1] - line[0]) > 0:
+        raise TerrainError(f"{where}: found no length, allowed: two places that differ")
+    if (line < 0).any() or (line > slope.size()).any():
+        raise TerrainError(f"{where}: found a part outside the area, allowed: the area of the grid")
+    count = int(np.ceil(SAMPLES * np.linalg.norm(line[1] - line[0]) / slope.spacing)) + 1
+    ground = slope.at(*np.linspace(line[0], line[1], count).T)
+    foot = [[*map(float, place), float(ground.min())] for place in line]
+    return {"name": gauge.name, "corners": [*foot, [*foot[0][:2], float(ground.max() + gauge.height)]]}
