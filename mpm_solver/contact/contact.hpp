@@ -151,8 +151,9 @@ class Contact {
   virtual bool is_step_force() const { return false; }
   /// A step force: add F - F_o, its change since the step before, to a nodal field [N].
   virtual void add_step_force_change(std::span<double>) const {}
-  /// How far a material point of this rank may move in the step before begin_step has not looked
-  /// far enough ahead [m]; infinite: the method does not look ahead.
+  /// How far a material point of this rank may move in the step, beyond twice the way that
+  /// fastest_about would take it, before begin_step has not looked far enough ahead [m]; infinite:
+  /// the method does not look ahead.
   virtual double allowed_way() const { return std::numeric_limits<double>::infinity(); }
   /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
   /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite

@@ -140,11 +140,10 @@ class FacetContact final : public Contact<dim> {
 
   ContactLaw law_of(const Candidate& c, double part) const;
   void add_vertex_forces(const Touch& touch, double share, std::span<double> forces) const;
-  double watched_distance(const SoilSurface<dim>& soil, double fastest) const;
   void find_bounds();
   void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
-  void list_facing(Candidate& candidate, std::span<const std::int32_t> near);
+  void list_facing(Candidate& candidate, std::span<const std::int32_t> near, double margin);
   void drop_far_side(const Candidate& candidate, const Vector<dim>& normal);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
@@ -208,8 +207,8 @@ class FacetContact final : public Contact<dim> {
   double cell_size_ = 0;
   double dt_ = 0;
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
-  double watched_ = 0;         // soil and surface may move by this much together in the step [m]
-  double margin_ = 0;          // what is farther from a point cannot be touched in the step [m]
+  double watched_ = 0;  // beyond its speed soil and surface may move by this much together [m]
+  double margin_ = 0;   // at no speed: what is farther cannot be touched in the step [m]
   bool may_touch_ = false;
   double share_ = 1;                  // of the step at which end_ is
   std::optional<Substeps> substeps_;  // none: the step has none

@@ -6,13 +6,14 @@
 
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
+#include "mpm_solver/grid/fastest_about.hpp"
 
 namespace gabion::mpm {
 
 namespace {
 
 // Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
-// step has to look again.
+// step is refused that did not look so far.
 constexpr double watched_share = 0.5;
 
 /// Of the soil of all ranks, once the largest values were found.
@@ -40,11 +41,6 @@ double largest_norm(const std::vector<Vector<dim>>& values) {
 }  // namespace
 
 template <int dim>
-double FacetContact<dim>::watched_distance(const SoilSurface<dim>& soil, double fastest) const {
-  return watched_share * soil.cell_size + 2 * soil.dt * fastest + 2 * last_motion_;
-}
-
-template <int dim>
 void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
@@ -59,7 +55,8 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   substeps_.reset();
   may_touch_ = false;
   std::vector<Vector<dim>> balls;
-  Extent<dim> all{.fastest = largest_norm<dim>(soil.points.v)};
+  Extent<dim> all{.fastest =
+                      std::max(largest_norm<dim>(soil.points.v), largest_norm<dim>(soil.nodes.v))};
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
     all.widest = std::max(all.widest, soil.points.V0[p] * soil.points.J[p]);
     balls.push_back(soil.points.x[p] + offset_of(soil.points.id[p]));
@@ -67,11 +64,11 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
     all.high = all.high.cwiseMax(balls.back());
   }
   max_over_ranks(comm_, all.values());
-  watched_ = watched_distance(soil, all.fastest);
+  watched_ = watched_share * soil.cell_size + 2 * last_motion_;
   margin_ = watched_ + deepest_ + cube_side<dim>(all.widest);
   find_bounds();
-  add_candidates(soil,
-                 FacetHash<dim>(simplices_, start_, margin_, balls, {-all.minus_low, all.high}));
+  add_candidates(soil, FacetHash<dim>(simplices_, start_, margin_ + 2 * soil.dt * all.fastest,
+                                      balls, {-all.minus_low, all.high}));
 }
 
 // A surface at rest keeps them.
@@ -106,7 +103,9 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil, const Facet
         c.surface.emplace(soil.grid, soil.points, p);
       }
       add_values(soil, group, e);
-      list_facing(c, near);
+      list_facing(
+          c, near,
+          margin_ + 2 * dt_ * fastest_about(soil.points, soil.weights, soil.nodes, group, e));
       const double speed = soil.points.v[p].norm() * soil.dt;
       const double reach =
           c.shape.norm() + c.offset.norm() + 2 * speed + 0.05 * soil.cell_size + 2 * last_motion_;
@@ -136,14 +135,15 @@ void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup
 // as the far side of a thin structure. A point whose centre went through the side that it touched
 // belongs to that side still.
 template <int dim>
-void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> near) {
+void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> near,
+                                    double margin) {
   c.first_facing = static_cast<std::int32_t>(facing_.size());
   c.distance = std::numeric_limits<double>::infinity();
   double nearest_touched = c.distance;
   Vector<dim> through = Vector<dim>::Zero();  // normal of the touched facet that it is behind
   for (const std::int32_t s : near) {
     const SimplexBounds<dim>& bounds = bounds_[s];
-    if (bounds.is_beyond(c.x, margin_)) continue;
+    if (bounds.is_beyond(c.x, margin)) continue;
     const auto corners = corners_of<dim>(simplices_[s], start_);
     const Vector<dim>& normal = bounds.normal;
     const double height = (c.x - corners[0]).dot(normal);
@@ -151,7 +151,7 @@ void FacetContact<dim>::list_facing(Candidate& c, std::span<const std::int32_t> 
     if (height <= 0 && !touched) continue;
     const auto place = closest_place<dim>(corners, c.x);
     const double distance = (place.x - c.x).norm();
-    facing_.push_back({s, height, touched, distance});
+    facing_.push_back({s, touched, height, distance});
     if (touched && distance < nearest_touched) {
       nearest_touched = distance;
       through = height <= 0 ? normal : Vector<dim>(Vector<dim>::Zero());

@@ -78,8 +78,8 @@ std::vector<SimplexBounds<dim>> bounds_of(std::span<const Simplex<dim>> simplice
 /// A simplex that a point may touch in a step, seen from the point at the start of the step.
 struct FacingSimplex {
   std::int32_t simplex = 0;
-  double height = 0;     ///< of the point above its plane [m]; > 0 unless touched
   bool touched = false;  ///< the point touched the surface with about this normal
+  double height = 0;     ///< of the point above its plane [m]; > 0 unless touched
   double distance = 0;   ///< of the point, or less [m]
 };
 

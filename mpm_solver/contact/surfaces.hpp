@@ -38,7 +38,7 @@ class Surfaces {
   // The following are collective.
 
   /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
-  /// @param largest  displacement of a material point of this rank in the step [m]
+  /// @param largest  of largest_surplus_way on this rank [m]
   void refuse_misses(double largest) const;
   /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
   bool look_ahead() const;

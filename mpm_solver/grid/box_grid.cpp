@@ -145,6 +145,14 @@ std::vector<std::int32_t> BoxGrid<dim>::cells_around(std::int32_t node) const {
 }
 
 template <int dim>
+int BoxGrid<dim>::num_cells_around(std::int32_t node) const {
+  const Index at = lattice_index<dim>(node, num_cells + Index::Ones());
+  int count = 1;
+  for (int d = 0; d < dim; ++d) count *= (at[d] > 0) + (at[d] < num_cells[d]);
+  return count;
+}
+
+template <int dim>
 bool BoxGrid<dim>::at_side(std::int32_t cell) const {
   const Index at = cell_index(cell);
   return at.minCoeff() == 0 || (num_cells - at).minCoeff() == 1;

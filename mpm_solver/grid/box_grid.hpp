@@ -47,6 +47,7 @@ struct BoxGrid {
   std::array<std::int32_t, 2 * dim> neighbours(std::int32_t cell) const;
   /// The cells that have this node.
   std::vector<std::int32_t> cells_around(std::int32_t node) const;
+  int num_cells_around(std::int32_t node) const;
   bool at_side(std::int32_t cell) const;  ///< of the grid
   /// Shortest edge of a cell [m].
   double shortest_edge(std::int32_t cell) const;

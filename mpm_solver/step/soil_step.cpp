@@ -242,8 +242,8 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
         phase().is_explicit() ? solve_explicit(request) : solve_implicit(request, begins);
     if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
     if (state_.surfaces.look_ahead()) {
-      state_.surfaces.refuse_misses(
-          largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du_)));
+      state_.surfaces.refuse_misses(largest_surplus_way(
+          state_.points, soil_.weights(), soil_.nodes(), std::span<const double>(du_), request.dt));
     }
     state_.surfaces.report(report);
     return report;

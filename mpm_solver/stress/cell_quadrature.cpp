@@ -8,29 +8,6 @@
 
 namespace gabion::mpm {
 
-namespace {
-
-// Means of the gradients of the cell's functions over the cell [1/m].
-template <int dim>
-void mean_gradients(const BackgroundGrid<dim>& grid, std::int32_t cell, Vector<dim>* mean) {
-  const int n = grid.nodes_per_cell();
-  Vector<dim> corners[max_cell_nodes];
-  grid.corners(cell, corners);
-  std::fill_n(mean, n, Vector<dim>::Zero());
-  double volume = 0;
-  ShapeValues<dim> shape;
-  static const auto rule = gauss_rule<dim>(BoxGrid<dim>::cell_type, 3);
-  for (const QuadraturePoint<dim>& point : rule) {
-    shape_functions<dim>(grid.cell_type, point.xi, shape);
-    const double dV = point.weight * map_gradients<dim>(grid.cell_type, corners, shape);
-    for (int i = 0; i < n; ++i) mean[i] += dV * shape.dN[i];
-    volume += dV;
-  }
-  for (int i = 0; i < n; ++i) mean[i] /= volume;
-}
-
-}  // namespace
-
 const char* quadrature_name(Quadrature quadrature) {
   return quadrature == Quadrature::cells ? "cells" : "points";
 }
@@ -66,7 +43,10 @@ OpenNodes open_nodes(const BackgroundGrid<dim>& grid, const std::vector<WallSett
 
 template <int dim>
 CellQuadrature<dim>::CellQuadrature(const BackgroundGrid<dim>& grid) : grid_(grid) {
-  if (grid.box) return;
+  if (grid.box) {
+    of_box_ = mean_gradients(0);
+    return;
+  }
   cells_around_.assign(grid.num_nodes_total(), 0);
   for (std::int32_t c = 0; c < grid.num_cells(); ++c) {
     for (const std::int32_t node : grid.cell(c)) ++cells_around_[node];
@@ -76,7 +56,29 @@ CellQuadrature<dim>::CellQuadrature(const BackgroundGrid<dim>& grid) : grid_(gri
 template <int dim>
 std::int32_t CellQuadrature<dim>::cells_around(std::int32_t grid_node) const {
   if (!grid_.box) return cells_around_[grid_node];
-  return static_cast<std::int32_t>(grid_.box->cells_around(grid_node).size());
+  return grid_.box->num_cells_around(grid_node);
+}
+
+template <int dim>
+typename CellQuadrature<dim>::MeanGradients CellQuadrature<dim>::mean_gradients(
+    std::int32_t cell) const {
+  if (of_box_) return *of_box_;
+  static const auto rule = gauss_rule<dim>(BoxGrid<dim>::cell_type, 2);  // exact
+  const int n = grid_.nodes_per_cell();
+  MeanGradients mean;
+  mean.fill(Vector<dim>::Zero());
+  Vector<dim> corners[max_cell_nodes];
+  grid_.corners(cell, corners);
+  double volume = 0;
+  ShapeValues<dim> shape;
+  for (const QuadraturePoint<dim>& point : rule) {
+    shape_functions<dim>(grid_.cell_type, point.xi, shape);
+    const double dV = point.weight * map_gradients<dim>(grid_.cell_type, corners, shape);
+    for (int i = 0; i < n; ++i) mean[i] += dV * shape.dN[i];
+    volume += dV;
+  }
+  for (int i = 0; i < n; ++i) mean[i] /= volume;
+  return mean;
 }
 
 template <int dim>
@@ -99,30 +101,33 @@ void CellQuadrature<dim>::list_runs(const MaterialPoints<dim>& points,
 }
 
 template <int dim>
-void CellQuadrature<dim>::count_filled(const GridNodes<dim>& nodes) {
-  filled_around_.assign(nodes.size(), 0);
+void CellQuadrature<dim>::find_surrounded(const OpenNodes& open, const GridNodes<dim>& nodes) {
+  std::vector<double> filled_around(nodes.size(), 0);
   filled_.for_each([&](std::size_t cell, double volume) {
     const auto c = static_cast<std::int32_t>(cell);
     if (volume < least_filling * cell_volume(grid_, c)) return;
-    for (const std::int32_t node : grid_.cell(c)) ++filled_around_[nodes.active[node]];
+    for (const std::int32_t node : grid_.cell(c)) ++filled_around[nodes.active[node]];
   });
-  nodes.shared.sum(filled_around_, 1);
+  nodes.shared.sum(filled_around, 1);
+  surrounded_.resize(nodes.size());
+  for (std::int32_t i = 0; i < nodes.size(); ++i) {
+    const std::int32_t node = nodes.grid_node[i];
+    surrounded_[i] = open[node] == 0 && filled_around[i] == cells_around(node);
+  }
 }
 
 template <int dim>
-bool CellQuadrature<dim>::is_inside(std::int32_t cell, const OpenNodes& open,
-                                    const GridNodes<dim>& nodes) const {
+bool CellQuadrature<dim>::is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const {
   const CellList corners = grid_.cell(cell);
   return bodies_[cell] == 1 && std::all_of(corners.begin(), corners.end(), [&](std::int32_t node) {
-           return open[node] == 0 && filled_around_[nodes.active[node]] == cells_around(node);
+           return surrounded_[nodes.active[node]] == 1;
          });
 }
 
 template <int dim>
 void CellQuadrature<dim>::shift_gradients(const Run& run, const MaterialPoints<dim>& points,
                                           PointWeights<dim>& weights) const {
-  Vector<dim> shift[max_cell_nodes];
-  mean_gradients(grid_, run.cell, shift);
+  MeanGradients shift = mean_gradients(run.cell);
   const double over_volume = 1 / cell_volume(grid_, run.cell);
   const int n = grid_.nodes_per_cell();
   for (std::int32_t e = run.first; e < run.last; ++e) {
@@ -138,10 +143,10 @@ template <int dim>
 void CellQuadrature<dim>::correct(const OpenNodes& open, const MaterialPoints<dim>& points,
                                   const GridNodes<dim>& nodes, PointWeights<dim>& weights) {
   list_runs(points, weights);
-  count_filled(nodes);
+  find_surrounded(open, nodes);
   num_inside_ = 0;
   for (const Run& run : runs_) {
-    if (!is_inside(run.cell, open, nodes)) continue;
+    if (!is_inside(run.cell, nodes)) continue;
     ++num_inside_;
     const double factor = cell_volume(grid_, run.cell) / filled_[run.cell];
     for (std::int32_t e = run.first; e < run.last; ++e) weights.volume[e] *= factor;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "mpm_solver/grid/grid_nodes.hpp"
@@ -57,18 +59,22 @@ class CellQuadrature {
   };
 
   void list_runs(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
-  void count_filled(const GridNodes<dim>& nodes);
-  bool is_inside(std::int32_t cell, const OpenNodes& open, const GridNodes<dim>& nodes) const;
+  void find_surrounded(const OpenNodes& open, const GridNodes<dim>& nodes);
+  bool is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const;
   std::int32_t cells_around(std::int32_t grid_node) const;
+  /// Means of the gradients of the cell's functions over the cell [1/m].
+  using MeanGradients = std::array<Vector<dim>, max_cell_nodes>;
+  MeanGradients mean_gradients(std::int32_t cell) const;
   void shift_gradients(const Run& run, const MaterialPoints<dim>& points,
                        PointWeights<dim>& weights) const;
 
   const BackgroundGrid<dim>& grid_;
   std::vector<std::uint16_t> cells_around_;  // of each grid node; empty: that of a box
+  std::optional<MeanGradients> of_box_;      // of any cell of a box
   std::vector<Run> runs_;
-  SparseList<std::int32_t> bodies_;    // in each cell
-  SparseList<double> filled_;          // of each cell [m^3]
-  std::vector<double> filled_around_;  // of each active node: cells that hold soil
+  SparseList<std::int32_t> bodies_;  // in each cell
+  SparseList<double> filled_;        // of each cell [m^3]
+  std::vector<char> surrounded_;  // 1 for active nodes that have soil or a wall at rest all around
   std::int64_t num_inside_ = 0;
 };
 

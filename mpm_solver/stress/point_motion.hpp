@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
+#include "mpm_solver/grid/fastest_about.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -31,6 +33,23 @@ double largest_displacement(const PointWeights<dim>& weights, const GridNodes<di
     nodes.gather(weights.nodes_of(group), du, of_group.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       largest = std::max(largest, point_displacement(weights, e, of_group.data()).norm());
+    }
+  }
+  return largest;
+}
+
+/// By how much a point of this rank moves farther than twice the way that fastest_about would take
+/// it, at most; less than 0: none does [m]. @param dt  of the step [s]
+template <int dim>
+double largest_surplus_way(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                           const GridNodes<dim>& nodes, std::span<const double> du, double dt) {
+  double largest = -std::numeric_limits<double>::infinity();
+  GroupDisplacements<dim> of_group;
+  for (const CellGroup& group : weights.groups) {
+    nodes.gather(weights.nodes_of(group), du, of_group.data());
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      largest = std::max(largest, point_displacement(weights, e, of_group.data()).norm() -
+                                      2 * dt * fastest_about(points, weights, nodes, group, e));
     }
   }
   return largest;

@@ -131,6 +131,7 @@ void expect_same_places(const BackgroundGrid<dim>& box, const Mesh<dim>& mesh) {
   for (std::int32_t n = 0; n < mesh.num_nodes_total(); ++n) {
     EXPECT_EQ(box.node(n), mesh.nodes[n]) << n;
     EXPECT_EQ(box.box->cells_around(n), locator.cells_at(mesh.nodes[n])) << n;
+    EXPECT_EQ(box.box->num_cells_around(n), std::ssize(locator.cells_at(mesh.nodes[n]))) << n;
   }
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     for (const auto a : mesh.cell(c)) {

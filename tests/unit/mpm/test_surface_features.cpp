@@ -199,7 +199,7 @@ TEST(SurfaceFeatures, an_inside_corner_touches_twice_behind_one_side_too) {
 TEST(SurfaceFeatures, a_centre_that_went_through_stays_behind) {
   const ContactSurface<2> wall = thin_wall();
   const Sighted<2> seen(wall, {1.3, 0.5});
-  std::vector<FacingSimplex> facing = {{.simplex = 2, .height = -0.3, .touched = true}};
+  std::vector<FacingSimplex> facing = {{.simplex = 2, .touched = true, .height = -0.3}};
   for (const double x : {1.25, 1.1, 1.02, 0.95}) {
     std::vector<SurfaceFeature<2>> found;
     mpm::find_features<2>({.simplices = seen.simplices,
