@@ -308,6 +308,14 @@ class Drawing(ScriptCase):
             made_up.write_table(folder / "probes.csv", ["time", "structure.A.ux"], rows)
             self.assertIn(f"structure.A.ux: {words}", "\n".join(summary_lines(Results(folder))))
 
+    def test_summary_of_rigid_walls(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        names = ["time", "wall.left.fx", "lid.fx", "lid.fy", "lid.mz"]
+        made_up.write_table(folder / "probes.csv", names, [[0, 0, 0, 0, 0], [0.5, 9, 1, -8, 1], [1, 9, 2, -6, 1]])
+        text = "\n".join(summary_lines(Results(folder)))
+        self.assertIn("vertical force on lid: largest -8 N/m at t = 0.5 s, at the end -6 N/m", text)
+        self.assertNotIn("wall.left", text)
+
     def test_summary_in_space(self) -> None:
         folder = made_up.write_results(self.folder / "a")
         made_up.write_table(folder / "steps.csv", ["step", "time", "dt", "fx", "fy", "fz"],
@@ -457,6 +465,13 @@ class Curves(ScriptCase):
             shown = [[text.get_text() for text in self.axes_of(plot, run)[0].get_legend().get_texts()]
                      for plot in (history.plot_forces, history.plot_moments)]
             self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
+
+    def test_forces_on_walls(self) -> None:
+        names = ["time", "soil.wall.left.fx", "soil.wall.left.fy", "soil.lid.fx", "soil.lid.mz", "member.fx"]
+        made_up.write_table(self.folder / "probes.csv", names, [[0, 0, 0, 0, 0, 0], [1, 2, 0, 3, 1, 5]])
+        axes = self.axes_of(history.plot_wall_forces, Results(self.folder))
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
+                         ["soil wall left fx", "soil lid fx"])
 
     def test_mass_that_left_by_side(self) -> None:
         names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]
