@@ -195,8 +195,10 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64
   const LinearMethod method =
       choose_linear_method(impl_->settings, regime, impl_->dim, num_dofs, impl_->num_ranks);
   if (!impl_->is_chosen || method != impl_->chosen)
-    log::info("linear solver: {} for {} nodes, Courant number {:.3g}", method.name(), num_nodes,
-              regime.courant);
+    log::info("linear solver: {} for {} nodes, {}", method.name(), num_nodes,
+              regime.courant == 0          ? "of the mass matrix"
+              : std::isinf(regime.courant) ? "without inertia"
+                                           : fmt::format("Courant number {:.3g}", regime.courant));
   impl_->chosen = method;
   impl_->is_chosen = true;
 }
