@@ -12,6 +12,7 @@ from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
 from plotting import contact, gauges, history
+from plotting import scene as scenes
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
@@ -248,6 +249,18 @@ class Drawing(ScriptCase):
             with mock.patch.object(history, "save", lambda figure, path: figure):
                 figure = history.plot_iterations(Results(self.folder), self.folder)
             self.assertEqual(figure.axes[1].get_yscale(), scale)
+
+    def test_instants_of_tall_scenes_stand_in_pairs(self) -> None:
+        view = ScenePlot(Results(made_up.write_results(self.folder / "a")))
+        for tall, shape in ((scenes.TALL, (3, 1)), (0, (2, 2))):
+            with (mock.patch.object(scenes, "save", lambda figure, path: figure),
+                  mock.patch.object(scenes, "TALL", tall)):
+                figure = scenes.plot_scene(view, [0, 0.2, 0.4], self.folder)
+            self.assertEqual(figure.axes[0].get_subplotspec().get_gridspec().get_geometry(), shape)
+            self.assertEqual([axes.get_title(loc="left") for axes in figure.axes[:3]],
+                             ["t = 0 s", "t = 0.2 s", "t = 0.4 s"])
+            self.assertEqual(figure.axes[2].get_xlabel(), "x [m]")
+            plt.close(figure)
 
     def test_everything_in_space(self) -> None:
         made_up.write_space_results(self.folder / "a")
