@@ -165,10 +165,10 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
                     [c](const auto& item) { return item.component == c; });
     if (held) continue;
     in.fail("supports",
-            fmt::format("found none that holds the structure in {}, allowed with "
-                        "\"initial_equilibrium\": supports or prescribed displacements in every "
-                        "direction",
-                        component_names[c]));
+            fmt::format("found none that holds the structure in {}, allowed with {}: "
+                        "supports or prescribed displacements in every direction",
+                        component_names[c],
+                        s.dynamic ? "\"initial_equilibrium\"" : "\"analysis\" \"static\""));
   }
 }
 
@@ -191,7 +191,11 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   require_distinct_names(in, "interfaces", s.interfaces);
   require_distinct_supports(in, s.supports);
   require_distinct_facets(in, s);
-  if (s.initial_equilibrium) require_support(in, s);
+  if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
+  if (s.supports.empty() && s.prescribed.empty()) {
+    log::warn("{}: none, and nothing is prescribed: the structure moves freely",
+              in.where("supports"));
+  }
 }
 
 /// Warn of facet groups that the file of the mesh names, and no condition, load or interface does.

@@ -110,7 +110,11 @@ std::vector<Key> model_keys() {
 
 std::vector<Key> condition_keys() {
   return {
-      key::objects("supports", support_keys(), "Held nodes.").or_empty().without("matrices"),
+      key::objects("supports", support_keys(),
+                   "Held nodes; in statics and with `initial_equilibrium` in every direction, or "
+                   "`prescribed`.")
+          .or_empty()
+          .without("matrices"),
       key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty().without("matrices"),
       key::objects("loads", load_keys(), "Forces.").or_empty().without("matrices"),
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),

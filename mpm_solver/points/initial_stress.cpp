@@ -122,6 +122,7 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
   const double lambda = first_lame_constant(material.law), mu = shear_modulus(material.law);
   const double elastic = lambda / (lambda + 2 * mu);
   stress.where = in.where("k0");
+  stress.where_surface = in.where("surface");
   stress.k0 = normally_consolidated(in, material, elastic);
   const double ocr = in.number("ocr");
   stress.k0 = ocr * stress.k0 - (ocr - 1) * elastic;
@@ -138,7 +139,8 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
   const Vector<dim>& gravity = at_rest.gravity;
   require<ConfigError>(
       gravity[dim - 1] < 0 && gravity.template head<dim - 1>().isZero(0),
-      stress.where + ": allowed with gravity against the last axis, present from the start");
+      "{}: found gravity ({:.4g}), allowed: gravity against the last axis, present from the start",
+      stress.where, fmt::join(gravity.data(), gravity.data() + dim, ", "));
   const double weight = -body.material.density * gravity[dim - 1];
   std::string problem;
   for (std::int32_t p = points.body_starts[at_rest.number];
@@ -153,9 +155,11 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],
                       fmt::join(points.x[p].data(), points.x[p].data() + dim, ", "));
-      problem = d < 0 ? fmt::format("{} lies above the surface at {}", place, stress.surface)
-                      : fmt::format("found k0 = {:.6g}, under which {} would yield, allowed: {}",
-                                    stress.k0, place, borne<dim>(body.material.law, soil.s));
+      problem = d < 0 ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
+                                    stress.surface, place)
+                      : fmt::format(
+                            "{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
+                            stress.where, stress.k0, place, borne<dim>(body.material.law, soil.s));
       break;
     }
     points.V0[p] /= soil.J;
@@ -166,8 +170,8 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
     points.energy[p] = now.energy;
     points.a[p].setZero();
   }
-  require<ConfigError>(max_over_ranks(comm, problem.empty() ? 0 : 1) == 0, "{}: {}", stress.where,
-                       problem.empty() ? "refused on another rank" : problem);
+  require<ConfigError>(max_over_ranks(comm, problem.empty() ? 0 : 1) == 0, "{}",
+                       problem.empty() ? stress.where + ": refused on another rank" : problem);
 }
 
 template <int dim>

@@ -13,10 +13,10 @@ namespace gabion::mpm {
 
 /// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
 struct InitialStress {
-  double k0 = 0;                   ///< >= 0
-  double surface = 0;              ///< [m] height of the surface, without pressure on it
-  double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
-  std::string where;               ///< file and pointer, for messages
+  double k0 = 0;                     ///< >= 0
+  double surface = 0;                ///< [m] height of the surface, without pressure on it
+  double max_displacement = 1e-3;    ///< by the cell size: what the check of balance may find
+  std::string where, where_surface;  ///< file and pointer of k0 and of surface, for messages
 };
 
 /// Read {"k0": number | "elastic" | "jaky", "surface", "ocr", "max_displacement"}.

@@ -139,9 +139,11 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
 
   const std::vector<double>& f_int = equilibrium.internal_forces().forces();
   const std::vector<double> f_int_start = equilibrium.internal_forces().start_forces();
+  std::vector<double> lead(du.size());  // of the balance's internal force over its mean in the step
   for (std::size_t k = 0; k < du.size(); ++k) {
     const double mean = parts.scheme.mean_force(f_int[k], f_int_start[k]);
-    step.time_damping += du[k] * (mean - 0.5 * (f_int[k] + f_int_start[k]));
+    lead[k] = mean - 0.5 * (f_int[k] + f_int_start[k]);
+    step.time_damping += du[k] * lead[k];
     forces[k] += mean;
   }
   if (parts.ghost != nullptr) {
@@ -160,7 +162,9 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     step.wall_force += force;
     step.wall_step_force += constant_force;
     step.wall_step_force_start -= held * at<dim>(constant.before, i);
-    step.boundary_work += (force + constant_force).dot(at<dim>(du, i));
+    const Vector<dim> move = held * at<dim>(du, i);
+    step.boundary_work += (force + constant_force - at<dim>(lead, i)).dot(move);
+    step.time_damping -= move.dot(at<dim>(lead, i));
   }
   sum_parts(parts.comm, step);
   return step;

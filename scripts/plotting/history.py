@@ -22,6 +22,7 @@ ITERATIONS = {
     "newton_iterations": "Newton",
 }
 REMOVED = re.compile(r"(?:^|\.)(?:removed_mass|removed\..+\.mass)$")
+GRID_WALL = re.compile(r"(?:^|\.)wall\.[^.]+\.f[xyz]$")
 COMPONENTS = ("ux", "uy", "uz")
 VARIED = 4  # largest over smallest step from which on step sizes are drawn on a logarithmic scale
 
@@ -197,6 +198,24 @@ def plot_forces(results: Results, out: Path) -> Path | None:
         columns += several
     return _plot_curves([(table, name) for name in columns],
                         f"force on the structure [N{results.per_metre}]", out / "forces.png")
+
+
+def wall_columns(table: Table | None) -> list[str]:
+    """Columns of probes.csv with the force of the soil on rigid walls and walls of the grid; not those of zeros."""
+    return [name for name in _of_surfaces(table, FORCES)
+            if (GRID_WALL.search(name) or is_rigid_wall(table, name)) and np.any(table[name] != 0)]
+
+
+def is_rigid_wall(table: Table, column: str) -> bool:
+    """Of a column such as "lid.fx"; a wall of the grid has no moment."""
+    return f"{column.rpartition('.')[0]}.mz" in table
+
+
+def plot_wall_forces(results: Results, out: Path) -> Path | None:
+    """Force of the soil on each rigid wall and wall of the grid against time."""
+    table = results.table("probes.csv")
+    return _plot_curves([(table, name) for name in wall_columns(table)],
+                        f"force on the wall [N{results.per_metre}]", out / "wall_forces.png")
 
 
 def plot_moments(results: Results, out: Path) -> Path | None:

@@ -26,6 +26,7 @@ UNITS = {
     "mass": "kg",
 }
 
+TALL = 5.5  # height over which instants stand in pairs [inch]
 SAMPLES = 9  # frames of a series that window and colours are chosen by
 
 # Octagon of diameter 1.4: neighbours at distance 1 overlap without holes.
@@ -166,10 +167,10 @@ class ScenePlot:
         extent = self.high - self.low
         return float(np.clip(0.72 * width * extent[1] / extent[0], 1.2, 8.0))
 
-    def colour_bar(self, figure: plt.Figure, soil: PolyCollection, axes: list[Axes]) -> None:
+    def colour_bar(self, figure: plt.Figure, soil: PolyCollection, axes: list[Axes], rows: int = 1) -> None:
         values = self.soil.frame(0).fields[self.field]
         figure.colorbar(soil, ax=axes, label=label_of(self.field, values),
-                        extend=self.beyond, shrink=min(1.0, 2.2 / len(axes)) if len(axes) > 1 else 1.0,
+                        extend=self.beyond, shrink=min(1.0, 2.2 / rows),
                         aspect=18, anchor=(0.0, 1.0))
 
 
@@ -179,15 +180,25 @@ def _outline(cells: np.ndarray) -> np.ndarray:
 
 
 def plot_scene(scene: ScenePlot, times: list[float] | None, out: Path) -> Path:
-    """The scene at the given times, four evenly spaced ones by default, below each other."""
+    """The scene at the given times, four evenly spaced ones by default, below each other, tall ones in pairs."""
     chosen = times or list(np.unique(np.linspace(scene.times[0], scene.times[-1], 4)))
-    figure, axes = new_figure(8.5, 0.4 + (0.3 + scene.height_inch(8.5)) * len(chosen), len(chosen))
+    in_a_row = 2 if len(chosen) > 1 and scene.height_inch(8.5) > TALL else 1
+    rows = -(-len(chosen) // in_a_row)
+    size = 8.5, 0.4 + (0.3 + scene.height_inch(8.5 / in_a_row)) * rows
+    figure, grid = plt.subplots(rows, in_a_row, figsize=size, sharex=True, sharey=True, squeeze=False)
     soil = None
-    for each, time in zip(axes, chosen):
+    for each, time in zip(grid.flat, chosen):
         soil = scene.draw(each, time)
-    axes[-1].set_xlabel(scene.view.labels[0])
+    for each in grid.flat[len(chosen):]:
+        each.remove()
+    for column in range(in_a_row):
+        lowest = (len(chosen) - 1 - column) // in_a_row
+        grid[lowest, column].set_xlabel(scene.view.labels[0])
+        grid[lowest, column].tick_params(labelbottom=True)
+    for each in grid[:, 1:].flat:
+        each.set_ylabel("")
     if soil is not None:
-        scene.colour_bar(figure, soil, axes)
+        scene.colour_bar(figure, soil, list(grid.flat[:len(chosen)]), rows)
     return save(figure, out / "scene.png")
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from plotting.history import FORCES, displacement_columns, probe_points
+from plotting.history import FORCES, displacement_columns, is_rigid_wall, probe_points, wall_columns
 from plotting.results import Results
 
 
@@ -15,7 +15,7 @@ def summary_lines(results: Results) -> list[str]:
         lines.append("No summary.json: the run did not come to its end.")
     else:
         lines += [_run_line(summary), *_count_lines(summary)]
-    lines += _probe_lines(results) + _force_lines(results)
+    lines += _probe_lines(results) + _force_lines(results) + _wall_lines(results)
     lines += [f"ParaView: {path}" for path in sorted(results.folder.glob("*/*.xdmf"))]
     plots = sorted(path.name for path in (results.folder / "plots").glob("*"))
     if plots:
@@ -79,3 +79,20 @@ def _force_lines(results: Results) -> list[str]:
         f"at t = {table['time'][peak]:.4g} s, "
         f"impulse {float(np.sum(force * table['dt'])):.5g} N s{unit}"
     ]
+
+
+def _wall_lines(results: Results) -> list[str]:
+    """The strongest component of the force on each rigid wall."""
+    table = results.table("probes.csv")
+    walls: dict[str, list[str]] = {}
+    for column in wall_columns(table):
+        if is_rigid_wall(table, column):
+            walls.setdefault(column.rpartition(".")[0], []).append(column)
+    lines = []
+    for name, columns in walls.items():
+        strongest = max(columns, key=lambda column: np.nanmax(np.abs(table[column])))
+        force, unit = table[strongest], results.per_metre
+        peak = int(np.nanargmax(np.abs(force)))
+        lines.append(f"{_direction(strongest, results.dim)} force on {name}: largest {force[peak]:.4g} N{unit} "
+                     f"at t = {table['time'][peak]:.4g} s, at the end {force[-1]:.4g} N{unit}")
+    return lines

@@ -85,6 +85,11 @@ class Files(CheckCase):
         files["fem"]["gravity"] = [0, -9.8]
         self.warned(files, "scene/fem.json: at /gravity: found [0, -9.8]", "[0, -9.81]")
 
+    def test_a_structure_that_nothing_holds(self) -> None:
+        files = meeting()
+        del files["fem"]["supports"], files["fem"]["initial_equilibrium"]
+        self.warned(files, "scene/fem.json: at /supports: none", "moves freely")
+
     def test_a_file_that_nobody_reads(self) -> None:
         files = meeting()
         files["coupler"]["participants"]["beam"] = files["coupler"]["participants"].pop("structure")

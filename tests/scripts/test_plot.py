@@ -12,6 +12,7 @@ from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
 from plotting import contact, gauges, history
+from plotting import scene as scenes
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
@@ -249,6 +250,18 @@ class Drawing(ScriptCase):
                 figure = history.plot_iterations(Results(self.folder), self.folder)
             self.assertEqual(figure.axes[1].get_yscale(), scale)
 
+    def test_instants_of_tall_scenes_stand_in_pairs(self) -> None:
+        view = ScenePlot(Results(made_up.write_results(self.folder / "a")))
+        for tall, shape in ((scenes.TALL, (3, 1)), (0, (2, 2))):
+            with (mock.patch.object(scenes, "save", lambda figure, path: figure),
+                  mock.patch.object(scenes, "TALL", tall)):
+                figure = scenes.plot_scene(view, [0, 0.2, 0.4], self.folder)
+            self.assertEqual(figure.axes[0].get_subplotspec().get_gridspec().get_geometry(), shape)
+            self.assertEqual([axes.get_title(loc="left") for axes in figure.axes[:3]],
+                             ["t = 0 s", "t = 0.2 s", "t = 0.4 s"])
+            self.assertEqual(figure.axes[2].get_xlabel(), "x [m]")
+            plt.close(figure)
+
     def test_everything_in_space(self) -> None:
         made_up.write_space_results(self.folder / "a")
         drawn = self.draw(self.folder / "a", "--animate", "--field", "displacement")
@@ -307,6 +320,14 @@ class Drawing(ScriptCase):
             rows = [[0, 0], [0.5, middle], [1, end]]
             made_up.write_table(folder / "probes.csv", ["time", "structure.A.ux"], rows)
             self.assertIn(f"structure.A.ux: {words}", "\n".join(summary_lines(Results(folder))))
+
+    def test_summary_of_rigid_walls(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        names = ["time", "wall.left.fx", "lid.fx", "lid.fy", "lid.mz"]
+        made_up.write_table(folder / "probes.csv", names, [[0, 0, 0, 0, 0], [0.5, 9, 1, -8, 1], [1, 9, 2, -6, 1]])
+        text = "\n".join(summary_lines(Results(folder)))
+        self.assertIn("vertical force on lid: largest -8 N/m at t = 0.5 s, at the end -6 N/m", text)
+        self.assertNotIn("wall.left", text)
 
     def test_summary_in_space(self) -> None:
         folder = made_up.write_results(self.folder / "a")
@@ -457,6 +478,13 @@ class Curves(ScriptCase):
             shown = [[text.get_text() for text in self.axes_of(plot, run)[0].get_legend().get_texts()]
                      for plot in (history.plot_forces, history.plot_moments)]
             self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
+
+    def test_forces_on_walls(self) -> None:
+        names = ["time", "soil.wall.left.fx", "soil.wall.left.fy", "soil.lid.fx", "soil.lid.mz", "member.fx"]
+        made_up.write_table(self.folder / "probes.csv", names, [[0, 0, 0, 0, 0, 0], [1, 2, 0, 3, 1, 5]])
+        axes = self.axes_of(history.plot_wall_forces, Results(self.folder))
+        self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
+                         ["soil wall left fx", "soil lid fx"])
 
     def test_mass_that_left_by_side(self) -> None:
         names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]

@@ -27,8 +27,8 @@ constexpr int trusted_iterations = 100;
 constexpr double trusted_tolerance = 1e-10;
 
 std::string regime_text(double courant) {
-  if (courant == 0) return "mass alone";
-  return std::isinf(courant) ? "statics" : fmt::format("Courant number {:.3g}", courant);
+  if (courant == 0) return "of the mass matrix";
+  return std::isinf(courant) ? "without inertia" : fmt::format("Courant number {:.3g}", courant);
 }
 
 }  // namespace

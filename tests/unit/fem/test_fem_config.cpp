@@ -126,6 +126,8 @@ TEST(FemConfig, equilibrium_at_the_start_needs_supports_in_every_direction) {
   expect_refused(json, {"fem.json: at /supports:", "in x"});
   json.erase("initial_equilibrium");
   EXPECT_NO_THROW(fem_solver<2>(json));
+  json["analysis"] = "static";
+  expect_refused(json, {"fem.json: at /supports:", "in x", "static"});
 }
 
 TEST(FemConfig, contradictions) {

@@ -608,10 +608,12 @@ TEST(MpmConfig, initial_stress) {
   expect_refused(json, {"/bodies/0/initial_stress/ocr", "0.5"});
   stress.erase("ocr");
   stress["surface"] = 0.4;
-  expect_refused(json, {"/bodies/0/initial_stress", "material point", "above the surface"});
+  expect_refused(json,
+                 {"/bodies/0/initial_stress/surface", "found 0.4", "material point", "above it"});
   stress["surface"] = 0.5;
   json["gravity"] = {1, -10};
-  expect_refused(json, {"/bodies/0/initial_stress", "gravity against the last axis"});
+  expect_refused(json,
+                 {"/bodies/0/initial_stress", "found gravity (1, -10)", "against the last axis"});
   json["gravity"] = {0, -10};
   json["bodies"][0]["material"]["law"] = "neo_hookean";
   expect_refused(json, {"/bodies/0/initial_stress/k0", "neo_hookean", "Hencky"});

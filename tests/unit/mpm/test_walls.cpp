@@ -125,6 +125,45 @@ TEST(MovingWall, gives_its_impulse_to_the_soil) {
   }
 }
 
+/// Its work is the mean force times the way: in a linear bar the elastic energy, in steps of any
+/// size.
+TEST(MovingWall, work_on_an_elastic_bar) {
+  for (const int steps : {1, 4}) {
+    Json json = bar();
+    json["bodies"][0]["material"]["law"] = "linear_elastic";
+    json["walls"].push_back(moving_wall("right", "slip", {-1e-3, 0}));
+    const auto solver = mpm_solver<2>(json);
+    run_steps(*solver, 1.0 / steps, steps);
+    const double elastic = probe(*solver, "elastic_energy");
+    EXPECT_GT(elastic, 0.1);
+    EXPECT_NEAR(probe(*solver, "boundary_work"), elastic, 1e-6 * elastic) << steps;
+    EXPECT_NEAR(probe(*solver, "time_damping"), 0, 1e-3 * elastic) << steps;
+    EXPECT_NEAR(probe(*solver, "energy_balance"), 0, 1e-6 * elastic) << steps;
+  }
+}
+
+/// A bar whose foot is shaken, below resonance: the trapezoidal rule damps little, and the ledger
+/// knows of hardly any energy that the wall did not give.
+TEST(MovingWall, shaken_foot_gives_all_the_energy) {
+  Json json = bar();
+  json["analysis"] = "dynamic";
+  json["time_integration"] = trapezoid;
+  json["walls"][0]["motion"] = {{"table", Json::array()}};
+  for (int k = 0; k <= 400; ++k) {
+    const double t = 1e-3 * k;
+    json["walls"][0]["motion"]["table"].push_back({t, 1e-5 * (1 - std::cos(30 * t)), 0.0});
+  }
+  const auto solver = mpm_solver<2>(json);
+  double most = 0, damping = 0;
+  for (int n = 1; n <= 100; ++n) {
+    run_steps(*solver, 4e-3, 1, n);
+    most = std::max(most, probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy"));
+    damping = std::max(damping, std::abs(probe(*solver, "time_damping")));
+  }
+  EXPECT_LT(damping, 0.05 * most);
+  EXPECT_LT(probe(*solver, "created_energy"), 0.05 * most);
+}
+
 TEST(MovingWall, contradicting_walls_are_refused) {
   Json json = bar();
   json["walls"] = {wall("bottom", "fixed"), moving_wall("right", "slip", {0.01, 0})};
