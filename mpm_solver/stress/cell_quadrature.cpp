@@ -50,6 +50,7 @@ CellQuadrature<dim>::CellQuadrature(const BackgroundGrid<dim>& grid) : grid_(gri
   cells_around_.assign(grid.num_nodes_total(), 0);
   for (std::int32_t c = 0; c < grid.num_cells(); ++c) {
     for (const std::int32_t node : grid.cell(c)) ++cells_around_[node];
+    volumes_.push_back(cell_volume(grid, c));
   }
 }
 
@@ -57,6 +58,11 @@ template <int dim>
 std::int32_t CellQuadrature<dim>::cells_around(std::int32_t grid_node) const {
   if (!grid_.box) return cells_around_[grid_node];
   return grid_.box->num_cells_around(grid_node);
+}
+
+template <int dim>
+double CellQuadrature<dim>::volume_of(std::int32_t cell) const {
+  return grid_.box ? cell_volume(grid_, cell) : volumes_[cell];
 }
 
 template <int dim>
@@ -105,7 +111,7 @@ void CellQuadrature<dim>::find_surrounded(const OpenNodes& open, const GridNodes
   std::vector<double> filled_around(nodes.size(), 0);
   filled_.for_each([&](std::size_t cell, double volume) {
     const auto c = static_cast<std::int32_t>(cell);
-    if (volume < least_filling * cell_volume(grid_, c)) return;
+    if (volume < least_filling * volume_of(c)) return;
     for (const std::int32_t node : grid_.cell(c)) ++filled_around[nodes.active[node]];
   });
   nodes.shared.sum(filled_around, 1);
@@ -128,7 +134,7 @@ template <int dim>
 void CellQuadrature<dim>::shift_gradients(const Run& run, const MaterialPoints<dim>& points,
                                           PointWeights<dim>& weights) const {
   MeanGradients shift = mean_gradients(run.cell);
-  const double over_volume = 1 / cell_volume(grid_, run.cell);
+  const double over_volume = 1 / volume_of(run.cell);
   const int n = grid_.nodes_per_cell();
   for (std::int32_t e = run.first; e < run.last; ++e) {
     const double share = over_volume * weights.volume[e] * points.J[weights.point[e]];
@@ -148,7 +154,7 @@ void CellQuadrature<dim>::correct(const OpenNodes& open, const MaterialPoints<di
   for (const Run& run : runs_) {
     if (!is_inside(run.cell, nodes)) continue;
     ++num_inside_;
-    const double factor = cell_volume(grid_, run.cell) / filled_[run.cell];
+    const double factor = volume_of(run.cell) / filled_[run.cell];
     for (std::int32_t e = run.first; e < run.last; ++e) weights.volume[e] *= factor;
     if (!grid_.is_simplex()) shift_gradients(run, points, weights);
   }

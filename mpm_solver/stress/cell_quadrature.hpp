@@ -62,6 +62,7 @@ class CellQuadrature {
   void find_surrounded(const OpenNodes& open, const GridNodes<dim>& nodes);
   bool is_inside(std::int32_t cell, const GridNodes<dim>& nodes) const;
   std::int32_t cells_around(std::int32_t grid_node) const;
+  double volume_of(std::int32_t cell) const;
   /// Means of the gradients of the cell's functions over the cell [1/m].
   using MeanGradients = std::array<Vector<dim>, max_cell_nodes>;
   MeanGradients mean_gradients(std::int32_t cell) const;
@@ -70,6 +71,7 @@ class CellQuadrature {
 
   const BackgroundGrid<dim>& grid_;
   std::vector<std::uint16_t> cells_around_;  // of each grid node; empty: that of a box
+  std::vector<double> volumes_;              // of each cell [m^3]; empty: those of a box
   std::optional<MeanGradients> of_box_;      // of any cell of a box
   std::vector<Run> runs_;
   SparseList<std::int32_t> bodies_;  // in each cell
