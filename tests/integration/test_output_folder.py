@@ -65,7 +65,7 @@ class NoSpace(IntegrationCase):
     def check_frame(self, program: str, participant: str, prefix: str, name: str) -> None:
         ended = self.start_and_limit(program, 1000)
         frame = f"{self.out}/{prefix}/"
-        self.assert_says(ended.text, f"[{prefix}] error: ", frame, ".h5")
+        self.assert_says(ended.text, f"[{prefix}] error: ", frame)
         self.assert_says((self.out / "coupler.log").read_text(), "[cpl] error: ", f'participant "{participant}"', frame)
         times = self.assert_frames_open(self.out / prefix, name)  # without the one that failed
         self.assertGreaterEqual(len(times), 2)

@@ -30,7 +30,7 @@ struct Sighted {
       std::array<Vector<dim>, dim> corners;
       for (int k = 0; k < dim; ++k) corners[k] = vertices[simplices[s][k]];
       const double height = (x - corners[0]).dot(mpm::simplex_normal<dim>(corners));
-      if (height > 0) facing.push_back({static_cast<std::int32_t>(s), height});
+      if (height > 0) facing.push_back({.simplex = static_cast<std::int32_t>(s), .height = height});
     }
   }
 };
