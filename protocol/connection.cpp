@@ -251,7 +251,9 @@ void Connection::close() {
 void Connection::abort(const std::string& reason) {
   if (!failure_.empty() || !socket_) return;
   failure_ = reason;
-  post({.type = "abort", .sequence = last_sequence_, .fields = {{"reason", reason}}, .arrays = {}});
+  Json fields = {{"reason", reason}};
+  if (!welcomed()) fields.update({{"participant", settings_.name}, {"program", settings_.program}});
+  post({.type = "abort", .sequence = last_sequence_, .fields = std::move(fields), .arrays = {}});
 }
 
 }  // namespace gabion

@@ -79,7 +79,8 @@ class Connection final : public RequestSource {
   /// The last request was "finish" and is answered: wait until the answer is on its way, and close.
   void close();
 
-  /// Tell the coupler that this participant cannot go on. Does nothing after another failure.
+  /// Tell the coupler that this participant cannot go on, or, before the handshake, not begin. Does
+  /// nothing after another failure.
   void abort(const std::string& reason);
   /// Do something of which the coupler has to know when it fails: abort() and throw on.
   template <class Action>

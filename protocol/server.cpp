@@ -33,6 +33,18 @@ std::string claimed_name(const Message& hello) {
                                     : "participant " + shortened(*name);
 }
 
+/// Ends the wait when one that is awaited says that it cannot begin. Others are not heard.
+void require_beginning(const Message& abort, const std::vector<std::string>& awaited) {
+  const auto text = [&abort](const char* key) {
+    const auto field = abort.fields.find(key);
+    return field != abort.fields.end() && field->is_string() ? field->get<std::string>() : "";
+  };
+  const std::string name = text("participant");
+  if (std::find(awaited.begin(), awaited.end(), name) == awaited.end()) return;
+  throw ConfigError(fmt::format("participant \"{}\" ({}) cannot begin: {}", name, text("program"),
+                                text("reason")));
+}
+
 std::string names_of(const std::vector<Expected>& participants) {
   std::vector<std::string> names;
   for (const Expected& expected : participants) names.push_back(expected.name);
@@ -88,18 +100,26 @@ std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
     std::map<std::string, std::unique_ptr<Solver>> solvers;
     const Stopwatch waited;
     Stopwatch since_log;
+    const auto not_here = [&] {
+      std::vector<std::string> awaited;
+      for (const Expected& expected : participants) {
+        if (!solvers.contains(expected.name)) awaited.push_back(expected.name);
+      }
+      return awaited;
+    };
     while (solvers.size() < participants.size()) {
       if (const auto arrival = switchboard_.next_arrival()) {
+        if (arrival->hello.type == "abort") {
+          require_beginning(arrival->hello, not_here());
+          continue;
+        }
         if (auto solver = greet(*arrival, participants, run)) {
           names_.push_back(static_cast<RemoteSolver&>(*solver).name());
           solvers[names_.back()] = std::move(solver);
         }
         continue;
       }
-      std::vector<std::string> awaited;
-      for (const Expected& expected : participants) {
-        if (!solvers.contains(expected.name)) awaited.push_back(expected.name);
-      }
+      const std::vector<std::string> awaited = not_here();
       require<ProtocolError>(
           waited.seconds() <= switchboard_.deadlines().connect,
           "participants {} did not connect to {} within {:.1f} s (limit {} s, {})", awaited,

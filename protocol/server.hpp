@@ -49,6 +49,7 @@ class Server {
   /// @param run  settings of the run for the participants: end time, dt, folders, ...
   /// @return     name -> RemoteSolver; must not outlive the server
   /// @throws ProtocolError  a participant does not fit (both values are named), or is late, or lost
+  /// @throws ConfigError    a participant says that it cannot begin
   std::map<std::string, std::unique_ptr<Solver>> wait_for(const std::vector<Expected>& participants,
                                                           const Json& run = Json::object());
 

@@ -239,7 +239,7 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
     from->second.watch->sign_of_life();
     if (message.type == "finished") release(from->first);
     from->second.inbox.push_back(std::move(message));
-  } else if (message.type == "hello") {
+  } else if (message.type == "hello" || message.type == "abort") {
     arrivals_.push_back({route, std::move(message)});
   } else {
     log::warn("ignored a message {} from a sender that has not said hello",
@@ -257,6 +257,7 @@ void Switchboard::heartbeat_came(const std::string& route, const Message& messag
 
 void Switchboard::refuse_late_arrivals() {
   for (const Arrival& late : arrivals_) {
+    if (late.hello.type == "abort") continue;
     log::warn("refused a participant that came when the run was under way");
     answer(late.route,
            refusal({{"state of the run", "under way, all participants are here", "hello"}}));

@@ -39,12 +39,12 @@ class Switchboard {
   const std::string& endpoint() const { return endpoint_; }
   const Deadlines& deadlines() const { return deadlines_; }
 
-  /// A hello that came, with the route to answer on.
+  /// A hello that came, with the route to answer on; or the abort of one that cannot begin.
   struct Arrival {
     std::string route;
     Message hello;
   };
-  /// Wait for one hello at most about 0.1 s.
+  /// Wait for one arrival at most about 0.1 s.
   /// @throws ProtocolError  a participant that is already here was lost
   std::optional<Arrival> next_arrival();
   /// Answer on a route that is no participant's yet.

@@ -105,12 +105,34 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
   serve(solver, *connection, requests);
 }
 
+/// Tell the coupler why this program cannot begin. @note On the first rank.
+void decline(const std::string& program, const ProgramOptions& options, const std::string& endpoint,
+             const std::string& reason) {
+  ParticipantSettings settings;
+  settings.endpoint = endpoint;
+  settings.name = options.name;
+  settings.program = program;
+  settings.key_file = options.key_file;
+  settings.coupler_key_file = options.coupler_key_file;
+  try {
+    Connection(settings).abort(reason);
+  } catch (const std::exception& problem) {
+    log::debug("the coupler was not told: {}", problem.what());
+  }
+}
+
 void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   const ProgramOptions& options = run.options;
   const bool is_main = options.name == run.program.participant;
   const std::string folder =
       options.check ? "" : options.output + "/" + (is_main ? run.program.folder : options.name);
-  const auto solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
+  std::unique_ptr<Solver> solver;
+  try {
+    solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
+  } catch (const ConfigError& problem) {
+    if (run.session.is_root()) decline(run.program.name, options, endpoint, problem.what());
+    throw;
+  }
   interrupt::install();  // all ranks: the first one ends the run
   const auto welcomed = [&](const Connection& connection) {
     if (options.check || connection.run_settings().value("check", false)) return;

@@ -11,6 +11,11 @@ class BadInput(IntegrationCase):
         self.write_scene(files)
         ended = self.run_launch(code=2)
         self.assert_says(ended.text, "error: ", *words)
+        for program, participant in (("mpm_solver", "soil"), ("fem_solver", "structure")):
+            if words[0] == f"[{program[:3]}]":  # the coupler's own log has the reason, not the launcher's signal
+                self.assert_says(ended.text, f'[cpl] error: participant "{participant}" ({program}) cannot begin: ',
+                                 words[1])
+                self.assertNotIn("interrupted by signal", ended.text)
 
     def test_unknown_key(self) -> None:
         files = meeting()

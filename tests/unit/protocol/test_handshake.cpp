@@ -268,6 +268,28 @@ TEST(Handshake, garbage_from_strangers_is_ignored) {
   EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
 }
 
+TEST(Handshake, who_cannot_begin_ends_the_wait_with_its_reason) {
+  Server server(patient_settings());
+  ParticipantSettings settings;
+  settings.endpoint = server.endpoint();
+  settings.name = "soil";
+  settings.program = "mpm_solver";
+  Connection(settings).abort("mpm.json: at /gravity: found 9.81");
+  EXPECT_EQ(message_of<ConfigError>([&] { server.wait_for({expected("soil")}); }),
+            "participant \"soil\" (mpm_solver) cannot begin: mpm.json: at /gravity: found 9.81");
+}
+
+TEST(Handshake, strangers_that_cannot_begin_are_not_heard) {
+  Server server(patient_settings());
+  RawParticipant stranger(server.endpoint(), "stranger");
+  stranger.send_frames({R"({"type":"abort","sequence":0})"});
+  stranger.send_frames({R"({"type":"abort","sequence":0,"participant":3,"reason":"none"})"});
+  stranger.send_frames({R"({"type":"abort","sequence":0,"participant":"gate","reason":"none"})"});
+  RawParticipant raw(server.endpoint(), "raw");
+  raw.send(to_message(good_hello("soil")));
+  EXPECT_EQ(server.wait_for({expected("soil")}).size(), 1u);
+}
+
 TEST(Handshake, a_hello_that_is_not_understood_is_answered_and_the_coupler_waits_on) {
   Server server(patient_settings());
   RawParticipant hasty(server.endpoint(), "hasty");
