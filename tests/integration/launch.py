@@ -77,7 +77,7 @@ MPM = {
         "name": "wall",
         "surface": {"polyline": [[0.26, 0], [0.26, 0.05], [0.25, 0.05], [0.25, 0]], "spacing": 0.01},
         "method": "boundary_points",
-        "penalty": 1e7,  # with 1e8 round-off decides whether a step is solved
+        "penalty": 1e8,
     }],
 }
 ALONE = {"time": {"end": 0.005, "dt": 1e-3, "dt_min": 1e-5}, "output": {"interval": 0.002}}

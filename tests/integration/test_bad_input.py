@@ -15,7 +15,7 @@ class BadInput(IntegrationCase):
             if words[0] == f"[{program[:3]}]":  # the coupler's own log has the reason, not the launcher's signal
                 self.assert_says(ended.text, f'[cpl] error: participant "{participant}" ({program}) cannot begin: ',
                                  words[1])
-                self.assertNotIn("interrupted by signal", ended.text)
+                self.assertNotIn("[cpl] error: interrupted by signal", ended.text)
 
     def test_unknown_key(self) -> None:
         files = meeting()

@@ -23,6 +23,7 @@ class ForeignCase(IntegrationCase):
     def setUp(self) -> None:
         super().setUp()
         self.files = meeting()
+        self.files["mpm"]["interfaces"][0]["penalty"] = 1e7  # with 1e8 round-off decides whether a step is solved
         self.fem = self.files.pop("fem")
 
     def by_hand(self, *command: str) -> Launch:

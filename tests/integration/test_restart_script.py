@@ -125,6 +125,7 @@ class OwnLoop(ScriptCase):
     def foreign_scene(self, habit: str) -> Path:
         files = meeting()
         del files["fem"]
+        files["mpm"]["interfaces"][0]["penalty"] = 1e7  # with 1e8 round-off decides whether a step is solved
         files["coupler"]["participants"]["structure"]["command"] = ["/usr/bin/python3", *FOREIGN, habit]
         self.write_scene(files)
         return self.scene
