@@ -85,7 +85,7 @@ Basis read_basis(ConfigReader& in, const BackgroundGrid<dim>& grid,
   const bool fills = in_rows && other == layouts.end();
   if (in_rows && !fills && !in.has("basis")) {
     log::warn(
-        "{}: linear, since cells of the body {} are no boxes or columns along the axes, which "
+        "{}: linear, since cells of /bodies/{}/mesh are no boxes or columns along the axes, which "
         "domains of \"gimp\" would fill; linear functions lose volume in tall flows "
         "(docs/guide.md)",
         in.where("basis"), other - layouts.begin());
