@@ -61,18 +61,24 @@ struct SolverRun {
   ConfigReader& reader;
 };
 
-ParticipantSettings participant_settings(const SolverRun& run, const std::string& endpoint) {
+/// All that it takes to speak to the coupler, whatever the scene says.
+ParticipantSettings wire_settings(const SolverRun& run, const std::string& endpoint) {
   ParticipantSettings settings;
   settings.endpoint = endpoint;
   settings.name = run.options.name;
   settings.program = run.program.name;
+  settings.connect_deadline = run.options.connect_deadline;
+  settings.key_file = run.options.key_file;
+  settings.coupler_key_file = run.options.coupler_key_file;
+  return settings;
+}
+
+ParticipantSettings participant_settings(const SolverRun& run, const std::string& endpoint) {
+  ParticipantSettings settings = wire_settings(run, endpoint);
   if (run.scene.has("coupler.json")) settings.scene_hash = run.scene.hash();
   settings.dimension = static_cast<int>(run.reader.resolved().at("dimension"));
   settings.receives = run.program.sends_force ? displacement() : force();
   settings.sends = run.program.sends_force ? force() : displacement();
-  settings.connect_deadline = run.options.connect_deadline;
-  settings.key_file = run.options.key_file;
-  settings.coupler_key_file = run.options.coupler_key_file;
   return settings;
 }
 
@@ -106,16 +112,9 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
 }
 
 /// Tell the coupler why this program cannot begin. @note On the first rank.
-void decline(const std::string& program, const ProgramOptions& options, const std::string& endpoint,
-             const std::string& reason) {
-  ParticipantSettings settings;
-  settings.endpoint = endpoint;
-  settings.name = options.name;
-  settings.program = program;
-  settings.key_file = options.key_file;
-  settings.coupler_key_file = options.coupler_key_file;
+void decline(const SolverRun& run, const std::string& endpoint, const std::string& reason) {
   try {
-    Connection(settings).abort(reason);
+    Connection(wire_settings(run, endpoint)).abort(reason);
   } catch (const std::exception& problem) {
     log::debug("the coupler was not told: {}", problem.what());
   }
@@ -130,7 +129,7 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   try {
     solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
   } catch (const ConfigError& problem) {
-    if (run.session.is_root()) decline(run.program.name, options, endpoint, problem.what());
+    if (run.session.is_root()) decline(run, endpoint, problem.what());
     throw;
   }
   interrupt::install();  // all ranks: the first one ends the run
