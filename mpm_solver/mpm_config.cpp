@@ -176,14 +176,25 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
 }
 
 template <int dim>
+bool any_yields(const MpmSettings<dim>& settings) {
+  return !std::ranges::all_of(settings.bodies,
+                              [](const Body<dim>& body) { return is_elastic(body.material.law); });
+}
+
+template <int dim>
 void read_transfer(ConfigReader in, MpmSettings<dim>& settings) {
   settings.tpic = in.choice("method") == "tpic";
-  if (settings.tpic && in.has("pic_share")) {
-    in.fail("pic_share",
+  for (const char* key : {"pic_share", "noise_damping"}) {
+    if (!settings.tpic || !in.has(key)) continue;
+    in.fail(key,
             "allowed only with \"method\": \"flip\"; tpic takes the whole velocity "
             "from the grid");
   }
   settings.pic_share = settings.tpic ? 1 : in.number("pic_share");
+  if (!settings.tpic) {
+    settings.noise_damping =
+        in.number_or("noise_damping", any_yields(settings) ? noise_damping_of_soil : 0);
+  }
   in.finish();
 }
 
@@ -206,9 +217,8 @@ void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
 template <int dim>
 Quadrature read_quadrature(ConfigReader& in, const MpmSettings<dim>& settings) {
   const bool linear = settings.grid.basis == Basis::linear;
-  const bool yields = !std::ranges::all_of(
-      settings.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
-  const bool cells = in.choice_or("quadrature", linear && yields ? "cells" : "points") == "cells";
+  const bool cells =
+      in.choice_or("quadrature", linear && any_yields(settings) ? "cells" : "points") == "cells";
   if (cells && !linear) {
     in.fail("quadrature", fmt::format("found \"cells\" with \"basis\": \"{}\", allowed: points",
                                       basis_name(settings.grid.basis)));

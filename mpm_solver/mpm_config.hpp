@@ -11,6 +11,7 @@
 #include "common/settings/scene.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
+#include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -43,8 +44,9 @@ struct MpmSettings {
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
-  double pic_share = 0;  ///< of the velocity, 0 = FLIP to 1 = PIC
-  bool tpic = false;     ///< PIC whose points carry the gradients of velocity and acceleration
+  double pic_share = 0;      ///< of the velocity, 0 = FLIP to 1 = PIC
+  double noise_damping = 0;  ///< while a wave crosses a cell, see damp_noise
+  bool tpic = false;         ///< PIC whose points carry the gradients of velocity and acceleration
   Quadrature quadrature = Quadrature::points;
   LockingCure locking;
   SmallCutSettings small_cuts;

@@ -38,6 +38,12 @@ KeyTable transfer_keys() {
            key::number("pic_share", "", "Share of PIC in the velocity: 0 is FLIP, 1 PIC.")
                .in(between(0, 1))
                .or_else(0)
+               .when("method", {"flip"}),
+           key::number("noise_damping", "",
+                       "Share that is damped of what varies within a cell in the points' "
+                       "velocities, while an elastic wave crosses a cell.")
+               .in(between(0, 1))
+               .or_computed(fmt::format("{} where a body yields, else 0", noise_damping_of_soil))
                .when("method", {"flip"})}};
 }
 

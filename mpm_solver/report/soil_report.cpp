@@ -54,6 +54,10 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
   const LockingCure& locking = model_.settings.locking;
   log::info("F-bar against volumetric locking: {} ({})", locking.average_volumes ? "on" : "off",
             locking.reason);
+  const double damping = model_.settings.noise_damping;
+  log::info("noise of the points' velocities: {}",
+            damping == 0 ? "not damped"
+                         : fmt::format("damped by {:g} while a wave crosses a cell", damping));
   log::info("stresses summed over {}", quadrature_name(model_.settings.quadrature));
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",

@@ -25,7 +25,8 @@ struct SoilModel {
   BackgroundGrid<dim> grid;
   GridExits<dim> exits;
   double cell_size;                      ///< mean [m]
-  double wave_speed = 0;                 ///< largest of the bodies [m/s]
+  std::vector<double> wave_speeds;       ///< of each body [m/s]
+  double wave_speed = 0;                 ///< the largest [m/s]
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
   std::vector<char> elastic;             ///< of each body: it has an elastic law
   std::vector<double> moduli;            ///< of P waves, of each body [Pa]

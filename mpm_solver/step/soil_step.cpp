@@ -11,6 +11,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "mpm_solver/step/end_of_step.hpp"
 #include "mpm_solver/step/first_guess.hpp"
@@ -278,7 +279,9 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   soil_.stop().kick(soil_.weights(), points);
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
   if (!implicit) explicit_.finish_points(points);
-  if (!with_inertia_) {
+  if (with_inertia_) {
+    damp_points();
+  } else {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
   }
@@ -307,6 +310,17 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.remove(outside, {x_n, cell_n}, model_);
   state_.ranks.follow(points, state_.surfaces);
   return report;
+}
+
+template <int dim>
+void SoilStep<dim>::damp_points() {
+  const double damping = model_.settings.noise_damping;
+  if (damping == 0) return;
+  std::vector<double> share;
+  for (const double c : model_.wave_speeds) {
+    share.push_back(damped_share(damping, c * dt_ / model_.cell_size));
+  }
+  damp_noise<dim>(soil_.weights(), soil_.nodes(), share, state_.points);
 }
 
 template <int dim>

@@ -30,9 +30,6 @@ StableStep<dim>::StableStep(const SoilModel<dim>& model) : model_(model) {
   if (!any_explicit(model.settings.phases)) return;
   const std::int32_t num_sizes = model.grid.box ? 1 : model.grid.num_cells();
   for (std::int32_t c = 0; c < num_sizes; ++c) size_.push_back(effective_size(model.grid, c));
-  for (std::size_t b = 0; b < model.moduli.size(); ++b) {
-    wave_speed_.push_back(std::sqrt(model.moduli[b] / model.settings.bodies[b].material.density));
-  }
 }
 
 template <int dim>
@@ -43,7 +40,7 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
       smallest = std::min(smallest, size_[model_.grid.box ? 0 : points.cell[p]]);
     }
-    dt = std::min(dt, smallest / wave_speed_[b]);
+    dt = std::min(dt, smallest / model_.wave_speeds[b]);
   }
   return -max_over_ranks(model_.comm, -dt);
 }

@@ -28,8 +28,7 @@ class StableStep {
 
  private:
   const SoilModel<dim>& model_;
-  std::vector<double> size_;        // h_eff of each cell, of a box of all cells [m]
-  std::vector<double> wave_speed_;  // of each body [m/s]
+  std::vector<double> size_;  // h_eff of each cell, of a box of all cells [m]
 };
 
 /// How long a substep is by the longest stable one, squared.
