@@ -10,9 +10,6 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of (1 - S R): 1 would leave fields of first order alone, as PIC does.
-constexpr int order = 2;
-
 // r -= S R r.
 template <int dim>
 void subtract_seen(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
@@ -54,14 +51,14 @@ void damp_noise(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                 std::span<const double> share, MaterialPoints<dim>& points) {
   const double weightless = weightless_mass(nodes);
   std::vector<Vector<dim>> noise = points.v;
-  for (int k = 0; k < order; ++k) {
-    subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
-  }
+  subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
   for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      points.v[p] -= share[b] * noise[p];
+      noise[p] *= share[b];
     }
   }
+  subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
+  for (std::int32_t p = 0; p < points.size(); ++p) points.v[p] -= noise[p];
 }
 
 template void damp_noise<2>(const PointWeights<2>&, const GridNodes<2>&, std::span<const double>,

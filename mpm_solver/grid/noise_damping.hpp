@@ -17,12 +17,12 @@ double damped_share(double damping, double crossings);
 
 /// Damp the velocities of the material points that their nodes do not see (FLIP's noise),
 ///
-///     v -= eta (1 - S R)^2 v ,  R = mass-weighted mean at the nodes, S = interpolation to the
-///     points
+///     v -= (1 - S R) eta (1 - S R) v ,  R = mass-weighted mean at the nodes, S = interpolation to
+///     the points
 ///
 /// which is nearly the whole of what varies within a cell and nothing of a field of second order
 /// over evenly laid points: no viscosity, unlike PIC's share. S R is symmetric in the masses, with
-/// eigenvalues from 0 to 1: momentum is kept, energy falls.
+/// eigenvalues from 0 to 1: momentum is kept, energy falls, also where bodies of unequal eta meet.
 /// @param share  eta of each body, from 0 to 1
 /// @pre  the nodes have the masses of these weights; velocities of points, not their places, may be
 ///       newer. @note Collective.
