@@ -11,7 +11,6 @@
 #include "common/settings/scene.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
-#include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -60,6 +59,9 @@ struct MpmSettings {
   std::vector<Gauge<dim>> gauges;
   Outside outside = Outside::error;
 };
+
+/// Default of bodies that yield: after 50 crossings 1 / e of the noise is left.
+inline constexpr double noise_damping_of_soil = 0.02;
 
 /// Keys of mpm.json.
 KeyTable mpm_keys();

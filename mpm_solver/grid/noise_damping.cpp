@@ -52,11 +52,7 @@ void damp_noise(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
   const double weightless = weightless_mass(nodes);
   std::vector<Vector<dim>> noise = points.v;
   subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
-  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      noise[p] *= share[b];
-    }
-  }
+  for (std::int32_t p = 0; p < points.size(); ++p) noise[p] *= share[p];
   subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
   for (std::int32_t p = 0; p < points.size(); ++p) points.v[p] -= noise[p];
 }

@@ -9,9 +9,6 @@
 
 namespace gabion::mpm {
 
-/// The default of bodies that yield: what is left of the noise after 50 crossings is 1 / e.
-inline constexpr double noise_damping_of_soil = 0.02;
-
 /// Share that `damping` a crossing takes in so many crossings, whole or not.
 double damped_share(double damping, double crossings);
 
@@ -22,8 +19,8 @@ double damped_share(double damping, double crossings);
 ///
 /// which is nearly the whole of what varies within a cell and nothing of a field of second order
 /// over evenly laid points: no viscosity, unlike PIC's share. S R is symmetric in the masses, with
-/// eigenvalues from 0 to 1: momentum is kept, energy falls, also where bodies of unequal eta meet.
-/// @param share  eta of each body, from 0 to 1
+/// eigenvalues from 0 to 1: momentum is kept, energy falls, also where points of unequal eta meet.
+/// @param share  eta of each point, from 0 to 1
 /// @pre  the nodes have the masses of these weights; velocities of points, not their places, may be
 ///       newer. @note Collective.
 /// @see Hammerquist and Nairn (2017), XPIC of order 2

@@ -316,9 +316,12 @@ template <int dim>
 void SoilStep<dim>::damp_points() {
   const double damping = model_.settings.noise_damping;
   if (damping == 0) return;
-  std::vector<double> share;
-  for (const double c : model_.wave_speeds) {
-    share.push_back(damped_share(damping, c * dt_ / model_.cell_size));
+  const MaterialPoints<dim>& points = state_.points;
+  std::vector<double> share(points.size());
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    const double crossings = model_.wave_speeds[b] * dt_ / model_.cell_size;
+    std::fill(share.begin() + points.body_starts[b], share.begin() + points.body_starts[b + 1],
+              damped_share(damping, crossings));
   }
   damp_noise<dim>(soil_.weights(), soil_.nodes(), share, state_.points);
 }
