@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "mpm_solver/grid/transfer.hpp"
-#include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
 
@@ -12,30 +11,24 @@ namespace {
 
 // r -= S R r.
 template <int dim>
-void subtract_seen(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
-                   std::span<const double> m, double weightless, std::vector<Vector<dim>>& r) {
-  std::vector<Vector<dim>> seen(nodes.m.size(), Vector<dim>::Zero());
+void subtract_seen(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                   const GridNodes<dim>& nodes, std::vector<Vector<dim>>& r) {
+  const double weightless = weightless_mass(nodes);
+  std::vector<double> seen = point_forces<dim>(points, weights, nodes, r);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const double m = nodes.m[k / dim];
+    seen[k] *= m > weightless ? 1 / m : 0;
+  }
   std::int32_t active[max_group_nodes<dim>];
   for (const CellGroup& group : weights.groups) {
     nodes.list_active(weights.nodes_of(group), active);
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
       const double* N = weights.N_of(e);
       const std::uint8_t* local = weights.local_of(e);
-      for (int i = 0; i < weights.num_nodes(e); ++i) seen[active[local[i]]] += N[i] * m[p] * r[p];
-    }
-  }
-  nodes.shared.sum(flat(seen), dim);
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    seen[i] *= nodes.m[i] > weightless ? 1 / nodes.m[i] : 0;
-  }
-  for (const CellGroup& group : weights.groups) {
-    nodes.list_active(weights.nodes_of(group), active);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
-      const double* N = weights.N_of(e);
-      const std::uint8_t* local = weights.local_of(e);
-      for (int i = 0; i < weights.num_nodes(e); ++i) r[p] -= N[i] * seen[active[local[i]]];
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        const double* seen_i = seen.data() + std::ptrdiff_t{active[local[i]]} * dim;
+        r[weights.point[e]] -= N[i] * Eigen::Map<const Vector<dim>>(seen_i);
+      }
     }
   }
 }
@@ -49,11 +42,10 @@ double damped_share(double damping, double crossings) {
 template <int dim>
 void damp_noise(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                 std::span<const double> share, MaterialPoints<dim>& points) {
-  const double weightless = weightless_mass(nodes);
   std::vector<Vector<dim>> noise = points.v;
-  subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
+  subtract_seen(points, weights, nodes, noise);
   for (std::int32_t p = 0; p < points.size(); ++p) noise[p] *= share[p];
-  subtract_seen<dim>(weights, nodes, points.m, weightless, noise);
+  subtract_seen(points, weights, nodes, noise);
   for (std::int32_t p = 0; p < points.size(); ++p) points.v[p] -= noise[p];
 }
 

@@ -9,7 +9,7 @@ from studies.measures import Curve, Measured
 from studies.runner import Runner, folder_of
 
 LAST = 0.2  # share of a run that its end is the mean of
-LINEAR = ['mpm.json:/basis="linear"']
+LINEAR = [setting("basis", "linear")]
 
 
 def step_size(dt: float) -> list[str]:
