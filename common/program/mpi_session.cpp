@@ -78,12 +78,12 @@ void MpiSession::abort(int exit_code) {
   std::_Exit(exit_code);
 }
 
-void MpiSession::leave(int exit_code, double head_start) {
+void MpiSession::leave(int exit_code, int head_start) {
   sigset_t from_launcher;
   sigemptyset(&from_launcher);
   sigaddset(&from_launcher, SIGTERM);
   sigprocmask(SIG_BLOCK, &from_launcher, nullptr);
-  const timespec patience = {0, static_cast<long>(1e9 * head_start)};
+  const timespec patience = {head_start, 0};
   sigtimedwait(&from_launcher, nullptr, &patience);
   // Without MPI_Finalize, so that the launcher takes it for a failure. Many simultaneous calls of
   // MPI_Abort make Open MPI 4.1's mpirun crash now and then.

@@ -41,8 +41,8 @@ class MpiSession {
   /// End this process only: another one of the launch has failed, or the launcher's signal came.
   /// The launch gets the exit code of the first process that is lost, so the one that failed needs
   /// a head start. Does not return.
-  /// @param head_start  [s] in [0, 1), cut short when the launcher's signal comes
-  [[noreturn]] static void leave(int exit_code, double head_start);
+  /// @param head_start  whole seconds, cut short when the launcher's signal comes
+  [[noreturn]] static void leave(int exit_code, int head_start);
 
  private:
   MPI_Comm comm_ = MPI_COMM_NULL;

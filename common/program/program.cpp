@@ -38,7 +38,7 @@ int run_program(int argc, char** argv, const std::string& program,
     if (!session.is_only_process()) MpiSession::abort(exit_code);
     return exit_code;
   };
-  const auto follow = [&](const Error& error, double head_start) {
+  const auto follow = [&](const Error& error, int head_start) {
     log::last_error(error.what());
     if (!session.is_only_process()) MpiSession::leave(error.exit_code(), head_start);
     return error.exit_code();
@@ -49,7 +49,7 @@ int run_program(int argc, char** argv, const std::string& program,
     body(options, session);
     return 0;
   } catch (const ProtocolError& error) {
-    return follow(error, 0.5);  // mostly the echo of another program's failure
+    return follow(error, 5);  // mostly the echo of another program's failure
   } catch (const Error& error) {
     const bool by_signal = error.exit_code() > 128;
     return by_signal ? follow(error, 0) : fail(error.what(), error.exit_code());

@@ -105,16 +105,23 @@ def endless(in_contact: bool) -> dict[str, dict]:
     return files
 
 
+reservations: list[socket.socket] = []  # one for each port that this test was given
+
+
 def free_endpoint() -> str:
-    """Where a coupler can listen. Of the ports that the system does not give to connections by itself: no other
-    program takes it in the meantime."""
+    """Where a coupler can listen. Of the ports that the system does not give to connections by itself. It stays this
+    test's: a participant may go on to knock after its coupler's end, and must not reach another test's."""
     for port in random.SystemRandom().sample(range(20000, 32000), 100):
-        with socket.socket() as free:
-            try:
+        reservation = socket.socket(socket.AF_UNIX)
+        try:
+            reservation.bind(f"\0gabion_test_port_{port}")
+            with socket.socket() as free:
                 free.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-            return f"tcp://127.0.0.1:{port}"
+        except OSError:
+            reservation.close()
+            continue
+        reservations.append(reservation)
+        return f"tcp://127.0.0.1:{port}"
     raise OSError("none of 100 ports is free")
 
 
