@@ -44,7 +44,7 @@ struct MpmSettings {
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
   double pic_share = 0;      ///< of the velocity, 0 = FLIP to 1 = PIC
-  double noise_damping = 0;  ///< while a wave crosses a cell, see damp_noise
+  double noise_damping = 0;  ///< see NoiseDamping
   bool tpic = false;         ///< PIC whose points carry the gradients of velocity and acceleration
   Quadrature quadrature = Quadrature::points;
   LockingCure locking;
@@ -60,8 +60,9 @@ struct MpmSettings {
   Outside outside = Outside::error;
 };
 
-/// Default of bodies that yield: after 50 crossings 1 / e of the noise is left.
-inline constexpr double noise_damping_of_soil = 0.02;
+/// Default of scenes where a body yields: e^-4 of the noise of soil that does not flow is left when
+/// sqrt(stress / density) has crossed a cell.
+inline constexpr double noise_damping_of_soil = 4;
 
 /// Keys of mpm.json.
 KeyTable mpm_keys();

@@ -40,10 +40,11 @@ KeyTable transfer_keys() {
                .or_else(0)
                .when("method", {"flip"}),
            key::number("noise_damping", "",
-                       "Share that is damped of what varies within a cell in the points' "
-                       "velocities, while an elastic wave crosses a cell.")
-               .in(between(0, 1))
-               .or_computed(fmt::format("{} where a body yields, else 0", noise_damping_of_soil))
+                       "How fast what varies within a cell in the velocities of points that do not "
+                       "flow is damped, in all bodies: by exp(-noise_damping) while the speed "
+                       "sqrt(stress / density) crosses a cell.")
+               .in(at_least(0))
+               .or_computed(fmt::format("{:g} where a body yields, else 0", noise_damping_of_soil))
                .when("method", {"flip"})}};
 }
 

@@ -56,8 +56,10 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
             locking.reason);
   const double damping = model_.settings.noise_damping;
   log::info("noise of the points' velocities: {}",
-            damping == 0 ? "not damped"
-                         : fmt::format("damped by {:g} while a wave crosses a cell", damping));
+            damping == 0
+                ? "not damped"
+                : fmt::format("damped by exp(-{:g}) while sqrt(stress / density) crosses a cell",
+                              damping));
   log::info("stresses summed over {}", quadrature_name(model_.settings.quadrature));
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",

@@ -280,7 +280,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
   if (!implicit) explicit_.finish_points(points);
   if (with_inertia_) {
-    damp_points();
+    const NoiseDamping rate{model_.settings.noise_damping, dt_, model_.cell_size};
+    if (rate.damping > 0) damp_noise<dim>(soil_.weights(), soil_.nodes(), rate, points);
   } else {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
@@ -310,20 +311,6 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.remove(outside, {x_n, cell_n}, model_);
   state_.ranks.follow(points, state_.surfaces);
   return report;
-}
-
-template <int dim>
-void SoilStep<dim>::damp_points() {
-  const double damping = model_.settings.noise_damping;
-  if (damping == 0) return;
-  const MaterialPoints<dim>& points = state_.points;
-  std::vector<double> share(points.size());
-  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-    const double crossings = model_.wave_speeds[b] * dt_ / model_.cell_size;
-    std::fill(share.begin() + points.body_starts[b], share.begin() + points.body_starts[b + 1],
-              damped_share(damping, crossings));
-  }
-  damp_noise<dim>(soil_.weights(), soil_.nodes(), share, state_.points);
 }
 
 template <int dim>

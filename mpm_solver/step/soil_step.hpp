@@ -79,7 +79,6 @@ class SoilStep {
   StepReport solve_explicit(const StepRequest& request);
   NewtonReport solve_balance(const StepRequest& request, bool begins);
   StepMeasures measure(const NodalMotion<dim>& motion) const;
-  void damp_points();
   std::vector<Vector<dim>> forces_on_walls() const;
   Json details(std::span<const std::int32_t> cell_n) const;
 

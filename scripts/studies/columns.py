@@ -140,7 +140,7 @@ FACTORS = {
     "1 point a cell": [setting("bodies/0/points_per_cell", 1)],
     "6 points a cell": [setting("bodies/0/points_per_cell", 6)],
     "noise kept": [setting("transfer/noise_damping", 0)],
-    "noise damped by 0.005": [setting("transfer/noise_damping", 0.005)],
+    "noise damped by 1": [setting("transfer/noise_damping", 1)],
     "PIC 1 %": [setting("transfer/noise_damping", 0), setting("transfer/pic_share", 0.01)],
     "TPIC": [setting("transfer/method", "tpic")],
     "Newton to 1e-4": [setting("newton/residual_tolerance", 1e-4)],

@@ -8,10 +8,23 @@
 namespace gabion::test {
 namespace {
 
+constexpr double fast = 1e9;  // [m/s]: beside it nothing flows
+
+/// Stress of these points with sqrt(|tau| / rho) = c.
+template <int dim>
+void press(mpm::MaterialPoints<dim>& points, std::int32_t first, std::int32_t last, double c) {
+  for (std::int32_t p = first; p < last; ++p) {
+    points.tau[p].setZero();
+    points.tau[p][0] = -c * c * points.m[p] / points.V0[p];
+  }
+}
+
+/// Every point loses this share of its noise.
 template <int dim>
 void damp(SoilPatch<dim>& soil, double share) {
-  const std::vector<double> shares(soil.points.size(), share);
-  mpm::damp_noise<dim>(soil.weights, soil.nodes, shares, soil.points);
+  press(soil.points, 0, soil.points.size(), fast);
+  const mpm::NoiseDamping rate{-std::log1p(-share) / fast, 1, 1};
+  mpm::damp_noise<dim>(soil.weights, soil.nodes, rate, soil.points);
 }
 
 template <int dim>
@@ -57,9 +70,9 @@ TEST(NoiseDamping, keeps_momentum_of_points_of_unequal_share) {
     soil.to_grid();
     const auto before = momentum(soil.points);
     const double energy_before = energy(soil.points);
-    std::vector<double> share(200, 0.0);
-    std::fill(share.begin(), share.begin() + 100, 1.0);
-    mpm::damp_noise<dim>(soil.weights, soil.nodes, share, soil.points);
+    press(soil.points, 0, 100, fast);
+    press(soil.points, 100, 200, 0);
+    mpm::damp_noise<dim>(soil.weights, soil.nodes, {1, 1, 1}, soil.points);
     EXPECT_LT((momentum(soil.points).force - before.force).norm(), 1e-13 * before.size)
         << name(type);
     EXPECT_LT(energy(soil.points), 0.95 * energy_before) << name(type);
@@ -127,13 +140,48 @@ TEST(NoiseDamping, leaves_quadratic_fields) {
   });
 }
 
-/// Of many short steps as of a long one.
-TEST(NoiseDamping, share_follows_time) {
-  EXPECT_NEAR(mpm::damped_share(0.02, 1), 0.02, 1e-16);
-  EXPECT_DOUBLE_EQ(mpm::damped_share(0.5, 2), 0.75);
-  EXPECT_NEAR(std::pow(1 - mpm::damped_share(0.02, 0.1), 10), 0.98, 1e-15);
-  EXPECT_EQ(mpm::damped_share(1, 0.1), 1);
-  EXPECT_EQ(mpm::damped_share(0, 10), 0);
+/// As much in many short steps as in a long one, nothing without stress, little of what flows.
+TEST(NoiseDamping, share_follows_time_stress_and_shear) {
+  const double h = 0.1;
+  const double c = 2;
+  const auto share = [&](double dt, double inertial_number) {
+    const double grad = inertial_number * c / h;
+    return mpm::NoiseDamping{3, dt, h}.share(c * c, grad * grad);
+  };
+  const double dt = h / c / 3;
+  EXPECT_NEAR(share(dt, 0), 1 - std::exp(-1), 1e-15);
+  EXPECT_NEAR(std::pow(1 - share(dt / 10, 0), 10), std::exp(-1), 1e-15);
+  EXPECT_NEAR(share(dt, mpm::inertial_number_of_flow), 1 - std::exp(-0.5), 1e-15);
+  EXPECT_NEAR(share(dt, 3 * mpm::inertial_number_of_flow), 1 - std::exp(-0.1), 1e-15);
+  EXPECT_EQ((mpm::NoiseDamping{3, dt, h}.share(0, 0)), 0);
+  EXPECT_EQ((mpm::NoiseDamping{3, dt, h}.share(0, 1)), 0);
+}
+
+/// What alternates in cells that shear is damped by their inertial number, the shear is left.
+TEST(NoiseDamping, spares_what_flows) {
+  const double h = 1.0 / 8;
+  const double c = 3;
+  for (const double number : {1.0, 3.0}) {
+    SoilPatch<2> soil(CellType::quad4, 8);
+    soil.fill(4);
+    std::vector<Vector<2>> shear(soil.points.size());
+    std::vector<Vector<2>> noise(soil.points.size());
+    for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+      const Vector<2>& x = soil.points.x[p];
+      shear[p] = {number * mpm::inertial_number_of_flow * c / h * x[1], 0};
+      noise[p] = {static_cast<int>(16 * x[0]) % 2 == 0 ? 1e-3 : -1e-3, 0};
+      soil.points.v[p] = shear[p] + noise[p];
+    }
+    soil.to_grid();
+    press(soil.points, 0, soil.points.size(), c);
+    mpm::damp_noise<2>(soil.weights, soil.nodes, {1, h / c, h}, soil.points);
+    const double left = std::exp(-1 / (1 + number * number));
+    for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+      const Vector<2>& x = soil.points.x[p];
+      if ((x.array() < 0.25).any() || (x.array() > 0.75).any()) continue;  // border
+      EXPECT_LT((soil.points.v[p] - shear[p] - left * noise[p]).norm(), 1e-14) << number;
+    }
+  }
 }
 
 }  // namespace
