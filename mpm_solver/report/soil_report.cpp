@@ -58,7 +58,8 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
   log::info("noise of the points' velocities: {}",
             damping == 0
                 ? "not damped"
-                : fmt::format("damped by exp(-{:g}) while sqrt(stress / density) crosses a cell",
+                : fmt::format("damped by exp(-{:g}) while sqrt(stress / density) crosses a cell, "
+                              "where soil does not flow",
                               damping));
   log::info("stresses summed over {}", quadrature_name(model_.settings.quadrature));
   log::info(

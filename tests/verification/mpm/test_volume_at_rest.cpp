@@ -119,8 +119,7 @@ TEST(V21_VolumeAtRest, of_a_column_that_fell_against_a_wall) {
   check_volume_at_rest("quad4", "bspline", 16);
 }
 
-/// Without noise sand may arch over a cell where two parts of the flow met: one of 36 cells inside
-/// stays open by 1 %.
+/// Without noise sand may arch over a cell: of 36 cells inside some thousandths of one stay open.
 TEST(V21_VolumeAtRest, with_the_noise_damped) {
   const FallenColumn column;
   Json scene = fallen_column_scene(column, "quad4", "gimp", 4);
