@@ -16,6 +16,7 @@ SOLVER = ROOT / "build" / "release" / "bin" / "mpm_solver"
 MATERIAL = ROOT / "configs" / "column_collapse" / "mpm.json"
 # Of glibc: copies without the instructions that callgrind counts once for each byte.
 COPIES = "glibc.cpu.x86_rep_stosb_threshold=1000000000:glibc.cpu.x86_rep_movsb_threshold=1000000000"
+CALLS = ("solve_step", "accept_step")  # what a step is
 HEAD = ["soil", "points", "Newton a step", "Krylov a Newton", "a step [M]", "an iteration [M]", "of it stress and K",
         "linear solve", "a point and iteration"]
 
@@ -92,8 +93,8 @@ def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
     settings["time"]["end"] = steps * settings["time"]["dt"]
     counts = folder / "callgrind.out"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={counts}",
-               "--toggle-collect=gabion::mpm::MpmSolver<*>::solve_step*",
-               "--toggle-collect=gabion::mpm::MpmSolver<*>::accept_step*", SOLVER]
+               *(f"--toggle-collect=gabion::mpm::MpmSolver<{len(settings['gravity'])}>::{call}*" for call in CALLS),
+               SOLVER]
     environment = {"GLIBC_TUNABLES": COPIES, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     said = solve(folder, settings, command, environment)
     total = re.search(r"Collected : (\d+)", said)
