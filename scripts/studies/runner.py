@@ -49,6 +49,14 @@ class Runner:
             raise ResultsError(f"{label}: the run failed with exit code {code}")
         return Measured(Results(output))
 
+    def run_all(self, runs: list[tuple[str, str, list[str]]]) -> list[Measured]:
+        """Runs (label, scene, settings), as many at a time as there are cores.
+
+        @raises ResultsError  a run failed
+        """
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            return list(pool.map(lambda run: self.run(*run), runs))
+
     def attempts(self, runs: list[tuple[str, str, list[str]]]) -> list[Attempt]:
         """Runs (label, scene, settings) that may end early, as many at a time as there are cores.
 

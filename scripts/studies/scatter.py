@@ -6,7 +6,7 @@ import numpy as np
 from plotting.style import legend_beside, new_figure
 from studies.contact import STEPS, explicit
 from studies.coupled import ANSWER_NAMES, REST, SCENE, answer_of
-from studies.ensemble import SHORTER, deviation, ensemble, with_other_modulus
+from studies.ensemble import over_places, with_other_modulus
 from studies.measures import Curve, Measured
 from studies.runner import Runner
 
@@ -29,7 +29,7 @@ def parting(runs: list[Measured], curve_of) -> Curve:
 
 
 def deviations(name: str, runs: list[Measured]) -> list:
-    return [name, len(runs), *(100 * deviation(values) / abs(float(np.mean(values)))
+    return [name, len(runs), *(100 * float(np.std(values, ddof=1) / abs(np.mean(values)))
                                for values in zip(*map(answer_of, runs)))]
 
 
@@ -38,10 +38,10 @@ def scatter(runner: Runner) -> None:
     dt = STEPS["5"]
     of_change = {change: with_other_modulus(runner, f"modulus {change:g}", SCENE, explicit(dt), MEMBERS, change)
                  for change in CHANGES}
-    of_steps = ensemble(runner, "steps", SCENE, explicit(dt), MEMBERS + 1, dt)
+    of_place = over_places(runner, "place", SCENE, explicit(dt), 2 * MEMBERS, 5e-3)
     head = ["", "runs", *(f"{name} [%]" for name in ANSWER_NAMES)]
     runner.report(head, [deviations(f"modulus by {change:g}", runs) for change, runs in of_change.items()]
-                  + [deviations(f"steps by {SHORTER:g}", of_steps)],
+                  + [deviations("place of the wall in its cell", of_place)],
                   "standard deviation of a run; what differs from one to the next")
     figure, (axes,) = new_figure(9, 4.5)
     rows = []

@@ -150,53 +150,67 @@ class Measures(ScriptCase):
 
 
 class Ensembles(ScriptCase):
-    def labelled(self, make) -> list[tuple[str, str]]:
-        """Label and last setting of each run that `make` asks a runner for."""
+    def asked_for(self, make) -> list[tuple[str, list[str]]]:
+        """Label and settings of each run that `make` asks a runner for."""
         runs = []
 
         class Recording(Runner):
             def run(self, label: str, scene: str, settings: list[str]) -> Measured:
-                runs.append((label, settings[-1]))
+                runs.append((label, settings))
                 return Measured(Results(made_up.write_results(self.folder / label)))
 
         self.assertEqual(len(make(Recording(self.folder, reuse=False, settings=[]))), len(runs))
-        return runs
+        return sorted(runs)
 
-    def test_members_differ_in_their_steps(self) -> None:
-        runs = self.labelled(lambda runner: ensemble.ensemble(runner, "a, b", "granular_obstacle", ["x"], 3, 1e-3))
-        self.assertEqual(runs, [("a_b_0", "coupler.json:/time/dt=0.001"), ("a_b_1", "coupler.json:/time/dt=0.00096"),
-                                ("a_b_2", "coupler.json:/time/dt=0.00092")])
+    def test_members_have_the_wall_at_places_over_a_cell(self) -> None:
+        runs = self.asked_for(
+            lambda runner: ensemble.over_places(runner, "a, b", "granular_obstacle", ["x"], 2, 0.005))
+        self.assertEqual([label for label, _ in runs], ["a_b_0", "a_b_1"])
+        for way, (_, settings) in zip((-0.00125, 0.00125), runs):
+            values = {key: json.loads(value) for key, _, value in (text.partition("=") for text in settings[1:])}
+            surface = values.pop("mpm.json:/interfaces/0/surface/polyline")
+            expected = [[0.26, 0], [0.26, 0.05], [0.25, 0.05], [0.25, 0]]
+            np.testing.assert_allclose(surface, np.array(expected) + [way, 0])
+            for key, point in {"mesh/box/low": [0.25, 0], "mesh/box/high": [0.26, 0.05],
+                               "probes/0/point": [0.25, 0.05]}.items():
+                np.testing.assert_allclose(values.pop(f"fem.json:/{key}"), np.array(point) + [way, 0])
+            self.assertEqual(values, {})
 
     def test_members_differ_in_their_modulus(self) -> None:
-        runs = self.labelled(
+        runs = self.asked_for(
             lambda runner: ensemble.with_other_modulus(runner, "a", "granular_obstacle", ["x"], 2, 1e-3))
-        self.assertEqual(runs, [("a_0", "x"),
-                                ("a_1", f"mpm.json:/bodies/0/material/young_modulus={840e3 * 1.001!r}")])
+        self.assertEqual(runs, [("a_0", ["x"]),
+                                ("a_1", ["x", f"mpm.json:/bodies/0/material/young_modulus={840e3 * 1.001!r}"])])
+
+    def test_error_is_that_off_a_line_over_the_places(self) -> None:
+        self.assertAlmostEqual(ensemble.error([1.0, 2.0, 3.0]), 0)
+        self.assertAlmostEqual(ensemble.deviation([0.0, 3.0, 0.0]), np.sqrt(6))  # off the line y = 1
+        self.assertAlmostEqual(ensemble.error([5.0, 8.0, 5.0]), np.sqrt(2))
 
     def test_mean_has_the_digits_that_its_error_allows(self) -> None:
-        self.assertAlmostEqual(ensemble.error([1.0, 2.0, 3.0]), 1 / np.sqrt(3))
-        self.assertEqual(ensemble.mean_and_error([1.0, 2.0, 3.0]), "2.00 ± 0.58")
-        self.assertEqual(ensemble.mean_and_error([100.0, 200.0, 300.0]), "200 ± 58")
-        self.assertEqual(ensemble.mean_and_error((1234.56,)), "1235")
-        self.assertEqual(ensemble.mean_and_error([5.0, 5.0]), "5.0000 ± 0.0000")
+        self.assertEqual(ensemble.mean_and_error([1.0, 4.0, 1.0]), "2.0 ± 1.4")
+        self.assertEqual(ensemble.mean_and_error([100.0, 400.0, 100.0]), "200 ± 141")
+        self.assertEqual(ensemble.mean_and_error([5.0, 5.0, 5.0]), "5.0000 ± 0.0000")
 
     def test_range_is_that_of_the_means(self) -> None:
         runs = {name: [Measured(Results(made_up.write_results(self.folder / f"{name}{k}", scale)))
                        for k, scale in enumerate(scales)]
-                for name, scales in {"one": (0.9, 1.1), "other": (1.1, 1.3)}.items()}
+                for name, scales in {"one": (0.9, 1.2, 0.9), "other": (1.1, 1.4, 1.1)}.items()}
         with contextlib.redirect_stdout(io.StringIO()):
             contact.report_range(Runner(self.folder, False, []), runs, "forms")
-        for row in list(csv.reader((self.folder / "forms.csv").read_text().splitlines()))[1:]:  # means 1 and 1.2, deviation of each 0.1 sqrt(2)
-            np.testing.assert_allclose([float(value) for value in row[1:]],
-                                       [20 / 1.1, 10 / 1.1, 10 * np.sqrt(2) / 1.1], rtol=1e-6)
+        for row in list(csv.reader((self.folder / "forms.csv").read_text().splitlines()))[1:]:
+            np.testing.assert_allclose([float(value) for value in row[1:]],  # means 1, 1.2; deviation 0.1 sqrt(6)
+                                       [20 / 1.1, 10 * np.sqrt(2) / 1.1, 10 * np.sqrt(6) / 1.1], rtol=1e-6)
 
     def test_order_only_where_the_differences_are_clear(self) -> None:
         def of(*scales: float) -> list[Measured]:
-            return [Measured(Results(made_up.write_results(self.folder / str(scale), scale))) for scale in scales]
+            return [Measured(Results(made_up.write_results(self.folder / f"{k}_{scale}", scale)))
+                    for k, scale in enumerate(scales)]
 
         with contextlib.redirect_stdout(io.StringIO()):
-            for name, finest in (("clear", 1.001), ("unclear", 1.06)):
-                sizes = {"5": of(1.4, 1.402), "2.5": of(1.1, 1.102), "1.25": of(finest, finest + 0.05)}
+            for name, finest in (("clear", 1.016), ("unclear", 1.075)):
+                sizes = {"5": of(1.4, 1.403, 1.4), "2.5": of(1.1, 1.103, 1.1),
+                         "1.25": of(finest, finest + 0.03, finest)}
                 contact.report_orders(Runner(self.folder, False, []), sizes, name)
         for name, exact in (("clear", np.log2(0.3 / 0.075)), ("unclear", None)):
             for row in list(csv.reader((self.folder / f"{name}.csv").read_text().splitlines()))[1:]:
