@@ -22,7 +22,7 @@ EXPLICIT_STEPS = [EXPLICIT, without_limits("approach"),
                   "mpm.json:/outside=remove"]  # a grain of the splash that flies over the grid
 FINEST = ["mpm.json:/grid/box/cells=[320,160]", "mpm.json:/grid/box/high=[0.4,0.2]",
           "mpm.json:/bodies/0/mesh/box/cells=[160,80]", f"{INTERFACE}/surface/spacing=6.25e-4"]
-SIZES = {"5": 8, "2.5": 6, "1.25": 4}  # [mm], runs
+SIZES = {"5": 8, "2.5": 6, "1.25": 3}  # [mm], runs
 STEPS = {"5": 5e-4, "2.5": 2.5e-4, "1.25": 1.25e-4}  # [mm], [s]: of three or four substeps
 STEPS_IN_TIME = (1e-3, 5e-4, 2e-4, 5e-5)  # [s]
 LOCKING = "mpm.json:/locking/method"
