@@ -22,14 +22,14 @@ TEST(LinearMethod, automatic_follows_the_regime) {
   using P = Preconditioner;
   EXPECT_EQ(automatic(0.8, false, 2, 3000), (LinearMethod{M::bicgstab, P::jacobi}));
   EXPECT_EQ(automatic(0.8, true, 2, 3000), (LinearMethod{M::cg, P::jacobi}));
-  EXPECT_EQ(automatic(5, false, 2, 3000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(5, true, 2, 3000), (LinearMethod{M::cg, P::ilu}));
   EXPECT_EQ(automatic(20, false, 2, 3000), (LinearMethod{M::lu, P::none}));
-  EXPECT_EQ(automatic(20, false, 2, 8000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(20, true, 2, 8000), (LinearMethod{M::cg, P::ilu}));
   EXPECT_EQ(automatic(infinity, false, 3, 600), (LinearMethod{M::lu, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 3000), (LinearMethod{M::lu, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 100000), (LinearMethod{M::mumps, P::none}));
   EXPECT_EQ(automatic(infinity, false, 2, 3000, 2), (LinearMethod{M::mumps, P::none}));
-  EXPECT_EQ(automatic(infinity, false, 3, 200000), (LinearMethod{M::bicgstab, P::ilu}));
+  EXPECT_EQ(automatic(infinity, false, 3, 200000), (LinearMethod{M::bicgstab, P::jacobi}));
   EXPECT_EQ(automatic(20, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
   EXPECT_EQ(automatic(infinity, true, 3, 90000), (LinearMethod{M::cg, P::ilu}));
   EXPECT_EQ(automatic(infinity, true, 3, 200000), (LinearMethod{M::cg, P::ilu}));
@@ -37,14 +37,23 @@ TEST(LinearMethod, automatic_follows_the_regime) {
 
 TEST(LinearMethod, wide_rows_are_not_factorised_before_they_have_to_be) {
   const auto chosen = [](double courant, bool wide) {
-    return choose_linear_method({}, {.courant = courant, .wide = wide}, 3, 200000, 1);
+    const LinearRegime regime{.symmetric = true, .courant = courant, .wide = wide};
+    return choose_linear_method({}, regime, 3, 200000, 1);
   };
-  const LinearMethod jacobi{SolutionMethod::bicgstab, Preconditioner::jacobi};
-  const LinearMethod ilu{SolutionMethod::bicgstab, Preconditioner::ilu};
+  const LinearMethod jacobi{SolutionMethod::cg, Preconditioner::jacobi};
+  const LinearMethod ilu{SolutionMethod::cg, Preconditioner::ilu};
   EXPECT_EQ(chosen(13, true), jacobi);
   EXPECT_EQ(chosen(13, false), ilu);
   EXPECT_EQ(chosen(40, true), ilu);
   EXPECT_EQ(chosen(infinity, true), ilu);
+}
+
+TEST(LinearMethod, unsymmetric_matrices_are_not_factorised_incompletely) {
+  const LinearMethod jacobi{SolutionMethod::bicgstab, Preconditioner::jacobi};
+  for (const double courant : {1.0, 5.0, 40.0, infinity}) {
+    EXPECT_EQ(automatic(courant, false, 3, 200000), jacobi) << courant;
+  }
+  EXPECT_EQ(automatic(10, false, 2, 8000), jacobi);
 }
 
 TEST(LinearMethod, multigrid_is_for_large_slender_bodies_at_rest) {
@@ -61,7 +70,7 @@ TEST(LinearMethod, multigrid_is_for_large_slender_bodies_at_rest) {
   EXPECT_EQ(chosen({.symmetric = true, .courant = infinity, .slender = true}, 10000),
             (LinearMethod{M::cg, P::ilu}));
   EXPECT_EQ(chosen({.symmetric = false, .courant = infinity, .slender = true}, 50000),
-            (LinearMethod{M::bicgstab, P::ilu}));
+            (LinearMethod{M::bicgstab, P::jacobi}));
 }
 
 TEST(LinearMethod, settings_override_the_regime) {
