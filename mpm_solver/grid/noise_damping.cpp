@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mpm_solver/grid/group_vectors.hpp"
 #include "mpm_solver/grid/transfer.hpp"
 
 namespace gabion::mpm {
@@ -23,43 +24,31 @@ std::vector<double> mean_at_nodes(const MaterialPoints<dim>& points,
   return mean;
 }
 
-// r -= S mean.
-template <int dim>
-void subtract(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
-              const std::vector<double>& mean, std::vector<Vector<dim>>& r) {
-  Eigen::Matrix<double, dim, max_group_nodes<dim>> mean_i;
+// damp_noise(). @tparam n  see EntryValues
+template <int dim, int n>
+void damp(const PointWeights<dim>& weights, const GridNodes<dim>& nodes, const NoiseDamping& rate,
+          MaterialPoints<dim>& points) {
+  const std::vector<double> v = mean_at_nodes<dim>(points, weights, nodes, points.v);
+  std::vector<Vector<dim>> noise(points.v.size());
+  GroupVectors<dim, n> mean;
   for (const CellGroup& group : weights.groups) {
-    nodes.gather(weights.nodes_of(group), mean, mean_i.data());
+    mean.gather(nodes, weights.nodes_of(group), v);
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const double* N = weights.N_of(e);
-      const std::uint8_t* local = weights.local_of(e);
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        r[weights.point[e]] -= N[i] * mean_i.col(local[i]);
-      }
+      const std::int32_t p = weights.point[e];
+      const double c2 = points.tau[p].norm() * points.V0[p] / points.m[p];
+      const double grad2 =
+          mean.squared_gradient(weights, weights.constant_gradient ? group.first : e);
+      noise[p] = rate.share(c2, grad2) * (points.v[p] - mean.at_point(weights, e));
     }
   }
-}
-
-// |grad S mean|^2 of each point.
-template <int dim>
-std::vector<double> squared_gradients(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
-                                      const std::vector<double>& mean, std::int32_t num_points) {
-  std::vector<double> grad2(num_points, 0.0);
-  Eigen::Matrix<double, dim, max_group_nodes<dim>> mean_i;
+  const std::vector<double> seen = mean_at_nodes<dim>(points, weights, nodes, noise);
   for (const CellGroup& group : weights.groups) {
-    nodes.gather(weights.nodes_of(group), mean, mean_i.data());
+    mean.gather(nodes, weights.nodes_of(group), seen);
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t row = weights.constant_gradient ? group.first : e;
-      const Vector<dim>* grad_N = weights.grad_of(row);
-      const std::uint8_t* local = weights.local_of(row);
-      Eigen::Matrix<double, dim, dim> grad = Eigen::Matrix<double, dim, dim>::Zero();
-      for (int i = 0; i < weights.num_nodes(row); ++i) {
-        grad += mean_i.col(local[i]) * grad_N[i].transpose();
-      }
-      grad2[weights.point[e]] = grad.squaredNorm();
+      const std::int32_t p = weights.point[e];
+      points.v[p] -= noise[p] - mean.at_point(weights, e);
     }
   }
-  return grad2;
 }
 
 }  // namespace
@@ -75,16 +64,7 @@ double NoiseDamping::share(double c2, double grad2) const {
 template <int dim>
 void damp_noise(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                 const NoiseDamping& rate, MaterialPoints<dim>& points) {
-  std::vector<Vector<dim>> noise = points.v;
-  const std::vector<double> v = mean_at_nodes<dim>(points, weights, nodes, noise);
-  const std::vector<double> grad2 = squared_gradients<dim>(weights, nodes, v, points.size());
-  subtract(weights, nodes, v, noise);
-  for (std::int32_t p = 0; p < points.size(); ++p) {
-    const double c2 = points.tau[p].norm() * points.V0[p] / points.m[p];
-    noise[p] *= rate.share(c2, grad2[p]);
-  }
-  subtract(weights, nodes, mean_at_nodes<dim>(points, weights, nodes, noise), noise);
-  for (std::int32_t p = 0; p < points.size(); ++p) points.v[p] -= noise[p];
+  with_num_nodes(weights, [&]<int n>() { damp<dim, n>(weights, nodes, rate, points); });
 }
 
 template void damp_noise<2>(const PointWeights<2>&, const GridNodes<2>&, const NoiseDamping&,

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/mechanics/materials/lanes.hpp"
+#include "mpm_solver/grid/group_vectors.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -76,29 +77,30 @@ void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights
 }
 
 /// Mass and momenta at the nodes of a group, summed up over its points.
-template <int dim>
+/// @tparam num_nodes  see EntryValues
+template <int dim, int num_nodes>
 class GroupMomenta {
  public:
-  void start(int num_nodes) { std::fill_n(x_, num_nodes, Node{}); }
+  void start(int n) { std::fill_n(x_, n, Node{}); }
   void add(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
            std::int32_t entry) {
     const std::int32_t p = weights.point[entry];
-    const double* N = weights.N_of(entry);
-    const std::uint8_t* local = weights.local_of(entry);
+    const EntryValues<dim, num_nodes> values(weights, entry);
     double moved[8] = {0, 0, 0, 0, 0, 0, 0, 1};
     for (int d = 0; d < dim; ++d) {
       moved[d] = points.v[p][d];
       moved[dim + d] = points.a[p][d];
     }
     const Lanes first = load_lanes(moved), last = load_lanes(moved + 4);
-    for (int i = 0; i < weights.num_nodes(entry); ++i) {
-      const double weight = N[i] * points.m[p];
-      x_[local[i]].x[0] += weight * first;
-      x_[local[i]].x[1] += weight * last;
+    for (int i = 0; i < values.size(); ++i) {
+      const double weight = values.N[i] * points.m[p];
+      Node& node = x_[values.number(i)];
+      node.x[0] += weight * first;
+      node.x[1] += weight * last;
     }
   }
-  void scatter(int num_nodes, const std::int32_t* active, GridNodes<dim>& nodes) const {
-    for (int i = 0; i < num_nodes; ++i) {
+  void scatter(int n, const std::int32_t* active, GridNodes<dim>& nodes) const {
+    for (int i = 0; i < n; ++i) {
       nodes.m[active[i]] += x_[i].x[1][3];
       for (int d = 0; d < dim; ++d) {
         nodes.v[active[i]][d] += x_[i].x[d / 4][d % 4];
@@ -157,16 +159,18 @@ void points_to_grid(const MaterialPoints<dim>& points, const PointWeights<dim>& 
   nodes.m.assign(nodes.grid_node.size(), 0);
   nodes.v.assign(nodes.m.size(), Vector<dim>::Zero());
   nodes.a.assign(nodes.m.size(), Vector<dim>::Zero());
-  GroupMomenta<dim> momenta;
-  for (const CellGroup& group : weights.groups) {
-    nodes.list_active(weights.nodes_of(group), active);
-    momenta.start(group.num_nodes);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      momenta.add(points, weights, e);
-      if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
+  with_num_nodes(weights, [&]<int n>() {
+    GroupMomenta<dim, n> momenta;
+    for (const CellGroup& group : weights.groups) {
+      nodes.list_active(weights.nodes_of(group), active);
+      momenta.start(group.num_nodes);
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        momenta.add(points, weights, e);
+        if (points.has_gradients()) add_gradient_momentum(points, weights, e, active, nodes);
+      }
+      momenta.scatter(group.num_nodes, active, nodes);
     }
-    momenta.scatter(group.num_nodes, active, nodes);
-  }
+  });
   nodes.shared.sum(nodes.m, 1);
   nodes.shared.sum(flat(nodes.v), dim);
   nodes.shared.sum(flat(nodes.a), dim);
@@ -190,19 +194,17 @@ std::vector<double> point_forces(const MaterialPoints<dim>& points,
                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                                  std::span<const Vector<dim>> b) {
   std::vector<double> f(nodes.grid_node.size() * dim, 0.0);
-  std::int32_t active[max_group_nodes<dim>];
-  for (const CellGroup& group : weights.groups) {
-    nodes.list_active(weights.nodes_of(group), active);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
-      const double* N = weights.N_of(e);
-      const std::uint8_t* local = weights.local_of(e);
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        Eigen::Map<Vector<dim>> f_i(f.data() + std::ptrdiff_t{active[local[i]]} * dim);
-        f_i += N[i] * points.m[p] * b[p];
+  with_num_nodes(weights, [&]<int n>() {
+    GroupVectors<dim, n> sum;
+    for (const CellGroup& group : weights.groups) {
+      sum.set_zero(group.num_nodes);
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        const std::int32_t p = weights.point[e];
+        sum.add(weights, e, points.m[p] * b[p]);
       }
+      sum.scatter(nodes, weights.nodes_of(group), f);
     }
-  }
+  });
   nodes.shared.sum(f, dim);
   return f;
 }

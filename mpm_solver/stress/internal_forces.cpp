@@ -238,23 +238,25 @@ std::vector<double> InternalForces<dim>::start_forces() const {
   if (averaged_) return averaged_->start_forces(f_int_.size());
   const auto& weights = parts_.weights;
   std::vector<double> f(f_int_.size(), 0.0);
-  NodalSums<dim, 1> sum;
   PointTerms<dim, 1> share;
   std::int32_t active[max_group_nodes<dim>];
-  for (const CellGroup& group : weights.groups) {
-    parts_.nodes.list_active(weights.nodes_of(group), active);
-    sum.start(group.num_nodes);
-    Matrix<dim> P = Matrix<dim>::Zero();
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      P += weights.volume[e] * in_plane<dim>(parts_.points.tau[weights.point[e]]);
-      if (weights.constant_gradient && e + 1 < group.last) continue;
-      const std::int32_t row = weights.constant_gradient ? group.first : e;
-      share.set_stress(P);
-      sum.add(weights.num_nodes(row), weights.local_of(row), weights.grad_of(row), share.nodal[0]);
-      P.setZero();
+  with_num_nodes(weights, [&]<int n>() {
+    NodalSums<dim, 1, n> sum;
+    for (const CellGroup& group : weights.groups) {
+      parts_.nodes.list_active(weights.nodes_of(group), active);
+      sum.start(group.num_nodes);
+      Matrix<dim> P = Matrix<dim>::Zero();
+      for (std::int32_t e = group.first; e < group.last; ++e) {
+        P += weights.volume[e] * in_plane<dim>(parts_.points.tau[weights.point[e]]);
+        if (weights.constant_gradient && e + 1 < group.last) continue;
+        const EntryValues<dim, n> values(weights, weights.constant_gradient ? group.first : e);
+        share.set_stress(P);
+        sum.add(values.n, values.local, values.grad, share.nodal[0]);
+        P.setZero();
+      }
+      sum.scatter(group.num_nodes, active, f.data());
     }
-    sum.scatter(group.num_nodes, active, f.data());
-  }
+  });
   return f;
 }
 

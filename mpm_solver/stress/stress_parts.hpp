@@ -7,6 +7,7 @@
 
 #include "common/mechanics/petsc/node_block.hpp"
 #include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/entry_values.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 #include "mpm_solver/stress/trial_points.hpp"
 
@@ -40,33 +41,6 @@ using GroupDisplacements = std::array<double, max_group_nodes<dim> * dim>;
 /// Consecutive groups of one body.
 struct GroupRange {
   std::int32_t first, last;
-};
-
-/// Number of nodes of PointWeights::whole_cells that are no simplices.
-template <int dim>
-inline constexpr int num_brick_nodes = dim == 2 ? 4 : 8;
-
-/// The nodes that act on an entry of PointWeights.
-/// @tparam num_nodes  where all nodes act on all points (PointWeights::whole_cells): their number;
-///                    otherwise 0
-template <int dim, int num_nodes>
-struct EntryValues {
-  int n;
-  const Vector<dim>* grad;    ///< of each
-  const std::uint8_t* local;  ///< each one's number in the group; null in whole cells
-
-  EntryValues(const PointWeights<dim>& weights, std::int32_t entry) {
-    if constexpr (num_nodes > 0) {
-      n = num_nodes;
-      grad = weights.grad_N.data() + static_cast<std::ptrdiff_t>(entry) * num_nodes;
-      local = nullptr;
-    } else {
-      n = weights.num_nodes(entry);
-      grad = weights.grad_of(entry);
-      local = weights.local_of(entry);
-    }
-  }
-  int number(int i) const { return num_nodes > 0 ? i : local[i]; }
 };
 
 /// H of one entry of a group, sum_i du_i (x) grad N_ip.
