@@ -51,6 +51,7 @@ WallConditions<dim>::WallConditions(const BackgroundGrid<dim>& grid,
       add(index_of(facets[k]), {w, geometry[k / num_nodes(type)].normal});
     }
   }
+  for (Node& node : nodes_) set_shares(node);
 }
 
 template <int dim>
@@ -83,11 +84,10 @@ void WallConditions<dim>::add(std::size_t k, const Hold& hold) {
 }
 
 template <int dim>
-Eigen::Matrix<double, dim, Eigen::Dynamic, 0, dim, dim> WallConditions<dim>::directions(
-    const Node& node) {
+void WallConditions<dim>::set_shares(Node& node) {
   Eigen::Matrix<double, dim, Eigen::Dynamic, 0, dim, dim> N(dim, node.num_holds);
   for (int k = 0; k < node.num_holds; ++k) N.col(k) = node.holds[k].n;
-  return N;
+  node.shares.topRows(node.num_holds) = (N.transpose() * N).inverse() * N.transpose();
 }
 
 template <int dim>
@@ -104,12 +104,11 @@ void WallConditions<dim>::begin_step(double time, double dt) {
   move_ = largest > 0;
   if (!any) return;
   for (Node& node : nodes_) {
-    const auto N = directions(node);
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, dim, 1> g(node.num_holds);
+    node.w.setZero();  // w . n_k = step . n_k, w in the range of the n_k
     for (int k = 0; k < node.num_holds; ++k) {
-      g[k] = node.holds[k].n.dot(steps_[node.holds[k].wall]);
+      const Hold& hold = node.holds[k];
+      node.w += hold.n.dot(steps_[hold.wall]) * node.shares.row(k).transpose();
     }
-    node.w = N * (N.transpose() * N).inverse() * g;  // N^T w = g, w in the range of N
   }
   for (const Repetition& repetition : repetitions_) {
     require_agreement(repetition, same_motion * largest);
@@ -168,10 +167,8 @@ std::vector<Vector<dim>> WallConditions<dim>::forces(std::span<const double> r,
     const Node& node = nodes_[selected_[k]];
     const Eigen::Map<const Vector<dim>> r_i(r.data() +
                                             static_cast<std::size_t>(constrained_[k]) * dim);
-    const auto N = directions(node);
-    const auto lambda = ((N.transpose() * N).inverse() * N.transpose() * r_i).eval();
     for (int m = 0; m < node.num_holds; ++m) {
-      sums[node.holds[m].wall] += lambda[m] * node.holds[m].n;
+      sums[node.holds[m].wall] += node.shares.row(m).dot(r_i) * node.holds[m].n;
     }
   }
   return sums;

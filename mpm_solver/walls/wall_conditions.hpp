@@ -63,6 +63,7 @@ class WallConditions {
     std::int32_t grid_node = 0;
     int num_holds = 0;  // independent directions
     Hold holds[dim];
+    Matrix<dim> shares = Matrix<dim>::Zero();  // x = sum_k (shares_k . x) n_k where x is held
     Matrix<dim> Q = Matrix<dim>::Identity();
     Vector<dim> w = Vector<dim>::Zero();  // of the step under way [m]
   };
@@ -74,7 +75,7 @@ class WallConditions {
   std::size_t index_of(std::int32_t grid_node) const;
   void add(std::size_t k, const Hold& hold);
   void require_agreement(const Repetition& repetition, double tolerance) const;
-  static Eigen::Matrix<double, dim, Eigen::Dynamic, 0, dim, dim> directions(const Node& node);
+  static void set_shares(Node& node);
 
   std::vector<WallSettings> walls_;
   std::vector<Node> nodes_;  // ascending grid nodes

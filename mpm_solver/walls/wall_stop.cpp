@@ -14,9 +14,13 @@ namespace {
 // x <- (1 - Q) x.
 template <int dim>
 void hold(const WallConditions<dim>& walls, std::vector<double>& x) {
-  std::vector<double> free = x;
-  walls.project(free);
-  for (std::size_t k = 0; k < x.size(); ++k) x[k] -= free[k];
+  std::vector<double> held(x.size(), 0.0);
+  for (std::size_t k = 0; k < walls.constrained().size(); ++k) {
+    const std::ptrdiff_t first = std::ptrdiff_t{walls.constrained()[k]} * dim;
+    const Eigen::Map<const Vector<dim>> x_i(x.data() + first);
+    Eigen::Map<Vector<dim>>(held.data() + first) = x_i - walls.projectors()[k] * x_i;
+  }
+  x = std::move(held);
 }
 
 }  // namespace
@@ -92,11 +96,13 @@ void WallStop<dim>::search(const WallConditions<dim>& walls, const GridNodes<dim
     for (std::size_t k = 0; k < n; ++k) J_[k] += d[k];
     if (sweep == num_sweeps) return;
     respond(nodes.shared, d, dv);
-    hold(walls, dv);
     const double next = 1 / (2 * sigma - rho);
-    for (std::size_t k = 0; k < n; ++k) {
-      r[k] -= dv[k];
-      d[k] = next * (rho * d[k] + 2 / radius * nodes.m[k / dim] * r[k]);
+    for (std::size_t k = 0; k < walls.constrained().size(); ++k) {
+      const std::int32_t i = walls.constrained()[k];
+      const Eigen::Map<const Vector<dim>> dv_i(&dv[std::size_t(i) * dim]);
+      Eigen::Map<Vector<dim>> r_i(&r[std::size_t(i) * dim]), d_i(&d[std::size_t(i) * dim]);
+      r_i -= dv_i - walls.projectors()[k] * dv_i;
+      d_i = next * (rho * d_i + 2 / radius * nodes.m[i] * r_i);
     }
     rho = next;
   }
