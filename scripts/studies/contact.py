@@ -149,6 +149,7 @@ def contact(runner: Runner) -> None:
          "what triangles with edges of 5 mm are like")
     steps = {f"explicit, {1e3 * dt:g} ms": Kind(explicit(dt)) for dt in STEPS_IN_TIME}
     steps["implicit, by their error, as shipped"] = Kind([])
+    steps["granular_obstacle_explicit, as shipped"] = Kind([], scene=f"{SCENE}_explicit")
     rows(runner, steps, "steps in time, gimp, F-bar, h = 5 mm")
     remark(runner)
 

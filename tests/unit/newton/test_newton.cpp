@@ -77,14 +77,15 @@ TEST(Newton, converges_quadratically) {
   EXPECT_LT(order, 2.2);
 }
 
-TEST(Newton, inexact_linear_solves_cost_no_iteration) {
+TEST(Newton, inexact_linear_solves_cost_one_iteration_at_most) {
   for (const double load : {3.0, 30.0, 100.0}) {
     SpringChain chain;
     chain.num_springs = 40;
     chain.load_x = load;
     Bench direct(chain, "lu"), krylov(chain, "bicgstab");
     const auto exact = direct.solve(), inexact = krylov.solve();
-    EXPECT_EQ(inexact.iterations, exact.iterations) << load;
+    EXPECT_GE(inexact.iterations, exact.iterations) << load;
+    EXPECT_LE(inexact.iterations, exact.iterations + 1) << load;
     expect_exact(krylov, 1e-6);
     EXPECT_GT(inexact.linear_iterations, 0);
   }
