@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/run/time_steps.hpp"
+#include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/verification/mpm/parabolic_cap.hpp"
 
@@ -64,20 +64,8 @@ inline double cap_depth(const ParabolicCap& cap, const mpm::MaterialPoints<2>& p
 /// @param observe  called with each accepted state
 inline void run_cap(mpm::MpmSolver<2>& solver, const ParabolicCap& cap,
                     const std::function<void(const CapState&)>& observe) {
-  TimeSteps steps({.end = cap_end + 0.5 * cap_ramp, .dt = cap.dt, .dt_min = cap.dt / 1024});
-  InterfaceValues sent;
-  while (!steps.finished()) {
-    const StepRequest request{steps.step(), 0, steps.time(), steps.dt()};
-    try {
-      solver.solve_step(request, {}, sent);
-      solver.accept_step(request, true);
-      steps.accept();
-      observe(CapState(solver.points(), steps.time()));
-    } catch (const ConvergenceError& error) {
-      solver.reject_step();
-      steps.cut(error.what());
-    }
-  }
+  run_with_cuts(solver, {.end = cap_end + 0.5 * cap_ramp, .dt = cap.dt, .dt_min = cap.dt / 1024},
+                [&](double time) { observe(CapState(solver.points(), time)); });
 }
 
 /// The profile beside both similarity solutions.
