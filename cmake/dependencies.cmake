@@ -13,7 +13,8 @@ pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 set_target_properties(PkgConfig::PETSC PROPERTIES INTERFACE_COMPILE_OPTIONS "")  # of Debian's own build
 pkg_check_modules(SLEPC REQUIRED IMPORTED_TARGET SLEPc)
 set_target_properties(PkgConfig::SLEPC PROPERTIES INTERFACE_COMPILE_OPTIONS "")
-pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
+# The one that PETSc is linked with: two libraries of HDF5 in one process would be two states of it.
+pkg_check_modules(HDF5_OPENMPI REQUIRED IMPORTED_TARGET hdf5-openmpi)
 if(GABION_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)
 endif()

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
@@ -12,7 +11,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
-#include "common/hdf5/hdf5_handle.hpp"
+#include "common/hdf5/hdf5_dataset.hpp"
 
 namespace gabion {
 
@@ -20,9 +19,6 @@ namespace {
 
 /// Memory grows by this much [bytes].
 constexpr std::size_t memory_increment = 1 << 20;
-
-/// Rows of one chunk: the fastest of those measured that does not cost much in size.
-constexpr hsize_t chunk_rows = 4096;
 
 }  // namespace
 
@@ -79,19 +75,12 @@ void Hdf5File::write(const std::string& dataset, int columns,
 void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
   assert(file_ >= 0);
   const QuietErrors quiet;
-  Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  bool good = space.id() >= 0 && type.id() >= 0 && creation.id() >= 0 &&
-              H5Tset_size(type.id(), text.size() + 1) >= 0 &&
-              H5Pset_obj_track_times(creation.id(), false) >= 0;  // equal runs, equal files
-  if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
-  Handle data(H5Dcreate2(file_, dataset.c_str(), type.id(), space.id(), H5P_DEFAULT, creation.id(),
-                         H5P_DEFAULT),
-              H5Dclose);
-  good = data.id() >= 0 &&
-         H5Dwrite(data.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0 &&
-         data.close();
+  Handle data(new_text(file_, dataset, text.size()), H5Dclose);
+  Handle type(data.id() < 0 ? -1 : H5Dget_type(data.id()), H5Tclose);
+  const bool good =
+      type.id() >= 0 &&
+      H5Dwrite(data.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0 &&
+      data.close();
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 
@@ -99,28 +88,13 @@ void Hdf5File::write_values(const std::string& dataset, int columns, std::size_t
                             std::int64_t type, const void* values) {
   assert(file_ >= 0 && columns > 0 && count % columns == 0);
   const QuietErrors quiet;
-  const std::string what = fmt::format("write dataset {}", dataset);
-  const hsize_t size[2] = {count / columns, static_cast<hsize_t>(columns)};
-  const int rank = columns == 1 ? 1 : 2;
-  Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose);
-  Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  if (space.id() < 0 || links.id() < 0 || creation.id() < 0) fail(what, hdf5_cause());
-  bool good = H5Pset_create_intermediate_group(links.id(), 1) >= 0;
-  good = good && H5Pset_obj_track_times(creation.id(), false) >= 0;  // equal runs, equal files
-  if (count > 0) {
-    const hsize_t chunk[2] = {std::min(size[0], chunk_rows), size[1]};
-    good = good && H5Pset_chunk(creation.id(), rank, chunk) >= 0 &&
-           H5Pset_shuffle(creation.id()) >= 0 && H5Pset_deflate(creation.id(), 1) >= 0;
-  }
-  if (!good) fail(what, hdf5_cause());
-  Handle data(
-      H5Dcreate2(file_, dataset.c_str(), type, space.id(), links.id(), creation.id(), H5P_DEFAULT),
-      H5Dclose);
-  if (data.id() < 0) fail(what, hdf5_cause());
-  if (count > 0 && H5Dwrite(data.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-    fail(what, hdf5_cause());
-  if (!data.close()) fail(what, hdf5_cause());
+  const DatasetSize size{.rows = count / columns, .columns = static_cast<hsize_t>(columns)};
+  Handle data(new_dataset(file_, dataset, type, size), H5Dclose);
+  const bool good =
+      data.id() >= 0 &&
+      (count == 0 || H5Dwrite(data.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0) &&
+      data.close();
+  if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 
 void Hdf5File::finish() {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/mpm_output.hpp"
 
-#include <algorithm>
 #include <functional>
-#include <numeric>
 #include <utility>
 
-#include "common/mechanics/ranks/gather.hpp"
 #include "mpm_solver/points/flat.hpp"
+#include "mpm_solver/ranks/point_rows.hpp"
 
 namespace gabion::mpm {
 
@@ -65,30 +63,6 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
       field("body", 1, body)};
 }
 
-// Places of the ids in ascending order; empty: they are in order.
-std::vector<std::size_t> order_of(const std::vector<std::int64_t>& ids) {
-  std::vector<std::size_t> order;
-  if (std::is_sorted(ids.begin(), ids.end())) return order;
-  order.resize(ids.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
-  return order;
-}
-
-// As many values a point as there are.
-std::vector<double> ordered(const std::vector<std::size_t>& order, std::vector<double> values) {
-  if (order.empty()) return values;
-  const std::size_t width = values.size() / order.size();
-  std::vector<double> result;
-  result.reserve(values.size());
-  for (const std::size_t p : order) {
-    const double* const of_point = values.data() + p * width;
-    result.insert(result.end(), of_point, of_point + width);
-  }
-  return result;
-}
-
 }  // namespace
 
 template <int dim>
@@ -98,33 +72,23 @@ std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
 }
 
 template <int dim>
-MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder)
-    : comm_(comm), writes_(!folder.empty()) {
-  if (writes_ && rank_of(comm) == 0) series_ = std::make_unique<XdmfSeries>(folder, "soil");
+MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder) : comm_(comm) {
+  if (!folder.empty()) series_.emplace(folder, "soil", comm);
 }
 
 template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
-  if (!writes_) return;
-  const auto order = order_of(gather<std::int64_t>(comm_, points.id));
-  const auto of_all = [&](Values own) {
-    if (num_ranks(comm_) == 1) return ordered(order, std::move(own));
-    Values all = gather<double>(comm_, own);
-    own = {};
-    return ordered(order, std::move(all));
-  };
+  if (!series_) return;
+  const PointRows rows(comm_, points);
   std::vector<OutputField> fields = frame_fields(points);
   for (OutputField& field : fields) {
-    field.make = [own = std::move(field.make), &of_all] { return of_all(own()); };
+    field.make = [own = std::move(field.make), &rows, width = field.components] {
+      return rows.gather_rows(own(), width);
+    };
   }
   const auto x = flat(points.x);
-  const Values x_of_all = of_all({x.begin(), x.end()});
-  if (series_) {
-    series_->write(
-        {.time = time, .dim = dim, .coordinates = x_of_all, .fields = std::move(fields)});
-  } else {
-    for (const OutputField& field : fields) field.make();  // gathered in the same order
-  }
+  const Values x_of_rows = rows.gather_rows({x.begin(), x.end()}, dim);
+  series_->write({.time = time, .dim = dim, .coordinates = x_of_rows, .fields = std::move(fields)});
 }
 
 template class MpmOutput<2>;

@@ -4,7 +4,7 @@
 #include <mpi.h>
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "common/mechanics/output/xdmf_series.hpp"
@@ -12,9 +12,8 @@
 
 namespace gabion::mpm {
 
-/// Frames of the material points, gathered on the first rank field by field and ordered by id:
-/// displacement, velocity, Cauchy stress, mean pressure, plastic strain, volume ratio, volume,
-/// body.
+/// Frames of the material points, ordered by id: displacement, velocity, Cauchy stress, mean
+/// pressure, plastic strain, volume ratio, volume, body. Each rank writes its share of the rows.
 template <int dim>
 class MpmOutput {
  public:
@@ -27,8 +26,7 @@ class MpmOutput {
 
  private:
   MPI_Comm comm_;
-  std::unique_ptr<XdmfSeries> series_;  // on the first rank only
-  bool writes_;
+  std::optional<XdmfSeries> series_;
 };
 
 }  // namespace gabion::mpm

@@ -13,7 +13,9 @@
 
 #include "common/base/names.hpp"
 #include "common/base/require.hpp"
-#include "common/hdf5/hdf5_file.hpp"
+#include "common/mechanics/output/ranked_hdf5_file.hpp"
+#include "common/mechanics/ranks/share.hpp"
+#include "common/mechanics/ranks/text.hpp"
 
 namespace gabion {
 
@@ -93,7 +95,7 @@ constexpr NumberFormat float32_format{.type = "Float", .bytes = 4};
 constexpr NumberFormat float64_format{.type = "Float", .bytes = 8};
 
 /// @param place  file and dataset, "soil_000000.h5:/coordinates"
-std::string data_item(const std::string& place, std::size_t rows, int columns,
+std::string data_item(const std::string& place, std::int64_t rows, int columns,
                       const NumberFormat& format) {
   const std::string size =
       columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
@@ -132,23 +134,31 @@ std::string dataset_of(const OutputField& field) {
   return (field.on_cells ? "cell/" : "point/") + field.name;
 }
 
-void write_field(const OutputFrame& frame, OutputField field, Hdf5File& file) {
+void write_field(MPI_Comm comm, const OutputFrame& frame, OutputField field, RankedHdf5File& file) {
   std::vector<double> made;
   if (field.make) {
     made = field.make();
     field.values = made;
-    check_size(frame, field);
   }
   const Layout stored = layout(field);
-  const auto values = arrange<float>(field.values, field.components, stored.columns, field.name);
+  std::vector<float> values;
+  together(comm, [&] {
+    check_size(frame, field);
+    values = arrange<float>(field.values, field.components, stored.columns, field.name);
+  });
   made = {};
   file.write(dataset_of(field), static_cast<int>(stored.columns.size()), values);
 }
 
 }  // namespace
 
-XdmfSeries::XdmfSeries(std::string folder, std::string name)
-    : folder_(std::move(folder)), name_(std::move(name)) {
+struct XdmfSeries::Rows {
+  RowShare points, cells;
+  const RowShare& of(const OutputField& field) const { return field.on_cells ? cells : points; }
+};
+
+XdmfSeries::XdmfSeries(std::string folder, std::string name, MPI_Comm comm)
+    : folder_(std::move(folder)), name_(std::move(name)), comm_(comm) {
   check_name("output series", name_);
 }
 
@@ -175,43 +185,51 @@ void XdmfSeries::make_folder() const {
 }
 
 void XdmfSeries::write(OutputFrame frame) {
-  check(frame);
+  together(comm_, [&] { check(frame); });
+  const Rows rows{.points = share_of_rows(comm_, std::ssize(frame.coordinates) / frame.dim),
+                  .cells = share_of_rows(comm_, static_cast<std::int64_t>(num_cells(frame)))};
   std::vector<std::int32_t> own_cells;
   if (frame.connectivity.empty()) {
     own_cells.resize(num_cells(frame));  // ParaView's newer readers draw nothing without it
-    std::iota(own_cells.begin(), own_cells.end(), 0);
+    std::iota(own_cells.begin(), own_cells.end(), static_cast<std::int32_t>(rows.cells.first));
     frame.connectivity = own_cells;
   }
-  if (times_.empty()) make_folder();
+  const bool first = rank_of(comm_) == 0;
+  together(comm_, [&] {
+    if (first && times_.empty()) make_folder();
+  });
   const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
-  Hdf5File file((std::filesystem::path(folder_) / file_name).string());
+  RankedHdf5File file((std::filesystem::path(folder_) / file_name).string(), comm_);
   // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
   const std::vector<int> xyz = frame.dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
   file.write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));
   file.write("connectivity", num_nodes(frame.cell_type), frame.connectivity);
-  for (const OutputField& field : frame.fields) write_field(frame, field, file);
+  for (const OutputField& field : frame.fields) write_field(comm_, frame, field, file);
   file.finish();
   times_.push_back(frame.time);
-  grids_.push_back(grid_text(frame, file_name));
-  write_index();
+  grids_.push_back(grid_text(frame, rows, file_name));
+  together(comm_, [&] {
+    if (first) write_index();
+  });
 }
 
 /// XML of one frame.
-std::string XdmfSeries::grid_text(const OutputFrame& frame, const std::string& file_name) const {
+std::string XdmfSeries::grid_text(const OutputFrame& frame, const Rows& rows,
+                                  const std::string& file_name) const {
   std::string text = fmt::format(
       "<Grid Name=\"{}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n"
       "<Topology {} NumberOfElements=\"{}\">{}</Topology>\n"
       "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-      name_, frame.time, topology(frame.cell_type), num_cells(frame),
-      data_item(file_name + ":/connectivity", num_cells(frame), num_nodes(frame.cell_type),
+      name_, frame.time, topology(frame.cell_type), rows.cells.total,
+      data_item(file_name + ":/connectivity", rows.cells.total, num_nodes(frame.cell_type),
                 int32_format),
-      data_item(file_name + ":/coordinates", num_points(frame), 3, float64_format));
+      data_item(file_name + ":/coordinates", rows.points.total, 3, float64_format));
   for (const OutputField& field : frame.fields) {
     const Layout stored = layout(field);
     text +=
         fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
                     field.name, stored.attribute_type, field.on_cells ? "Cell" : "Node",
-                    data_item(file_name + ":/" + dataset_of(field), num_rows(frame, field),
+                    data_item(file_name + ":/" + dataset_of(field), rows.of(field).total,
                               static_cast<int>(stored.columns.size()), float32_format));
   }
   return text + "</Grid>\n";

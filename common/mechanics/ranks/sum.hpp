@@ -10,15 +10,16 @@
 
 namespace gabion {
 
+/// MPI_COMM_NULL stands for a process that is alone, with MPI or without.
 inline int num_ranks(MPI_Comm comm) {
   int size = 1;
-  MPI_Comm_size(comm, &size);
+  if (comm != MPI_COMM_NULL) MPI_Comm_size(comm, &size);
   return size;
 }
 
 inline int rank_of(MPI_Comm comm) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  if (comm != MPI_COMM_NULL) MPI_Comm_rank(comm, &rank);
   return rank;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "common/base/error.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion {
@@ -19,6 +21,20 @@ inline std::string first_text(MPI_Comm comm, std::string text) {
   text.resize(length);
   MPI_Bcast(text.data(), length, MPI_CHAR, speaker, comm);
   return text;
+}
+
+/// Do the work, which is not collective. @throws Error  on all ranks what it threw on the lowest
+/// one. @note Collective.
+inline void together(MPI_Comm comm, const std::function<void()>& work) {
+  if (num_ranks(comm) == 1) return work();
+  std::string problem;
+  try {
+    work();
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  problem = first_text(comm, problem);
+  if (!problem.empty()) throw Error(problem);
 }
 
 }  // namespace gabion

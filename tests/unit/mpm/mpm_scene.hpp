@@ -27,11 +27,12 @@ mpm::MpmSettings<dim> mpm_settings(const Json& json) {
 }
 
 /// The solver of an mpm.json, made as the program makes it.
-inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm()) {
+inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm(),
+                                        const std::string& output_folder = "") {
   const TemporaryScene folder("mpm.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
-  return make_mpm_solver(scene, in, on, "", nullptr);
+  return make_mpm_solver(scene, in, on, output_folder, nullptr);
 }
 
 /// The same with its material points to look at.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 
 #include "common/hdf5/hdf5_file.hpp"
 #include "tests/unit/output/output_folder.hpp"
+#include "tests/unit/output/small_disk.hpp"
 
 namespace gabion {
 namespace {
@@ -108,32 +108,11 @@ TEST_F(Hdf5FileTest, errors_name_the_file_and_the_cause) {
   EXPECT_TRUE(files().empty());
 }
 
-/// A limit on the size of files stands for a full disk: the system refuses the write.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int);
-};
-
 TEST_F(Hdf5FileTest, a_full_disk_is_an_error_and_leaves_nothing) {
   for (const rlim_t size : {100, 3000, 200000}) {
     SCOPED_TRACE(size);
     {
-      const SmallDisk disk(size);
+      const test::SmallDisk disk(size);
       expect_error<Error>(
           [&] {
             Hdf5File file(path("a.h5"));
