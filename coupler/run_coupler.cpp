@@ -182,7 +182,8 @@ void couple(Server& server, const CoupledRun& run, RunRecord& files) {
     Solver& solver = *entry.second;
     participants.push_back({entry.first, solver});
     for (InterfaceMesh& mesh : solver.interfaces()) surfaces.push_back(std::move(mesh));
-    parts.solvers.emplace_back(entry.first, [&solver] { return solver.save_state(); });
+    parts.solvers.emplace_back(
+        entry.first, [&solver](const std::string& path) { return solver.save_state_to(path); });
   }
   warn_all(rounding_warnings(settings.coupling, surfaces, scene.path("coupler.json")));
   std::optional<Checkpoints> checkpoints;

@@ -42,7 +42,7 @@ class FemSolver final : public Solver {
   void load_state(const State& state) override;
   /// All ranks have the whole state.
   bool joins_states() const override { return true; }
-  void join_states(std::span<const State> states) override { load_state(states.front()); }
+  void join_states(const State& first, std::span<const State>) override { load_state(first); }
 
   const StructureState& state() const { return state_; }
   /// Start from other displacements and velocities, num_nodes x dim [m, m/s], at time 0.

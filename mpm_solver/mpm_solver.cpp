@@ -70,9 +70,9 @@ void MpmSolver<dim>::load_state(const State& state) {
 }
 
 template <int dim>
-void MpmSolver<dim>::join_states(std::span<const State> states) {
+void MpmSolver<dim>::join_states(const State& first, std::span<const State> own) {
   step_.forget();
-  state_.join(states, model_);
+  state_.join(first, own, model_);
 }
 
 template <int dim>

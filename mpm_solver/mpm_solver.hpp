@@ -13,7 +13,8 @@
 
 namespace gabion::mpm {
 
-/// The soil: material point method, implicit or explicit, in updated Lagrangian form (docs/theory/soil.md).
+/// The soil: material point method, implicit or explicit, in updated Lagrangian form
+/// (docs/theory/soil.md).
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
 class MpmSolver final : public Solver {
@@ -41,7 +42,7 @@ class MpmSolver final : public Solver {
   }
   void load_state(const State& state) override;
   bool joins_states() const override { return true; }
-  void join_states(std::span<const State> states) override;
+  void join_states(const State& first, std::span<const State> own) override;
 
   const MaterialPoints<dim>& points() const { return state_.points; }
   const Surfaces<dim>& surfaces() const { return state_.surfaces; }

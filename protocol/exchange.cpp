@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include "common/base/require.hpp"
@@ -117,6 +118,7 @@ constexpr std::size_t bytes_a_value = sizeof(std::int64_t);
 
 void put(Message& message, const State& state) {
   message.fields["state"] = state.facts;
+  if (!state.file.empty()) message.fields["file"] = state.file;
   for (const auto& [name, values] : state.reals) {
     message.add(real_prefix + name, {static_cast<std::int64_t>(values.size())}, values);
   }
@@ -128,6 +130,9 @@ void put(Message& message, const State& state) {
 Message saved(const State& state) {
   Message message = new_message("saved");
   put(message, state);
+  if (!state.file.empty()) {
+    message.fields["file_bytes"] = std::filesystem::file_size(state.file);
+  }
   return message;
 }
 
@@ -143,6 +148,7 @@ State read_state(const Message& message) {
   require<ProtocolError>(state.facts.is_object(),
                          "message \"{}\", field \"state\": expected an object, found {}",
                          message.type, shortened(state.facts));
+  if (message.fields.contains("file")) state.file = message.text("file");
   for (const auto& array : message.arrays) {
     require<ProtocolError>(array.name.find('/') == std::string::npos,
                            "message \"{}\": array \"{}\" has a / in its name", message.type,

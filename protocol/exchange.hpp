@@ -31,7 +31,8 @@ void put_values(Message& message, const std::string& quantity,
 InterfaceValues read_values(Message message, const std::string& quantity,
                             const std::vector<InterfaceMesh>& interfaces);
 
-/// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension.
+/// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension; the path
+/// of a state that is in a file as "file".
 void put(Message& message, const State& state);
 /// Replies to "save" and "load".
 Message saved(const State& state);

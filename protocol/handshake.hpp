@@ -12,7 +12,7 @@
 namespace gabion {
 
 /// Version of the wire contract, "major.minor". Majors must agree.
-inline constexpr const char* protocol_version = "1.2";
+inline constexpr const char* protocol_version = "1.3";
 
 /// The sign convention of all values on the wire; both sides must name the same one.
 inline constexpr const char* sign_convention =

@@ -127,7 +127,8 @@ void Heartbeat::check_coupler(double slept) {
   }
   if (!lost_) since_loss_ = Stopwatch();
   lost_ = true;
-  const bool writing = phase == "write_output" || phase.starts_with("accept_step");
+  const bool writing =
+      phase == "write_output" || phase == "save" || phase.starts_with("accept_step");
   if (since_loss_.seconds() < (writing ? output_grace : grace)) return;
   std::fputs(fmt::format("[{}] error: {}; this process ends in phase \"{}\"\n",
                          settings_.participant, *loss, phase)

@@ -130,7 +130,7 @@ class Participant : private RequestHandler {
                      std::optional<double> output_time) override;
   Answer reject_step() override;
   Answer write_output(double time) override;
-  Answer save_state() override;
+  Answer save_state(const std::string& file) override;
   Answer load_state(const Message& request) override;
   Answer summarize() override;
   bool is_inside_step() const override { return awaits_verdict_; }

@@ -5,6 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "common/base/require.hpp"
 #include "protocol/exchange.hpp"
@@ -103,6 +106,24 @@ Json RemoteSolver::summary() const {
 State RemoteSolver::save_state() {
   const Message reply = call(new_message("save"), "saved");
   return switchboard_.guarded([&] { return read_state(reply); });
+}
+
+State RemoteSolver::save_state_to(const std::string& path) {
+  Message request = new_message("save");
+  request.fields["file"] = path;
+  const Message reply = call(std::move(request), "saved");
+  return switchboard_.guarded([&] {
+    State state = read_state(reply);
+    if (state.file.empty()) return state;
+    std::error_code error;
+    const auto found = std::filesystem::file_size(path, error);
+    const std::int64_t bytes = reply.integer("file_bytes");
+    require<ProtocolError>(state.file == path && !error && std::cmp_equal(found, bytes),
+                           "participant \"{}\" says that it wrote {} bytes to {}: found {} in {}",
+                           name(), bytes, state.file,
+                           error ? error.message() : fmt::format("{} bytes", found), path);
+    return state;
+  });
 }
 
 void RemoteSolver::load_state(const State& state) {

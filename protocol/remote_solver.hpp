@@ -48,6 +48,8 @@ class RemoteSolver : public AsynchronousSolver {
   Json summary() const override;
   bool keeps_state() const override { return hello_.keeps_state; }
   State save_state() override;
+  /// @throws ProtocolError  the participant wrote a file that is not there, or is of another size
+  State save_state_to(const std::string& path) override;
   void load_state(const State& state) override;
   std::optional<double> last_busy_seconds() const override { return last_call_.busy_seconds; }
 

@@ -51,7 +51,9 @@ class DrivenSolver final : public RequestHandler {
     return new_message("written");
   }
 
-  Answer save_state() override { return saved(solver_.save_state()); }
+  Answer save_state(const std::string& file) override {
+    return saved(file.empty() ? solver_.save_state() : solver_.save_state_to(file));
+  }
 
   Answer load_state(const Message& request) override {
     solver_.load_state(read_state(request));

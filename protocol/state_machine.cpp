@@ -83,8 +83,8 @@ StateMachine::Answer StateMachine::write(Message request) {
   return handler_.write_output(request.number("time"));
 }
 
-StateMachine::Answer StateMachine::save(Message) {
-  return handler_.save_state();
+StateMachine::Answer StateMachine::save(Message request) {
+  return handler_.save_state(request.fields.contains("file") ? request.text("file") : "");
 }
 
 StateMachine::Answer StateMachine::load(Message request) {

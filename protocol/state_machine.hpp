@@ -24,7 +24,8 @@ class RequestHandler {
                              std::optional<double> output_time) = 0;
   virtual Answer reject_step() = 0;
   virtual Answer write_output(double time) = 0;
-  virtual Answer save_state() = 0;
+  /// @param file  where the state may be written instead; empty: nowhere
+  virtual Answer save_state(const std::string& file) = 0;
   virtual Answer load_state(const Message& request) = 0;
   virtual Answer summarize() = 0;
   /// Whether the code's current state may be another one than the accepted one.

@@ -4,10 +4,14 @@
 #include <sys/resource.h>
 
 #include <ctime>
+#include <filesystem>
+#include <system_error>
 
+#include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "solver_program/ranked_state.hpp"
+#include "solver_program/ranked_state_file.hpp"
 
 namespace gabion {
 
@@ -140,8 +144,31 @@ State RankedSolver::save_state() {
   return all;
 }
 
+State RankedSolver::save_state_to(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (size_ > 1) MPI_Barrier(comm_);  // the first rank may have just made it
+  std::error_code unseen;
+  const bool seen = std::filesystem::is_directory(folder, unseen);
+  const bool seen_by_all = max_over_ranks(comm_, seen ? 0.0 : 1.0) == 0;
+  if (!seen_by_all) {
+    log::warn("checkpoint: {} is not seen by all ranks; its first rank sends the state of all",
+              folder.string());
+    return save_state();
+  }
+  State all;
+  together([&] { write_ranked_state(comm_, path, inner_.save_state()); });
+  all.file = path;
+  return all;
+}
+
 void RankedSolver::load_state(const State& state) {
-  together([&] { load_gathered(comm_, state, inner_); });
+  together([&] {
+    if (state.file.empty()) {
+      load_gathered(comm_, state, inner_);
+    } else {
+      load_ranked_state(comm_, state.file, inner_);
+    }
+  });
 }
 
 }  // namespace gabion

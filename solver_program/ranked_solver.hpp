@@ -37,7 +37,10 @@ class RankedSolver final : public Solver {
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).
   State save_state() override;
-  /// @param state  of all ranks; read on the first one only (load_gathered)
+  /// Each rank writes its part of the file (write_ranked_state). Where a rank does not see the
+  /// folder, on another machine, with a warning as save_state().
+  State save_state_to(const std::string& path) override;
+  /// @param state  of all ranks; read on the first one only (load_gathered). A file: on all ranks
   void load_state(const State& state) override;
 
  private:

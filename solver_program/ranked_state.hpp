@@ -19,6 +19,9 @@ State gather_state(MPI_Comm comm, State own);
 /// @note Collective.
 State scatter_state(MPI_Comm comm, const State& all);
 
+/// @throws ConfigError  the run has another number of ranks than that which saved its state
+void require_ranks(MPI_Comm comm, int saved_ranks);
+
 /// Let the solver go on from what gather_state() made: from its own part, or, where that was made
 /// by another number of ranks, from all parts if it can join them.
 /// @param all  read on the first rank only

@@ -141,7 +141,7 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   serve_on_ranks(run.session.comm(), *solver, participant_settings(run, endpoint), welcomed);
 }
 
-/// The checkpoint that the run goes on from, if any; each rank reads it.
+/// The checkpoint that the run goes on from, if any; each rank reads it, but for the solver's file.
 std::optional<Checkpoint> load_checkpoint(const SolverRun& run) {
   const ProgramOptions& options = run.options;
   if (options.restart.empty()) return std::nullopt;
@@ -173,7 +173,8 @@ void drive_alone(const SolverRun& run) {
       {.folder = options.output,
        .kind = program.name,
        .writes = run.session.is_root(),
-       .solvers = {{program.folder, [&] { return solver.save_state(); }}},
+       .solvers = {{program.folder,
+                    [&](const std::string& path) { return solver.save_state_to(path); }}},
        .agree = [comm](int value) { return static_cast<int>(max_over_ranks(comm, value)); }},
       std::move(start));
   run_alone(solver, alone.time, alone.output_interval, record, &checkpoints);

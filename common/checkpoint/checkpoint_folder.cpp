@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -80,18 +81,31 @@ std::string checkpoint_path(const std::string& results, const RunPoint& point) {
   return (fs::path(results) / checkpoints_name / step).string();
 }
 
+void begin_checkpoint(const std::string& results, const RunPoint& point) {
+  const fs::path folder = checkpoint_path(results, point);
+  try {
+    fs::remove(folder / manifest_name);
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  } catch (const fs::filesystem_error& error) {
+    throw Error(fmt::format("checkpoint: {}", error.what()));
+  }
+}
+
 void write_checkpoint(const std::string& results, const std::string& kind,
                       const Checkpoint& checkpoint) {
   const fs::path folder = checkpoint_path(results, checkpoint.point);
   const fs::path all = folder.parent_path();
   try {
-    fs::remove(folder / manifest_name);
-    fs::remove_all(folder);
     fs::create_directories(folder);
-    Json files = Json::object();
+    Json files = Json::object(), own_files = Json::array();
     for (const auto& [name, state] : checkpoint.states) {
       const fs::path file = folder / (name + ".h5");
-      write_state(file.string(), state);
+      if (state.file.empty()) {
+        write_state(file.string(), state);
+      } else {
+        own_files.push_back(name);
+      }
       flush_to_disk(file);
       files[name] = fs::file_size(file);
     }
@@ -100,7 +114,8 @@ void write_checkpoint(const std::string& results, const std::string& kind,
                            {"version", version},
                            {"step", checkpoint.point.step},
                            {"time", checkpoint.point.time},
-                           {"bytes", files}};
+                           {"bytes", files},
+                           {"own_files", own_files}};
     const fs::path draft = folder / "manifest.draft.json";
     write_json_file(draft.string(), manifest);
     flush_to_disk(draft);
@@ -146,13 +161,18 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
   Checkpoint checkpoint;
   try {
     checkpoint.point = {manifest.at("step").get<std::int64_t>(), manifest.at("time").get<double>()};
+    const auto own_files = manifest.value("own_files", std::vector<std::string>());
     for (const auto& [name, bytes] : manifest.at("bytes").items()) {
       const fs::path file = folder / (name + ".h5");
       const auto size = fs::exists(file) ? fs::file_size(file) : 0;
       require(size == bytes.get<std::uintmax_t>(),
               "{}: found {} bytes, the manifest says {}: damaged", file.string(), size,
               bytes.dump());
-      checkpoint.states[name] = read_state(file.string());
+      if (std::ranges::find(own_files, name) != own_files.end()) {
+        checkpoint.states[name].file = fs::absolute(file).lexically_normal().string();
+      } else {
+        checkpoint.states[name] = read_state(file.string());
+      }
     }
   } catch (const Json::exception& error) {
     throw Error(fmt::format("{}: {}", (folder / manifest_name).string(), error.what()));

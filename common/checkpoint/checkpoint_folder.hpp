@@ -20,7 +20,11 @@ struct Checkpoint {
 /// RESULTS/checkpoints/step_000123, there or not.
 std::string checkpoint_path(const std::string& results, const RunPoint& point);
 
-/// Write checkpoint_path() with a file a part, then its manifest.json, then remove
+/// An empty folder checkpoint_path() for files of solvers, that does not count yet.
+void begin_checkpoint(const std::string& results, const RunPoint& point);
+
+/// Write checkpoint_path() with a file NAME.h5 a part, where a solver has not written it
+/// (State::file), then its manifest.json, then remove
 /// older checkpoints. All of it is flushed to the disk before the manifest gets its name, and a
 /// folder without manifest does not count: whatever ends the program, a whole checkpoint is left.
 /// @param kind  of the run, as in RunRecord

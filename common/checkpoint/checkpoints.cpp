@@ -92,7 +92,11 @@ bool Checkpoints::due(std::int64_t step) {
 
 void Checkpoints::save(const RunPoint& point, const State& run) {
   Checkpoint checkpoint{point, {}};
-  for (const auto& [name, state] : parts_.solvers) checkpoint.states[name] = state();
+  if (parts_.writes) begin_checkpoint(parts_.folder, point);
+  const fs::path folder = fs::absolute(checkpoint_path(parts_.folder, point)).lexically_normal();
+  for (const auto& [name, save_to] : parts_.solvers) {
+    checkpoint.states[name] = save_to((folder / (name + ".h5")).string());
+  }
   if (!parts_.writes) return;
   checkpoint.states["run"] = run;
   checkpoint.states["run"].facts["scene"] = scene_;

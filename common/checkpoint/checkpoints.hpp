@@ -41,8 +41,8 @@ class Checkpoints final : public RunKeeper {
     std::string folder;  ///< of results
     std::string kind;    ///< of the run
     bool writes = true;  ///< false on all ranks but the first
-    /// Names and states of the solvers; called by all ranks.
-    std::vector<std::pair<std::string, std::function<State()>>> solvers;
+    /// Names and Solver::save_state_to of the solvers; called by all ranks.
+    std::vector<std::pair<std::string, std::function<State(const std::string&)>>> solvers;
     /// The same answer on all ranks, from that of each: the largest.
     std::function<int(int)> agree = [](int value) { return value; };
   };

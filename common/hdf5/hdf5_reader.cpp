@@ -38,9 +38,21 @@ std::vector<std::string> Hdf5Reader::names(const std::string& group) const {
   return names;
 }
 
+namespace {
+
+hid_t type_of(const double*) {
+  return H5T_NATIVE_DOUBLE;
+}
+hid_t type_of(const std::int64_t*) {
+  return H5T_NATIVE_INT64;
+}
+
+}  // namespace
+
+/// @param range  null: all values
 template <class Value>
-std::vector<Value> Hdf5Reader::read(const std::string& dataset, std::int64_t type,
-                                    int type_class) const {
+std::vector<Value> Hdf5Reader::read(const std::string& dataset, int type_class,
+                                    const ValueRange* range) const {
   const QuietErrors quiet;
   Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   if (data.id() < 0) fail(dataset);
@@ -49,21 +61,54 @@ std::vector<Value> Hdf5Reader::read(const std::string& dataset, std::int64_t typ
   if (space.id() < 0 || stored.id() < 0) fail(dataset);
   require(static_cast<int>(H5Tget_class(stored.id())) == type_class,
           "{}: dataset {} has another type of value than expected", path_, dataset);
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  if (count < 0) fail(dataset);
+  const hssize_t size = H5Sget_simple_extent_npoints(space.id());
+  if (size < 0) fail(dataset);
+  const auto count = static_cast<hsize_t>(range ? range->count : size);
+  if (range) {
+    require(range->first >= 0 && range->count >= 0 && range->first + range->count <= size &&
+                H5Sget_simple_extent_ndims(space.id()) == 1,
+            "{}: dataset {}: found {} values, expected {} behind {} of one extent", path_, dataset,
+            size, range->count, range->first);
+    const auto first = static_cast<hsize_t>(range->first);
+    if (count > 0 &&
+        H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr) < 0) {
+      fail(dataset);
+    }
+  }
   std::vector<Value> values(count);
-  if (count > 0 && H5Dread(data.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+  const Handle own(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  if (count > 0 && H5Dread(data.id(), type_of(values.data()), own.id(), space.id(), H5P_DEFAULT,
+                           values.data()) < 0) {
     fail(dataset);
   }
   return values;
 }
 
 std::vector<double> Hdf5Reader::reals(const std::string& dataset) const {
-  return read<double>(dataset, H5T_NATIVE_DOUBLE, H5T_FLOAT);
+  return read<double>(dataset, H5T_FLOAT, nullptr);
 }
 
 std::vector<std::int64_t> Hdf5Reader::integers(const std::string& dataset) const {
-  return read<std::int64_t>(dataset, H5T_NATIVE_INT64, H5T_INTEGER);
+  return read<std::int64_t>(dataset, H5T_INTEGER, nullptr);
+}
+
+std::vector<double> Hdf5Reader::reals(const std::string& dataset, const ValueRange& range) const {
+  return read<double>(dataset, H5T_FLOAT, &range);
+}
+
+std::vector<std::int64_t> Hdf5Reader::integers(const std::string& dataset,
+                                               const ValueRange& range) const {
+  return read<std::int64_t>(dataset, H5T_INTEGER, &range);
+}
+
+std::int64_t Hdf5Reader::size(const std::string& dataset) const {
+  const QuietErrors quiet;
+  Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  if (data.id() < 0) fail(dataset);
+  Handle space(H5Dget_space(data.id()), H5Sclose);
+  const hssize_t size = space.id() < 0 ? -1 : H5Sget_simple_extent_npoints(space.id());
+  if (size < 0) fail(dataset);
+  return size;
 }
 
 std::string Hdf5Reader::text(const std::string& dataset) const {

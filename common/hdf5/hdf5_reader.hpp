@@ -7,6 +7,12 @@
 
 namespace gabion {
 
+/// Values first .. first + count - 1 of a dataset of one extent.
+struct ValueRange {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
 /// Reads what Hdf5File wrote.
 class Hdf5Reader {
  public:
@@ -24,11 +30,17 @@ class Hdf5Reader {
   /// @throws Error  no such dataset, damaged, or of another type of number
   std::vector<double> reals(const std::string& dataset) const;
   std::vector<std::int64_t> integers(const std::string& dataset) const;
+  /// Some of them. @throws Error  it has fewer
+  std::vector<double> reals(const std::string& dataset, const ValueRange& range) const;
+  std::vector<std::int64_t> integers(const std::string& dataset, const ValueRange& range) const;
+  /// Number of values. @throws Error  no such dataset
+  std::int64_t size(const std::string& dataset) const;
   std::string text(const std::string& dataset) const;
 
  private:
   template <class Value>
-  std::vector<Value> read(const std::string& dataset, std::int64_t type, int type_class) const;
+  std::vector<Value> read(const std::string& dataset, int type_class,
+                          const ValueRange* range) const;
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;

@@ -112,6 +112,10 @@ class Solver {
   /// @note  Solvers on several ranks: the part of this rank.
   virtual State save_state() { throw Error("this solver does not save its state"); }
 
+  /// The same, but written to a file where the solver can do that: State::file is `path` then.
+  /// @param path  of a file that is not there, in a folder that is
+  virtual State save_state_to(const std::string&) { return save_state(); }
+
   /// Go on from a state that a solver with the same settings saved: every later step gives the bits
   /// that it would have given there. Forgets the last solution.
   /// @throws Error  the state is not one of this solver
@@ -122,10 +126,10 @@ class Solver {
 
   /// Go on from what another number of ranks saved: every later step gives the same values but for
   /// rounding.
-  /// @param states  of all ranks of the other run on the first rank; elsewhere that of its first
-  /// one
+  /// @param first  of the first rank of the other run; its lists may be missing
+  /// @param own    states of the other run that this rank has; each of them one rank has
   /// @note  Collective.
-  virtual void join_states(std::span<const State>) {
+  virtual void join_states(const State& /*first*/, std::span<const State> /*own*/) {
     throw Error("this solver does not join the states of other ranks");
   }
 

@@ -62,10 +62,12 @@ void StateWriter::integers(const std::string& name, std::span<std::int64_t> valu
 }
 
 void StateWriter::list(const std::string& name, std::vector<double>& values) {
+  state_.lists.insert(prefix_ + name);
   state_.reals[prefix_ + name] = values;
 }
 
 void StateWriter::list(const std::string& name, std::vector<std::int64_t>& values) {
+  state_.lists.insert(prefix_ + name);
   state_.integers[prefix_ + name] = values;
 }
 
@@ -97,20 +99,20 @@ void StateReader::fact(const std::string& name, Json& value) {
   value = state_.facts.at(prefix_ + name);
 }
 
-StateJoiner::StateJoiner(std::span<const State> states, bool gets_all)
-    : states_(states), gets_all_(gets_all) {}
+StateJoiner::StateJoiner(const State& first, std::span<const State> own)
+    : first_(first), own_(own) {}
 
 void StateJoiner::reals(const std::string& name, std::span<double> values) {
-  take(states_.front().reals, name, values);
+  take(first_.reals, name, values);
 }
 
 void StateJoiner::integers(const std::string& name, std::span<std::int64_t> values) {
-  take(states_.front().integers, name, values);
+  take(first_.integers, name, values);
 }
 
 void StateJoiner::list(const std::string& name, std::vector<double>& values) {
   values.clear();
-  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+  for (const State& state : own_) {
     const auto& part = entry(state.reals, name);
     values.insert(values.end(), part.begin(), part.end());
   }
@@ -118,19 +120,19 @@ void StateJoiner::list(const std::string& name, std::vector<double>& values) {
 
 void StateJoiner::list(const std::string& name, std::vector<std::int64_t>& values) {
   values.clear();
-  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+  for (const State& state : own_) {
     const auto& part = entry(state.integers, name);
     values.insert(values.end(), part.begin(), part.end());
   }
 }
 
 void StateJoiner::fact(const std::string& name, Json& value) {
-  StateReader(states_.front()).fact(name, value);
+  StateReader(first_).fact(name, value);
 }
 
 void StateJoiner::share(const std::string& name, double& value) {
   value = 0;
-  for (const State& state : gets_all_ ? states_ : states_.first(0)) {
+  for (const State& state : own_) {
     double part = 0;
     take(state.reals, name, std::span<double>(&part, 1));
     value += part;

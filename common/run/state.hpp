@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct State {
   Json facts = Json::object();  ///< texts and lists; finite numbers only
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> integers;
+  std::set<std::string> lists;  ///< arrays that have any length, another one on each rank
+  /// Not empty: all of it is in this file, which the solver wrote itself (Solver::save_state_to).
+  std::string file;
 };
 
 /// Goes through the parts of an object in a fixed order, to put them into a State or to take them
@@ -75,13 +79,14 @@ class StateReader final : public StateVisitor {
   std::string prefix_;
 };
 
-/// Takes parts from the States of all ranks of a run that goes on with another number of them. One
-/// rank gets their lists, one after the other, and the sums of their shares; the others get empty
-/// lists and shares of zero. All else is equal on the ranks, and taken from the first State.
+/// Takes parts from the States of another number of ranks, each of which one rank has here: the
+/// lists of these, one after the other, and the sums of their shares; nothing and zero where a rank
+/// has none. All else is equal on the ranks of a run.
 class StateJoiner final : public StateVisitor {
  public:
-  /// @param gets_all  this rank is the one that gets lists and shares
-  StateJoiner(std::span<const State> states, bool gets_all);
+  /// @param first  of the first rank of the other run: what is equal on all of them
+  /// @param own    those that this rank has
+  StateJoiner(const State& first, std::span<const State> own);
   using StateVisitor::integers;
   void reals(const std::string& name, std::span<double> values) override;
   void integers(const std::string& name, std::span<std::int64_t> values) override;
@@ -91,8 +96,8 @@ class StateJoiner final : public StateVisitor {
   void share(const std::string& name, double& value) override;
 
  private:
-  std::span<const State> states_;
-  bool gets_all_;
+  const State& first_;
+  std::span<const State> own_;
 };
 
 }  // namespace gabion

@@ -45,7 +45,7 @@ class MatrixSolver final : public Solver {
   void load_state(const State& state) override;
   /// All ranks have the whole state.
   bool joins_states() const override { return true; }
-  void join_states(std::span<const State> states) override { load_state(states.front()); }
+  void join_states(const State& first, std::span<const State>) override { load_state(first); }
 
   const MatrixStructure<dim>& structure() const { return structure_; }
   const Coordinates& coordinates() const { return coordinates_; }

@@ -295,8 +295,9 @@ void SoilState<dim>::load(const State& state, const SoilModel<dim>& model) {
 }
 
 template <int dim>
-void SoilState<dim>::join(std::span<const State> states, const SoilModel<dim>& model) {
-  StateJoiner joiner(states, rank_of(model.comm) == 0);
+void SoilState<dim>::join(const State& first, std::span<const State> own,
+                          const SoilModel<dim>& model) {
+  StateJoiner joiner(first, own);
   take(joiner, model);
   ranks.divide(points, surfaces);
 }

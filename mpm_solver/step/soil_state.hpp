@@ -27,7 +27,7 @@ struct SoilState {
   /// @note Collective.
   void load(const State& state, const SoilModel<dim>& model);
   /// The same from the states of another number of ranks, see Solver::join_states.
-  void join(std::span<const State> states, const SoilModel<dim>& model);
+  void join(const State& first, std::span<const State> own, const SoilModel<dim>& model);
 
   /// Where the points were at the start of a step.
   struct Start {

@@ -80,7 +80,8 @@ class Alone(RestartCase):
     def test_soil_on_two_ranks(self) -> None:
         self.write_scene({"mpm": soil_alone()})
         self.in_two_parts("mpm_solver", "mpm", 0.5, ranks={"mpm_solver": 2})
-        self.goes_on_with(1, "mpm_solver")
+        for ranks in (1, 3):
+            self.goes_on_with(ranks, "mpm_solver")
 
     def goes_on_with(self, ranks: int, program: str) -> None:
         """On another number of ranks: the same probes but for rounding."""
@@ -222,6 +223,10 @@ class Coupled(RestartCase):
         columns = rows_without_seconds(self.folder / "second" / "iterations.csv")
         used = columns[0].index("columns")
         self.assertGreater(max(int(row[used]) for row in columns[1:6]), 2)  # history of earlier steps
+        checkpoint = next((self.folder / "second" / "checkpoints").iterdir())
+        manifest = json.loads((checkpoint / "manifest.json").read_text())
+        self.assertEqual(manifest["own_files"], ["soil", "structure"])  # which did not go through the coupler
+        self.assertEqual(manifest["bytes"], {path.stem: path.stat().st_size for path in checkpoint.glob("*.h5")})
 
     def test_other_methods_in_contact(self) -> None:
         for method in ("iqn_ils", "mvqn_residual", "aitken"):

@@ -15,7 +15,7 @@ from .process import ProcessIdentity, this_process
 from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, InterfaceValues, StepReport,
                      StepRequest)
 
-PROTOCOL_VERSION = "1.2"
+PROTOCOL_VERSION = "1.3"
 SIGN_CONVENTION = "displacement: total from reference; force: by soil on structure"
 UNITS = {"displacement": "m", "force": "N"}
 NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")

@@ -54,7 +54,7 @@ TEST(State, gives_every_part_back) {
   EXPECT_TRUE(flag_back);
 }
 
-TEST(State, one_rank_joins_lists_and_shares_of_all) {
+TEST(State, lists_and_shares_of_the_own_states_are_joined) {
   std::vector<State> states(2);
   for (int rank = 0; rank < 2; ++rank) {
     StateWriter writer(states[rank]);
@@ -66,8 +66,9 @@ TEST(State, one_rank_joins_lists_and_shares_of_all) {
     writer.real("equal", equal);
     writer.share("share", share);
   }
+  EXPECT_EQ(states[0].lists, (std::set<std::string>{"list", "values"}));
   for (const bool gets_all : {true, false}) {
-    StateJoiner joiner(states, gets_all);
+    StateJoiner joiner(states[0], std::span(states).first(gets_all ? 2 : 0));
     std::vector<std::int64_t> list = {99};
     std::vector<double> values;
     double equal = 0, share = 99;

@@ -52,6 +52,24 @@ TEST_F(CheckpointFolder, reads_back_every_bit) {
                             {"step 7: found no state of \"structure\", but of run, soil"});
 }
 
+/// A solver has written the file of its part; it is read by the solver too.
+TEST_F(CheckpointFolder, files_of_solvers_are_left_to_them) {
+  Checkpoint own = made(8);
+  begin_checkpoint(results_, own.point);
+  const fs::path file = all_ / "step_000008" / "soil.h5";
+  std::ofstream(file) << "of its own";
+  own.states["soil"] = {};
+  own.states["soil"].file = file.string();
+  write_checkpoint(results_, "coupler", own);
+  const std::string path = find_checkpoint(results_);
+  const Checkpoint found = read_checkpoint(path, "coupler");
+  EXPECT_EQ(found.state_of("soil").file, file.string());
+  EXPECT_TRUE(found.state_of("run").file.empty());
+  std::ofstream(file, std::ios::app) << " and more";
+  expect_error<Error>([&] { read_checkpoint(path, "coupler"); },
+                      {"soil.h5: found 19 bytes, the manifest says 10: damaged"});
+}
+
 TEST_F(CheckpointFolder, the_last_whole_one_counts) {
   expect_error<ConfigError>([&] { find_checkpoint(results_); },
                             {results_, "found no checkpoint there"});

@@ -2,7 +2,9 @@
 // A run stops in the middle and goes on, on as many ranks or on others.
 #include <gtest/gtest.h>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "solver_program/ranked_state.hpp"
+#include "solver_program/ranked_state_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 
@@ -66,6 +68,94 @@ TEST(RestartOnRanks, another_number_gives_the_same_values) {
       expect_same_probes(*joined, *alone, 1e-5);
     }
   }
+}
+
+/// The first ranks of all, as many as are wanted; MPI_COMM_NULL on the others.
+MPI_Comm first_ranks(int number) {
+  MPI_Comm some = MPI_COMM_NULL;
+  MPI_Comm_split(comm(), rank() < number ? 0 : MPI_UNDEFINED, rank(), &some);
+  return some;
+}
+
+/// Half a run on some ranks, then a file, and the rest on others: but for rounding the same as
+/// the run in one piece on one rank.
+void expect_same_run(const Json& json, const mpm::MpmSolver<2>& straight, int ranks_before,
+                     int ranks_after) {
+  SCOPED_TRACE(std::to_string(ranks_before) + " -> " + std::to_string(ranks_after));
+  const std::string path = testing::TempDir() + "gabion_restart_on_ranks.h5";
+  if (MPI_Comm some = first_ranks(ranks_before); some != MPI_COMM_NULL) {
+    const auto first = mpm_solver<2>(json, some);
+    run_steps(*first, 1, half);
+    write_ranked_state(some, path, first->save_state());
+    MPI_Comm_free(&some);
+  }
+  MPI_Barrier(comm());
+  if (MPI_Comm some = first_ranks(ranks_after); some != MPI_COMM_NULL) {
+    const auto second = mpm_solver<2>(json, some);
+    load_ranked_state(some, path, *second);
+    run_steps(*second, half + 1, all);
+    const auto &a = second->points(), &b = straight.points();
+    double count = static_cast<double>(a.size());
+    sum_over_ranks(some, std::span<double>(&count, 1));
+    EXPECT_EQ(count, static_cast<double>(b.size()));
+    for (std::int32_t p = 0; p < a.size(); ++p) {
+      const std::int32_t q = mpm::find_point(b, a.id[p]);
+      ASSERT_GE(q, 0);
+      EXPECT_LT((a.x[p] - b.x[q]).norm(), 1e-8);
+      EXPECT_LT((a.v[p] - b.v[q]).norm(), 1e-7);
+    }
+    expect_same_probes(*second, straight, 1e-5);
+    MPI_Comm_free(&some);
+  }
+  MPI_Barrier(comm());
+}
+
+TEST(RestartOnRanks, a_file_of_other_ranks_gives_the_same_values) {
+  if (size() == 1) return;
+  for (const bool slides : {false, true}) {
+    const Json json = slides ? sliding_scene({}) : collapse_scene({});
+    const auto straight = mpm_solver<2>(json, MPI_COMM_SELF);
+    run_steps(*straight, 1, all);
+    expect_same_run(json, *straight, size() - 1, size());
+    expect_same_run(json, *straight, size(), 1);
+  }
+}
+
+/// A rank reads what it goes on with, and of others only what is equal on all.
+TEST(RestartOnRanks, no_rank_takes_the_points_of_all) {
+  const std::string path = testing::TempDir() + "gabion_restart_shares.h5";
+  const auto solver = mpm_solver<2>(collapse_scene({}));
+  const State state = solver->save_state();
+  write_ranked_state(comm(), path, state);
+  class Taker : public Solver {
+   public:
+    std::size_t num_points = 0;
+    std::vector<InterfaceMesh> interfaces() const override { return {}; }
+    std::vector<std::string> probe_names() const override { return {}; }
+    StepReport solve_step(const StepRequest&, const InterfaceValues&, InterfaceValues&) override {
+      return {};
+    }
+    AcceptReport accept_step(const StepRequest&, bool) override { return {}; }
+    void reject_step() override {}
+    void write_output(double) override {}
+    std::vector<double> probes() const override { return {}; }
+    Json summary() const override { return {}; }
+    bool joins_states() const override { return true; }
+    void join_states(const State& first, std::span<const State> own) override {
+      if (rank() != 0) {
+        EXPECT_FALSE(first.reals.contains("points.x"));
+      }
+      for (const State& part : own) num_points += part.reals.at("points.m").size();
+    }
+  } taker;
+  if (MPI_Comm some = first_ranks(size() - 1); size() > 1 && some != MPI_COMM_NULL) {
+    load_ranked_state(some, path, taker);
+    EXPECT_LT(taker.num_points, size() == 2 ? 241u : 200u);
+    MPI_Comm_free(&some);
+  }
+  auto count = static_cast<double>(taker.num_points);
+  sum_over_ranks(comm(), std::span<double>(&count, 1));
+  EXPECT_EQ(count, size() == 1 ? 0 : 240);
 }
 
 TEST(RestartOnRanks, a_state_of_other_points_is_refused_on_all_ranks) {

@@ -2,8 +2,11 @@
 // A solver on several ranks follows the frames that the first one gets.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 
+#include "common/checkpoint/state_file.hpp"
+#include "common/hdf5/hdf5_reader.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
 #include "protocol/force_kinds.hpp"
@@ -206,14 +209,16 @@ TEST(RankedSolver, every_rank_gets_its_part_of_a_state_back) {
   EXPECT_EQ(recorder.part, part);
 }
 
-/// The first rank gets the states of all, the others that of the first one: from one rank to all,
-/// and from all to one.
+/// The first rank gets the states of all, the others what is equal on the ranks: from one rank to
+/// all, and from all to one.
 TEST(RankedSolver, states_of_another_number_of_ranks_are_joined) {
   class Joining : public Recorder {
    public:
     std::vector<State> states;
+    State first;
     bool joins_states() const override { return true; }
-    void join_states(std::span<const State> given) override {
+    void join_states(const State& its_first, std::span<const State> given) override {
+      first = its_first;
       states.assign(given.begin(), given.end());
     }
   } joining;
@@ -221,8 +226,8 @@ TEST(RankedSolver, states_of_another_number_of_ranks_are_joined) {
   const State from_one = gather_state(MPI_COMM_SELF, own), from_all = gather_state(comm(), own);
   if (size() == 1) return;
   load_gathered(comm(), from_one, joining);
-  ASSERT_EQ(joining.states.size(), 1u);
-  EXPECT_EQ(joining.states[0].reals.at("part"), (std::vector<double>{1.0 / 3, 0}));
+  ASSERT_EQ(joining.states.size(), rank() == 0 ? 1u : 0u);
+  EXPECT_EQ(joining.first.reals.at("part"), (std::vector<double>{1.0 / 3, 0}));
   if (rank() == 0) {
     load_gathered(MPI_COMM_SELF, from_all, joining);
     ASSERT_EQ(joining.states.size(), static_cast<std::size_t>(size()));
@@ -231,6 +236,84 @@ TEST(RankedSolver, states_of_another_number_of_ranks_are_joined) {
   Recorder recorder;
   expect_error<ConfigError>([&] { load_gathered(comm(), from_one, recorder); },
                             {"found " + std::to_string(size()) + " MPI ranks, allowed: 1"});
+}
+
+/// A folder for all ranks.
+class SharedFolder {
+ public:
+  SharedFolder() {
+    if (rank() == 0) std::filesystem::remove_all(path_);
+    if (rank() == 0) std::filesystem::create_directories(path_);
+    MPI_Barrier(comm());
+  }
+  ~SharedFolder() {
+    MPI_Barrier(comm());
+    if (rank() == 0) std::filesystem::remove_all(path_);
+  }
+  std::string file(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_ = testing::TempDir() + "gabion_ranked_solver";
+};
+
+/// The coupler names a file: each rank writes there, and the answer has no arrays.
+TEST(RankedSolver, every_rank_gets_its_part_of_a_file_back) {
+  const SharedFolder folder;
+  const std::string path = folder.file("soil.h5");
+  Recorder recorder;
+  const std::vector<double> part = recorder.part;
+  Script saving({new_message("save", {{"file", path}}), new_message("finish")});
+  follow(saving, recorder);
+  Message load = new_message("load");
+  if (rank() == 0) {
+    const Message& saved = saving.answers.front();
+    EXPECT_TRUE(saved.arrays.empty());
+    EXPECT_EQ(saved.text("file"), path);
+    EXPECT_EQ(saved.integer("file_bytes"),
+              static_cast<std::int64_t>(std::filesystem::file_size(path)));
+    put(load, read_state(saved));
+    EXPECT_EQ(load.text("file"), path);
+  }
+  recorder.part = {0, 0};
+  Script loading({load, new_message("finish")});
+  follow(loading, recorder);
+  EXPECT_EQ(recorder.part, part);
+  // What it holds is what the arrays would have held.
+  const State all = gather_state(comm(), Recorder().save_state());
+  if (rank() == 0) {
+    const Hdf5Reader file(path);
+    EXPECT_EQ(file.reals("reals/part"), all.reals.at("part"));
+    EXPECT_EQ(Json::parse(file.text("facts")), all.facts);
+  }
+}
+
+TEST(RankedSolver, a_folder_that_is_not_seen_gets_no_file) {
+  Recorder recorder;
+  RankedSolver solver(comm(), recorder);
+  const State state = solver.save_state_to("/no/such/folder/soil.h5");
+  EXPECT_TRUE(state.file.empty());
+  if (rank() == 0) {
+    EXPECT_EQ(state.reals.at("part").size(), 2u * size());
+  }
+}
+
+TEST(RankedSolver, a_damaged_file_is_refused_on_all_ranks) {
+  const SharedFolder folder;
+  const std::string path = folder.file("soil.h5");
+  Recorder recorder;
+  RankedSolver solver(comm(), recorder);
+  State state;
+  state.file = path;
+  expect_error<Error>([&] { solver.load_state(state); }, {path, "cannot read this file"});
+  solver.save_state_to(path);
+  if (rank() == 0) {
+    State other = gather_state(MPI_COMM_SELF, recorder.save_state());
+    other.reals["part"].pop_back();
+    write_state(path, other);
+  }
+  MPI_Barrier(comm());
+  expect_error<Error>([&] { solver.load_state(state); },
+                      {"saved state: \"part\" has 1 values, its ranks had 2"});
 }
 
 TEST(RankedSolver, a_lost_coupler_releases_the_others) {
