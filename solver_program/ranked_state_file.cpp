@@ -70,17 +70,17 @@ int taker_of(int part, int num_parts, int num_ranks) {
 
 void write_ranked_state(MPI_Comm comm, const std::string& path, State own) {
   const Json parts = broadcast(comm, gather_parts(comm, own));
-  RankedHdf5File file(path, comm);
-  file.write_text("facts", parts.dump());
+  const auto file = new_array_file(path, comm);
+  file->write_text("facts", parts.dump());
   for (auto& [name, values] : own.reals) {
-    file.write("reals/" + name, 1, std::span<const double>(values));
+    file->write("reals/" + name, 1, std::span<const double>(values));
     values = {};
   }
   for (auto& [name, values] : own.integers) {
-    file.write("integers/" + name, 1, std::span<const std::int64_t>(values));
+    file->write("integers/" + name, 1, std::span<const std::int64_t>(values));
     values = {};
   }
-  file.finish();
+  file->finish();
 }
 
 void load_ranked_state(MPI_Comm comm, const std::string& path, Solver& solver) {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/hdf5/hdf5_file.hpp"
+#include "common/hdf5/array_file.hpp"
 
 namespace gabion {
 
@@ -16,7 +16,7 @@ hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const Dataset
   bool good = H5Pset_create_intermediate_group(links.id(), 1) >= 0 &&
               H5Pset_obj_track_times(creation.id(), false) >= 0;  // equal runs, equal files
   if (size.rows > 0) {
-    const hsize_t chunk[2] = {std::min<hsize_t>(size.rows, Hdf5File::chunk_rows), size.columns};
+    const hsize_t chunk[2] = {std::min<hsize_t>(size.rows, ArrayFile::chunk_rows), size.columns};
     good = good && H5Pset_chunk(creation.id(), size.rank(), chunk) >= 0 &&
            H5Pset_shuffle(creation.id()) >= 0 && H5Pset_deflate(creation.id(), 1) >= 0;
   }

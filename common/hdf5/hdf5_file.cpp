@@ -54,24 +54,6 @@ void Hdf5File::abandon() {
   std::filesystem::remove(part_path_, ignored);
 }
 
-void Hdf5File::write(const std::string& dataset, int columns, std::span<const float> values) {
-  write_values(dataset, columns, values.size(), H5T_NATIVE_FLOAT, values.data());
-}
-
-void Hdf5File::write(const std::string& dataset, int columns, std::span<const double> values) {
-  write_values(dataset, columns, values.size(), H5T_NATIVE_DOUBLE, values.data());
-}
-
-void Hdf5File::write(const std::string& dataset, int columns,
-                     std::span<const std::int32_t> values) {
-  write_values(dataset, columns, values.size(), H5T_NATIVE_INT32, values.data());
-}
-
-void Hdf5File::write(const std::string& dataset, int columns,
-                     std::span<const std::int64_t> values) {
-  write_values(dataset, columns, values.size(), H5T_NATIVE_INT64, values.data());
-}
-
 void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
   assert(file_ >= 0);
   const QuietErrors quiet;
@@ -84,16 +66,15 @@ void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 
-void Hdf5File::write_values(const std::string& dataset, int columns, std::size_t count,
-                            std::int64_t type, const void* values) {
-  assert(file_ >= 0 && columns > 0 && count % columns == 0);
+void Hdf5File::write_numbers(const std::string& dataset, int columns, const Numbers& numbers) {
+  assert(file_ >= 0 && columns > 0 && numbers.count % columns == 0);
   const QuietErrors quiet;
-  const DatasetSize size{.rows = count / columns, .columns = static_cast<hsize_t>(columns)};
-  Handle data(new_dataset(file_, dataset, type, size), H5Dclose);
-  const bool good =
-      data.id() >= 0 &&
-      (count == 0 || H5Dwrite(data.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0) &&
-      data.close();
+  const DatasetSize size{.rows = numbers.count / columns, .columns = static_cast<hsize_t>(columns)};
+  Handle data(new_dataset(file_, dataset, numbers.type, size), H5Dclose);
+  const bool good = data.id() >= 0 &&
+                    (numbers.count == 0 || H5Dwrite(data.id(), numbers.type, H5S_ALL, H5S_ALL,
+                                                    H5P_DEFAULT, numbers.data) >= 0) &&
+                    data.close();
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 

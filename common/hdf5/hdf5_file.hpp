@@ -3,47 +3,33 @@
 
 #include <cstdint>
 #include <fstream>
-#include <span>
 #include <string>
+
+#include "common/hdf5/array_file.hpp"
 
 namespace gabion {
 
-/// A new HDF5 file of arrays, serial. It is written under the name `path` + ".part" and gets its
-/// own name in `finish()`: whoever finds a file finds a whole one, even after a killed run. (The
-/// data may still be in the system's cache: a power cut is not covered.)
+/// An ArrayFile that this process writes alone. (The data of a finished one may still be in the
+/// system's cache: a power cut is not covered.)
 ///
 /// HDF5 builds the file in memory and we write its bytes: version 1.10 of the library ends a
 /// program with a crash after a write to a full disk has failed.
-class Hdf5File {
+class Hdf5File final : public ArrayFile {
  public:
-  /// Rows of one chunk of a dataset, which is compressed as a whole: the fastest of those measured
-  /// that does not cost much in size.
-  static constexpr int chunk_rows = 4096;
-
   /// @throws Error  names the file and what HDF5 and the system say
   explicit Hdf5File(std::string path);
-  ~Hdf5File();  ///< gives up an unfinished file and removes it
+  ~Hdf5File() override;
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
   Hdf5File(Hdf5File&&) = delete;
   Hdf5File& operator=(Hdf5File&&) = delete;
 
-  /// Write a row-major array of `columns` columns, with byte shuffle and deflate level 1.
-  /// @param dataset  such as "coordinates" or "point/velocity"; groups are made when missing
-  /// @throws Error   disk full, name already there
-  void write(const std::string& dataset, int columns, std::span<const float> values);
-  void write(const std::string& dataset, int columns, std::span<const double> values);
-  void write(const std::string& dataset, int columns, std::span<const std::int32_t> values);
-  void write(const std::string& dataset, int columns, std::span<const std::int64_t> values);
-  void write_text(const std::string& dataset, const std::string& text);
-
-  /// Close the file and give it its name.
-  void finish();
+  void write_text(const std::string& dataset, const std::string& text) override;
+  void finish() override;
 
  private:
   [[noreturn]] void fail(const std::string& what, const std::string& cause) const;
-  void write_values(const std::string& dataset, int columns, std::size_t count, std::int64_t type,
-                    const void* values);
+  void write_numbers(const std::string& dataset, int columns, const Numbers& numbers) override;
   void abandon();
 
   std::string path_;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <span>
 
-#include "common/hdf5/hdf5_file.hpp"
+#include "common/hdf5/array_file.hpp"
 #include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 // First id of the share of a rank, and of the one behind the last: the number of ids.
 std::int64_t first_id(std::int64_t num_ids, int rank, int num_ranks) {
-  const std::int64_t chunk = Hdf5File::chunk_rows;
+  const std::int64_t chunk = ArrayFile::chunk_rows;
   const std::int64_t num_chunks = (num_ids + chunk - 1) / chunk;
   return std::min(num_ids, num_chunks * rank / num_ranks * chunk);
 }

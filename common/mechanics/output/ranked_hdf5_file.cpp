@@ -14,6 +14,7 @@
 
 #include "common/base/error.hpp"
 #include "common/hdf5/hdf5_dataset.hpp"
+#include "common/hdf5/hdf5_file.hpp"
 #include "common/mechanics/ranks/share.hpp"
 #include "common/mechanics/ranks/text.hpp"
 
@@ -39,10 +40,6 @@ Handle collective_transfer() {
 
 RankedHdf5File::RankedHdf5File(std::string path, MPI_Comm comm)
     : path_(std::move(path)), part_path_(path_ + ".part"), comm_(comm) {
-  if (num_ranks(comm_) == 1) {
-    alone_.emplace(path_);
-    return;
-  }
   try {
     open();
   } catch (const Error&) {
@@ -99,42 +96,18 @@ void RankedHdf5File::reserve(std::int64_t bytes) {
   require_on_all(problem == 0, "write this file", std::strerror(problem));
 }
 
-void RankedHdf5File::write(const std::string& dataset, int columns, std::span<const float> values) {
-  if (alone_) return alone_->write(dataset, columns, values);
-  write_rows(dataset, columns, {H5T_NATIVE_FLOAT, sizeof(float), values.size(), values.data()});
-}
-
-void RankedHdf5File::write(const std::string& dataset, int columns,
-                           std::span<const double> values) {
-  if (alone_) return alone_->write(dataset, columns, values);
-  write_rows(dataset, columns, {H5T_NATIVE_DOUBLE, sizeof(double), values.size(), values.data()});
-}
-
-void RankedHdf5File::write(const std::string& dataset, int columns,
-                           std::span<const std::int32_t> values) {
-  if (alone_) return alone_->write(dataset, columns, values);
-  write_rows(dataset, columns,
-             {H5T_NATIVE_INT32, sizeof(std::int32_t), values.size(), values.data()});
-}
-
-void RankedHdf5File::write(const std::string& dataset, int columns,
-                           std::span<const std::int64_t> values) {
-  if (alone_) return alone_->write(dataset, columns, values);
-  write_rows(dataset, columns,
-             {H5T_NATIVE_INT64, sizeof(std::int64_t), values.size(), values.data()});
-}
-
-void RankedHdf5File::write_rows(const std::string& dataset, int columns, const Rows& rows) {
-  assert(file_ >= 0 && columns > 0 && rows.count % columns == 0);
-  const RowShare share = share_of_rows(comm_, static_cast<std::int64_t>(rows.count / columns));
-  const std::int64_t bytes = share.total * columns * static_cast<std::int64_t>(rows.value_size);
+void RankedHdf5File::write_numbers(const std::string& dataset, int columns,
+                                   const Numbers& numbers) {
+  assert(file_ >= 0 && columns > 0 && numbers.count % columns == 0);
+  const RowShare share = share_of_rows(comm_, static_cast<std::int64_t>(numbers.count / columns));
+  const std::int64_t bytes = share.total * columns * static_cast<std::int64_t>(numbers.size);
   reserve(bytes + bytes / growth + own_room);
 
   const QuietErrors quiet;
   const std::string what = fmt::format("write dataset {}", dataset);
   const DatasetSize size{.rows = static_cast<hsize_t>(share.total),
                          .columns = static_cast<hsize_t>(columns)};
-  Handle data(new_dataset(file_, dataset, rows.type, size), H5Dclose);
+  Handle data(new_dataset(file_, dataset, numbers.type, size), H5Dclose);
   require_on_all(data.id() >= 0, what, hdf5_cause());
   if (share.total > 0) {
     const hsize_t start[2] = {static_cast<hsize_t>(share.first), 0};
@@ -145,15 +118,14 @@ void RankedHdf5File::write_rows(const std::string& dataset, int columns, const R
     const herr_t selected = share.count > 0 ? H5Sselect_hyperslab(place.id(), H5S_SELECT_SET, start,
                                                                   nullptr, extent, nullptr)
                                             : H5Sselect_none(place.id());
-    const bool good = selected >= 0 && H5Dwrite(data.id(), rows.type, own.id(), place.id(),
-                                                transfer.id(), rows.values) >= 0;
+    const bool good = selected >= 0 && H5Dwrite(data.id(), numbers.type, own.id(), place.id(),
+                                                transfer.id(), numbers.data) >= 0;
     require_on_all(good, what, hdf5_cause());
   }
   require_on_all(data.close(), what, hdf5_cause());
 }
 
 void RankedHdf5File::write_text(const std::string& dataset, const std::string& text) {
-  if (alone_) return alone_->write_text(dataset, text);
   assert(file_ >= 0);
   reserve(static_cast<std::int64_t>(text.size()) + own_room);
   const QuietErrors quiet;
@@ -170,7 +142,6 @@ void RankedHdf5File::write_text(const std::string& dataset, const std::string& t
 }
 
 void RankedHdf5File::finish() {
-  if (alone_) return alone_->finish();
   assert(file_ >= 0);
   const QuietErrors quiet;
   const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;  // to the disk, on every rank
@@ -181,6 +152,11 @@ void RankedHdf5File::finish() {
   std::error_code error;
   if (rank_of(comm_) == 0) std::filesystem::rename(part_path_, path_, error);
   require_on_all(!error, "give the written file its name", error.message());
+}
+
+std::unique_ptr<ArrayFile> new_array_file(const std::string& path, MPI_Comm comm) {
+  if (num_ranks(comm) == 1) return std::make_unique<Hdf5File>(path);
+  return std::make_unique<RankedHdf5File>(path, comm);
 }
 
 }  // namespace gabion

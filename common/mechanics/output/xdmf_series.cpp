@@ -134,7 +134,7 @@ std::string dataset_of(const OutputField& field) {
   return (field.on_cells ? "cell/" : "point/") + field.name;
 }
 
-void write_field(MPI_Comm comm, const OutputFrame& frame, OutputField field, RankedHdf5File& file) {
+void write_field(MPI_Comm comm, const OutputFrame& frame, OutputField field, ArrayFile& file) {
   std::vector<double> made;
   if (field.make) {
     made = field.make();
@@ -199,13 +199,13 @@ void XdmfSeries::write(OutputFrame frame) {
     if (first && times_.empty()) make_folder();
   });
   const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
-  RankedHdf5File file((std::filesystem::path(folder_) / file_name).string(), comm_);
+  const auto file = new_array_file((std::filesystem::path(folder_) / file_name).string(), comm_);
   // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
   const std::vector<int> xyz = frame.dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
-  file.write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));
-  file.write("connectivity", num_nodes(frame.cell_type), frame.connectivity);
-  for (const OutputField& field : frame.fields) write_field(comm_, frame, field, file);
-  file.finish();
+  file->write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));
+  file->write("connectivity", num_nodes(frame.cell_type), frame.connectivity);
+  for (const OutputField& field : frame.fields) write_field(comm_, frame, field, *file);
+  file->finish();
   times_.push_back(frame.time);
   grids_.push_back(grid_text(frame, rows, file_name));
   together(comm_, [&] {

@@ -39,7 +39,7 @@ struct OutputFrame {
 
 /// A time series that ParaView opens: one HDF5 file a frame (written under another name, then
 /// renamed, so that a killed run never leaves a broken frame) and one .xdmf file that lists them.
-/// On several ranks each writes its own rows (RankedHdf5File).
+/// On several ranks each writes its own rows (ArrayFile).
 class XdmfSeries {
  public:
   /// The first frame creates `folder` when missing. Files are folder/name_000000.h5 ... and

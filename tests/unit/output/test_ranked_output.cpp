@@ -44,13 +44,13 @@ TEST_F(RankedOutput, datasets_are_those_of_one_rank) {
   const std::vector<std::int64_t> number = {1000 + rank()};
   const std::vector<float> small(values.begin(), values.end());
   const std::vector<std::int32_t> none;
-  RankedHdf5File file(path("a.h5"), comm());
-  file.write("deep/down/values", 3, values);
-  file.write("deep/number", 1, number);
-  file.write("small", 1, small);
-  file.write("none", 2, none);
-  file.write_text("facts", "{\"a\": 1}");
-  file.finish();
+  const auto file = new_array_file(path("a.h5"), comm());
+  file->write("deep/down/values", 3, values);
+  file->write("deep/number", 1, number);
+  file->write("small", 1, small);
+  file->write("none", 2, none);
+  file->write_text("facts", "{\"a\": 1}");
+  file->finish();
   EXPECT_EQ(files(), std::vector<std::string>{"a.h5"});
 
   std::vector<hsize_t> sizes;
@@ -66,8 +66,8 @@ TEST_F(RankedOutput, datasets_are_those_of_one_rank) {
 
 TEST_F(RankedOutput, an_unfinished_file_leaves_nothing) {
   {
-    RankedHdf5File file(path("a.h5"), comm());
-    file.write("values", 1, counted(0, 100));
+    const auto file = new_array_file(path("a.h5"), comm());
+    file->write("values", 1, counted(0, 100));
   }
   MPI_Barrier(comm());
   EXPECT_TRUE(files().empty());
@@ -75,13 +75,13 @@ TEST_F(RankedOutput, an_unfinished_file_leaves_nothing) {
 
 TEST_F(RankedOutput, errors_are_those_of_all_ranks) {
   const std::string lost = path("no/such/folder.h5");
-  expect_error<Error>([&] { RankedHdf5File(lost, comm()); },
+  expect_error<Error>([&] { new_array_file(lost, comm()); },
                       {lost + ": cannot create this file: ", "No such file or directory"});
   expect_error<Error>(
       [&] {
-        RankedHdf5File file(path("a.h5"), comm());
-        file.write("values", 1, counted(0, 3));
-        file.write("values", 1, counted(0, 3));
+        const auto file = new_array_file(path("a.h5"), comm());
+        file->write("values", 1, counted(0, 3));
+        file->write("values", 1, counted(0, 3));
       },
       {path("a.h5") + ": cannot write dataset values: "});
   MPI_Barrier(comm());
@@ -98,10 +98,10 @@ TEST_F(RankedOutput, a_full_disk_is_an_error_on_all_ranks_and_leaves_nothing) {
       const SmallDisk disk(bytes);
       expect_error<Error>(
           [&] {
-            RankedHdf5File file(path("a.h5"), comm());
-            file.write("first", 1, counted(0, 100));
-            file.write("values", 1, noise);
-            file.finish();
+            const auto file = new_array_file(path("a.h5"), comm());
+            file->write("first", 1, counted(0, 100));
+            file->write("values", 1, noise);
+            file->finish();
           },
           {path("a.h5") + ": cannot ", "File too large"});
     }
@@ -109,9 +109,9 @@ TEST_F(RankedOutput, a_full_disk_is_an_error_on_all_ranks_and_leaves_nothing) {
     EXPECT_TRUE(files().empty());
     MPI_Barrier(comm());
   }
-  RankedHdf5File file(path("a.h5"), comm());  // and the library works on
-  file.write("values", 1, counted(10 * rank(), 10));
-  file.finish();
+  const auto file = new_array_file(path("a.h5"), comm());  // and the library works on
+  file->write("values", 1, counted(10 * rank(), 10));
+  file->finish();
   EXPECT_EQ(read_dataset(path("a.h5"), "values"), counted(0, 10 * size()));
 }
 
