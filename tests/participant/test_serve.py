@@ -441,7 +441,7 @@ class Handshake(ParticipantCase):
     def test_another_major_version(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
         self.coupler.welcome(protocol="2.0")
-        self.assertIn("protocol version: coupler 2.0, participant 1.2", self.end())
+        self.assertIn("protocol version: coupler 2.0, participant 1.3", self.end())
 
     def test_a_newer_minor_version_with_unknown_fields(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
