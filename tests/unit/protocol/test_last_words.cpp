@@ -133,6 +133,17 @@ TEST_F(LastWords, a_state_that_was_saved_counts) {
   EXPECT_EQ(found.reals, state.reals);
 }
 
+/// Such as one that it wrote on another machine.
+TEST_F(LastWords, a_file_that_is_not_there_is_an_error) {
+  Message answer = busy(new_message("saved", {{"state", Json::object()}}));
+  answer.fields["file"] = "/no/such/folder/soil.h5";
+  answer.fields["file_bytes"] = 17;
+  RemoteSolver& soil = connect(answer);
+  expect_error<ProtocolError>([&] { soil.save_state_to("/no/such/folder/soil.h5"); },
+                              {"participant \"soil\" says that it wrote 17 bytes to "
+                               "/no/such/folder/soil.h5: found No such file or directory"});
+}
+
 TEST_F(LastWords, a_reason_is_the_better_message) {
   RemoteSolver& soil = connect(new_message("abort", {{"reason", "disk full"}}));
   expect_error<ProtocolError>([&] { soil.reject_step(); },

@@ -168,7 +168,8 @@ TEST_F(OwnLoop, saves_and_loads_between_steps) {
   EXPECT_TRUE(solver().keeps_state());
   solve(1, 8);
   accept(1);
-  const State saved = solver().save_state();
+  const State saved = solver().save_state_to("/no/such/folder/soil.h5");  // which is left alone
+  EXPECT_EQ(saved.file, "");
   EXPECT_EQ(saved.facts, (Json{{"bytes", 8}}));
   solve(2, 4);
   accept(2);
