@@ -18,6 +18,10 @@ std::vector<std::string> interface_names(const CouplerSettings& settings) {
   return names;
 }
 
+StepRequest request_of(const TimeSteps& steps) {
+  return {.step = steps.step(), .iteration = 0, .time = steps.time(), .dt = steps.dt()};
+}
+
 }  // namespace
 
 CouplingLoop::CouplingLoop(const CouplerSettings& settings,
@@ -86,22 +90,37 @@ void CouplingLoop::advance() {
   const int cuts_before = steps_.cuts();
   sides_.begin_step();
   for (;;) {
-    const Attempt attempt = step_.solve(
-        {.step = steps_.step(), .iteration = 0, .time = steps_.time(), .dt = steps_.dt()});
+    const Attempt attempt = step_.solve(request_of(steps_));
     if (attempt.failure.empty()) return accept(attempt, steps_.cuts() - cuts_before, watch);
     reject(attempt);
   }
 }
 
 void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch) {
-  const AcceptReport both = sides_.accept(done);
-  steps_.accept(allowed_dt(done, both.proposed_dt));
-  step_.accept(done, steps_.time());
+  const Stopwatch accepting;
+  sides_.start_accept(done);
+  step_.accept(done, steps_.after(0).time());
+  sides_.renew_map();
+  start_next(done);
+  const AcceptReport both = sides_.finish_accept(done, accepting);
+  proposed_dt_ = both.proposed_dt;
+  steps_.accept(allowed_dt(done, proposed_dt_));
+  step_.settle_next(request_of(steps_));
   record_step(done, cuts, watch);
   record_.probes(steps_.time(), both.probes);
   progress_.update(done.row.request.step, steps_.time(), done.row.request.dt, done.iterations());
-  sides_.renew_map();
   if (clock_.due(steps_.time())) write_output();
+}
+
+/// While the sides still accept: the soils' first solution of the next step. Not where something
+/// else is asked of them before.
+void CouplingLoop::start_next(const Attempt& done) {
+  const double likely_dt = allowed_dt(done, proposed_dt_);
+  const TimeSteps next = steps_.after(likely_dt);
+  if (next.finished() || clock_.is_due(next.time()) || !sides_.take_next_step()) return;
+  DtRange proposed = steps_.same_next(likely_dt);
+  if (proposed.contains(allowed_dt(done, 0))) proposed.below.reset();  // it is not the soils' wish
+  step_.start_next(request_of(next), proposed);
 }
 
 /// The solvers' wish, made smaller where the coupling needed many iterations
@@ -155,6 +174,7 @@ void CouplingLoop::write_output() {
 }
 
 void CouplingLoop::visit_state(StateVisitor& visitor) {
+  step_.call_off_next();  // states are those between two steps
   sides_.visit_state(visitor);
   step_.visit_state(visitor);
   steps_.visit_state(visitor);
@@ -179,6 +199,7 @@ Json CouplingLoop::summary(bool participants_answer) {
   result["mapping"] = sides_.map().report();
   result["wall_seconds"] = phases_.seconds();
   result["wall_seconds"]["total"] = watch_.seconds();
+  for (const Side* side : sides_.all()) result["messages"][side->name()] = side->calls();
   if (!participants_answer) return result;
   for (const Side* side : sides_.all())
     result["participants"][side->name()] = side->solver().summary();

@@ -84,6 +84,7 @@ Hello hello_of(const ParticipantSettings& settings, const Introduction& introduc
   hello.probes = introduction.probes;
   hello.keeps_state = introduction.keeps_state;
   hello.takes_force_kinds = introduction.takes_force_kinds;
+  hello.takes_next_step = true;  // requests are taken from the socket one by one
   return hello;
 }
 

@@ -40,6 +40,20 @@ StepRequest read_step_request(const Message& message) {
   return request;
 }
 
+void put(Message& message, const DtRange& range) {
+  message.fields["proposed_dt_from"] = range.from;
+  if (range.below) message.fields["proposed_dt_below"] = *range.below;
+}
+
+std::optional<DtRange> read_dt_range(const Message& message) {
+  if (!message.fields.contains("proposed_dt_from")) return std::nullopt;
+  DtRange range{message.number("proposed_dt_from"), {}};
+  if (message.fields.contains("proposed_dt_below")) {
+    range.below = message.positive_number("proposed_dt_below");
+  }
+  return range;
+}
+
 void put(Message& message, const StepReport& report) {
   message.fields["newton_iterations"] = report.newton_iterations;
   message.fields["linear_iterations"] = report.linear_iterations;

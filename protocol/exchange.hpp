@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/run/dt_range.hpp"
 #include "common/run/solver.hpp"
 #include "protocol/message.hpp"
 
@@ -16,6 +18,11 @@ namespace gabion {
 
 void put(Message& message, const StepRequest& request);
 StepRequest read_step_request(const Message& message);
+
+/// On which proposed step size a "solve_step" behind an "accept_step" depends.
+void put(Message& message, const DtRange& range);
+/// Empty: on none.
+std::optional<DtRange> read_dt_range(const Message& message);
 
 void put(Message& message, const StepReport& report);
 StepReport read_step_report(const Message& message);

@@ -118,15 +118,23 @@ bool is_participant_name(const std::string& text) {
 
 Message to_message(const Hello& hello) {
   Message out = new_message("hello");
-  out.fields = {
-      {"protocol", hello.protocol},         {"participant", hello.participant},
-      {"program", hello.program},           {"program_version", hello.program_version},
-      {"session", hello.session},           {"scene_hash", hello.scene_hash},
-      {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
-      {"sends", to_json(hello.sends)},      {"convention", hello.convention},
-      {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
-      {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)},
-      {"keeps_state", hello.keeps_state},   {"takes_force_kinds", hello.takes_force_kinds}};
+  out.fields = {{"protocol", hello.protocol},
+                {"participant", hello.participant},
+                {"program", hello.program},
+                {"program_version", hello.program_version},
+                {"session", hello.session},
+                {"scene_hash", hello.scene_hash},
+                {"dimension", hello.dimension},
+                {"receives", to_json(hello.receives)},
+                {"sends", to_json(hello.sends)},
+                {"convention", hello.convention},
+                {"interfaces", Json::array()},
+                {"probe_names", hello.probe_names},
+                {"heartbeat", hello.sends_heartbeat},
+                {"process", to_json(hello.process)},
+                {"keeps_state", hello.keeps_state},
+                {"takes_force_kinds", hello.takes_force_kinds},
+                {"takes_next_step", hello.takes_next_step}};
   for (const InterfaceMesh& mesh : hello.interfaces) {
     out.fields["interfaces"].push_back({{"name", mesh.name},
                                         {"vertices_per_facet", mesh.vertices_per_facet},
@@ -190,9 +198,10 @@ Hello read_hello(const Message& message) {
   hello.probes = message.reals("probes", {static_cast<std::int64_t>(hello.probe_names.size())});
   hello.sends_heartbeat = message.boolean("heartbeat");
   hello.process = read_process(message);
-  if (message.fields.contains("keeps_state")) hello.keeps_state = message.boolean("keeps_state");
-  if (message.fields.contains("takes_force_kinds")) {
-    hello.takes_force_kinds = message.boolean("takes_force_kinds");
+  for (const auto& [key, flag] : {std::pair("keeps_state", &hello.keeps_state),
+                                  std::pair("takes_force_kinds", &hello.takes_force_kinds),
+                                  std::pair("takes_next_step", &hello.takes_next_step)}) {
+    if (message.fields.contains(key)) *flag = message.boolean(key);
   }
   const std::vector<Message> descriptions = nested_list(message, "interfaces");
   std::vector<std::string> names;

@@ -51,6 +51,7 @@ struct Hello {
   std::vector<double> probes;      ///< values in the initial state
   bool keeps_state = false;        ///< answers to "save" and "load"
   bool takes_force_kinds = false;  ///< answers to "set_force_kinds"
+  bool takes_next_step = false;    ///< takes "solve_step" before it has answered "accept_step"
   bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;
 };

@@ -28,13 +28,36 @@ StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceV
   return finish_solve(sent);
 }
 
-void RemoteSolver::start_solve(const StepRequest& request, const InterfaceValues& received) {
+Message RemoteSolver::solve_request(const StepRequest& request,
+                                    const InterfaceValues& received) const {
   Message message = new_message("solve_step");
   put(message, request);
   if (!received.empty()) {
     put_values(message, hello_.receives.name, hello_.interfaces, received);
   }
-  start(std::move(message));
+  return message;
+}
+
+void RemoteSolver::start_solve(const StepRequest& request, const InterfaceValues& received) {
+  start(solve_request(request, received));
+}
+
+void RemoteSolver::start_next(const StepRequest& request, const InterfaceValues& received,
+                              const DtRange& proposed) {
+  require<ProtocolError>(
+      takes_next_step() && outstanding_.size() == 1 && outstanding_.front().type == "accept_step",
+      "participant \"{}\": step {} asked for at the wrong time", name(), request.step);
+  Message message = solve_request(request, received);
+  put(message, proposed);
+  send(std::move(message));
+}
+
+void RemoteSolver::call_off_solve() {
+  if (finish({"solved", "failed", "passed"}).type == "passed") return;
+  const CallTimes solution = last_call_;
+  reject_step();
+  last_call_.seconds += solution.seconds;
+  last_call_.busy_seconds += solution.busy_seconds;
 }
 
 StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
@@ -54,8 +77,12 @@ StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
   });
 }
 
-void RemoteSolver::start_accept(const StepRequest& request, bool solved,
-                                std::optional<double> output_time) {
+void RemoteSolver::start_accept(const StepRequest& request, bool solved) {
+  ask_to_accept(request, solved, std::nullopt);
+}
+
+void RemoteSolver::ask_to_accept(const StepRequest& request, bool solved,
+                                 std::optional<double> output_time) {
   Message message = new_message("accept_step");
   put(message, request);
   message.fields["solved"] = solved;
@@ -79,13 +106,13 @@ AcceptReport RemoteSolver::finish_accept() {
 }
 
 AcceptReport RemoteSolver::accept_step(const StepRequest& request, bool solved) {
-  start_accept(request, solved, std::nullopt);
+  start_accept(request, solved);
   return finish_accept();
 }
 
 AcceptReport RemoteSolver::accept_and_write(const StepRequest& request, bool solved,
                                             double output_time) {
-  start_accept(request, solved, output_time);
+  ask_to_accept(request, solved, output_time);
   return finish_accept();
 }
 
@@ -136,25 +163,31 @@ void RemoteSolver::load_state(const State& state) {
 }
 
 void RemoteSolver::start(Message request) const {
-  require<ProtocolError>(!outstanding_,
+  require<ProtocolError>(outstanding_.empty(),
                          "participant \"{}\": \"{}\" asked before the answer "
                          "to \"{}\" was taken",
-                         name(), request.type, outstanding_ ? outstanding_->type : "");
+                         name(), request.type,
+                         outstanding_.empty() ? "" : outstanding_.back().type);
+  send(std::move(request));
+}
+
+void RemoteSolver::send(Message request) const {
   const std::string type = request.type;
   const Stopwatch watch;
-  outstanding_ = Outstanding{type, switchboard_.send(name(), std::move(request)), watch};
+  outstanding_.push_back({type, switchboard_.send(name(), std::move(request)), watch});
 }
 
 Message RemoteSolver::finish(const std::vector<std::string>& allowed) const {
-  require<ProtocolError>(outstanding_.has_value(), "participant \"{}\": nothing was asked", name());
-  Message reply = switchboard_.wait_reply(name(), outstanding_->sequence);
+  require<ProtocolError>(!outstanding_.empty(), "participant \"{}\": nothing was asked", name());
+  Message reply = switchboard_.wait_reply(name(), outstanding_.front().sequence);
   switchboard_.guarded([&] {
     require<ProtocolError>(std::find(allowed.begin(), allowed.end(), reply.type) != allowed.end(),
                            "participant \"{}\" answered \"{}\" with \"{}\", expected {}", name(),
-                           outstanding_->type, reply.type, allowed);
+                           outstanding_.front().type, reply.type, allowed);
     note_times(reply);
   });
-  outstanding_.reset();
+  outstanding_.pop_front();
+  if (!outstanding_.empty()) outstanding_.front().watch = Stopwatch();  // its turn
   return reply;
 }
 
@@ -164,8 +197,8 @@ Message RemoteSolver::call(Message request, const std::string& reply) const {
 }
 
 void RemoteSolver::note_times(const Message& reply) const {
-  last_call_ = {1, outstanding_->watch.seconds(), reply.number("busy_seconds")};
-  CallTimes& total = times_[outstanding_->type];
+  last_call_ = {1, outstanding_.front().watch.seconds(), reply.number("busy_seconds")};
+  CallTimes& total = times_[outstanding_.front().type];
   total.count += 1;
   total.seconds += last_call_.seconds;
   total.busy_seconds += last_call_.busy_seconds;

@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/timer.hpp"
-#include "common/run/solver.hpp"
+#include "common/run/asynchronous_solver.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/switchboard.hpp"
 
 namespace gabion {
 
-/// Where the time of the calls of one kind went.
-struct CallTimes {
-  std::int64_t count = 0;
-  double seconds = 0;       ///< as the coupler waited, messages included
-  double busy_seconds = 0;  ///< as the participant computed, by its own clock
-};
-
 /// A participant in another process, as the coupling loop sees it. Every call waits for the reply;
-/// where both solvers shall work at once, use the start_/finish_ pairs. Between start and finish no
-/// other call is allowed.
+/// where both solvers shall work at once, use the start_/finish_ pairs.
 ///
 /// All calls throw ProtocolError when the participant is lost; the coupling is over then.
 class RemoteSolver : public AsynchronousSolver {
@@ -58,14 +51,21 @@ class RemoteSolver : public AsynchronousSolver {
 
   void start_solve(const StepRequest& request, const InterfaceValues& received) override;
   StepReport finish_solve(InterfaceValues& sent) override;
-  void start_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
-  AcceptReport finish_accept();
+  void start_accept(const StepRequest& request, bool solved) override;
+  AcceptReport finish_accept() override;
+  bool takes_next_step() const override { return hello_.takes_next_step; }
+  void start_next(const StepRequest& request, const InterfaceValues& received,
+                  const DtRange& proposed) override;
+  void call_off_solve() override;
 
-  const CallTimes& last_call() const { return last_call_; }                 ///< count is 1
-  const std::map<std::string, CallTimes>& times() const { return times_; }  ///< by request type
+  const CallTimes& last_call() const { return last_call_; }  ///< count is 1
+  const std::map<std::string, CallTimes>& call_times() const override { return times_; }
 
  private:
+  Message solve_request(const StepRequest& request, const InterfaceValues& received) const;
+  void ask_to_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
   void start(Message request) const;
+  void send(Message request) const;
   Message finish(const std::vector<std::string>& allowed) const;
   Message call(Message request, const std::string& reply) const;
   void note_times(const Message& reply) const;
@@ -79,7 +79,7 @@ class RemoteSolver : public AsynchronousSolver {
   Switchboard& switchboard_;
   Hello hello_;
   std::vector<double> probes_;
-  mutable std::optional<Outstanding> outstanding_;
+  mutable std::deque<Outstanding> outstanding_;  // oldest first
   mutable CallTimes last_call_;
   mutable std::map<std::string, CallTimes> times_;
 };

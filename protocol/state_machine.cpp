@@ -54,6 +54,8 @@ StateMachine::Answer StateMachine::set_force_kinds(Message request) {
 
 /// From the accepted state, whatever was solved before.
 StateMachine::Answer StateMachine::solve(Message request) {
+  const auto range = read_dt_range(request);
+  if (range && !range->contains(proposed_dt_)) return new_message("passed");
   const StepRequest step = read_step_request(request);
   InterfaceValues received;
   if (!request.arrays.empty()) received = read_values(std::move(request), receives_, interfaces_);
@@ -70,7 +72,9 @@ StateMachine::Answer StateMachine::accept(Message request) {
   order_.accept(step, with_solution);
   std::optional<double> output_time;
   if (request.boolean("write_output")) output_time = request.number("output_time");
-  return handler_.accept_step(step, with_solution, output_time);
+  Answer answer = handler_.accept_step(step, with_solution, output_time);
+  proposed_dt_ = answer ? answer->number("proposed_dt") : 0;  // one that follows later has none
+  return answer;
 }
 
 StateMachine::Answer StateMachine::reject(Message) {

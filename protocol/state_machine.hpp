@@ -78,6 +78,7 @@ class StateMachine {
   std::vector<InterfaceMesh> interfaces_;
   std::string self_;
   StepOrder order_;
+  double proposed_dt_ = 0;  // [s] by the last answer to accept_step
   bool finished_ = false;
 };
 

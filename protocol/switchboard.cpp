@@ -97,9 +97,8 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
     }
     Peer& to = peer(participant);
     request.sequence = ++to.last_sequence;
-    to.watch->asked(describe(request));
-    to.asked = true;
-    to.question = participant + " " + request.type;
+    to.open.push_back({request.sequence, describe(request), participant + " " + request.type});
+    if (to.open.size() == 1) to.watch->asked(to.open.front().what);
     bool sent = false;
     {
       const std::lock_guard lock(socket_mutex_);
@@ -120,13 +119,15 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
 Message Switchboard::wait_reply(const std::string& participant, std::uint64_t sequence) {
   return guarded([&] {
     const Peer& awaited = peer(participant);
+    require<ProtocolError>(!awaited.open.empty(), "{} was not asked", awaited.watch->label());
+    const std::string kind = awaited.open.front().kind;
     const Stopwatch waited;
-    Attention::Seconds look = attention_.before(awaited.question);
+    Attention::Seconds look = attention_.before(kind);
     std::optional<Stopwatch> late;
     Stopwatch since_log;
     for (;;) {
       if (auto reply = take_reply(participant, sequence)) {
-        attention_.note(awaited.question, Attention::Seconds(waited.seconds()));
+        attention_.note(kind, Attention::Seconds(waited.seconds()));
         return std::move(*reply);
       }
       if (!late && waited.seconds() > deadlines_.answer) late.emplace();  // before the look
@@ -161,7 +162,8 @@ std::optional<Message> Switchboard::take_reply(const std::string& participant,
                        from.watch->label(), reply.type, reply.sequence, sequence,
                        from.watch->last_words());
   });
-  from.watch->asked("");
+  from.open.pop_front();
+  from.watch->asked(from.open.empty() ? "" : from.open.front().what);
   return reply;
 }
 
@@ -231,11 +233,10 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
   if (known) {
     if (from->second.released) return;
     const PeerWatch& watch = *from->second.watch;
-    require<ProtocolError>(from->second.asked, [&] {
+    require<ProtocolError>(from->second.inbox.size() < from->second.open.size(), [&] {
       return fmt::format("{} sent {} without being asked; {}", watch.label(),
                          shortened(message.type), watch.last_words());
     });
-    from->second.asked = false;
     from->second.watch->sign_of_life();
     if (message.type == "finished") release(from->first);
     from->second.inbox.push_back(std::move(message));

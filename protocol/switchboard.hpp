@@ -87,16 +87,20 @@ class Switchboard {
   void set_phase(const std::string& phase);
 
  private:
+  struct Question {
+    std::uint64_t sequence;
+    std::string what;  // as describe() says it
+    std::string kind;  // whom and of which type, for attention_
+  };
   struct Peer {
     std::string route;
     std::string heartbeat_route;  // empty until the first heartbeat
     std::string session;
     bool sends_heartbeat = true;
     bool released = false;  // it has said "finished": its end is no failure any more
-    bool asked = false;     // a request is open: one answer may come
-    std::string question;   // kind of the last request
     std::unique_ptr<PeerWatch> watch;
-    std::deque<Message> inbox;
+    std::deque<Question> open;  // requests whose answers were not taken, oldest first
+    std::deque<Message> inbox;  // answers that have come
     std::uint64_t last_sequence = 0;
   };
 

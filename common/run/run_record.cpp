@@ -123,11 +123,14 @@ void RunRecord::write_json(const std::string& file, const Json& value) const {
   if (writes_) write_json_file(path(file), value);
 }
 
-bool OutputClock::due(double time) {
+double OutputClock::multiples(double time) const {
   constexpr double round_off = 1e-12;  // relative: a step that ends on a multiple counts as there
-  const double multiples = time / interval_ * (1 + round_off);
-  if (multiples < static_cast<double>(next_)) return false;
-  next_ = static_cast<std::int64_t>(std::floor(multiples)) + 1;
+  return time / interval_ * (1 + round_off);
+}
+
+bool OutputClock::due(double time) {
+  if (!is_due(time)) return false;
+  next_ = static_cast<std::int64_t>(std::floor(multiples(time))) + 1;
   return true;
 }
 

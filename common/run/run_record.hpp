@@ -64,8 +64,12 @@ class OutputClock {
   /// Whether the state accepted at `time` is to be written; true at time 0. Asking counts as
   /// writing: the next answer concerns the next multiple.
   bool due(double time);
+  /// The same without asking.
+  bool is_due(double time) const { return multiples(time) >= static_cast<double>(next_); }
 
  private:
+  double multiples(double time) const;
+
   double interval_;
   std::int64_t next_ = 0;  // multiple
 };

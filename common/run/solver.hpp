@@ -141,13 +141,4 @@ class Solver {
   virtual std::optional<double> last_busy_seconds() const { return std::nullopt; }
 };
 
-/// A solver that computes while its caller does something else, such as one of another process.
-class AsynchronousSolver : public Solver {
- public:
-  /// Begin solve_step; nothing else may be asked before finish_solve.
-  virtual void start_solve(const StepRequest& request, const InterfaceValues& received) = 0;
-  /// Wait for the solution. @throws ConvergenceError  as solve_step; nothing is under way then
-  virtual StepReport finish_solve(InterfaceValues& sent) = 0;
-};
-
 }  // namespace gabion

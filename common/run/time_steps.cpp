@@ -140,6 +140,20 @@ void TimeSteps::accept(double proposed_dt) {
   }
 }
 
+TimeSteps TimeSteps::after(double proposed_dt) const {
+  TimeSteps next = *this;
+  next.accept(proposed_dt);
+  return next;
+}
+
+DtRange TimeSteps::same_next(double proposed_dt) const {
+  const int level = after(proposed_dt).level_;
+  DtRange range;
+  if (level < max_level_) range.from = level_dt(level);
+  if (after(0).level_ < level) range.below = level_dt(level - 1);
+  return range;
+}
+
 void TimeSteps::cut(const std::string& reason) {
   const std::int64_t failed = ticks_under_way();
   int level = level_;

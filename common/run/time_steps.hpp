@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "common/run/dt_range.hpp"
 #include "common/run/state.hpp"
 #include "common/settings/config_reader.hpp"
 
@@ -38,6 +39,10 @@ class TimeSteps {
   ///                     that is not above it, but never below the smallest one. A solver that
   ///                     cannot do with that fails the step.
   void accept(double proposed_dt = 0);
+  /// Where this stands after accept().
+  TimeSteps after(double proposed_dt) const;
+  /// The wishes that lead to the same next step as this one.
+  DtRange same_next(double proposed_dt) const;
   /// The step is to be repeated with dt/2.
   /// @throws ConvergenceError  dt_min reached; the message carries `reason`
   void cut(const std::string& reason);

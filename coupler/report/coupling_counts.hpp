@@ -22,6 +22,8 @@ struct CouplingCounts {
   std::int64_t accepted_unconverged = 0;
   std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
   std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
+  std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
+  std::int64_t called_off = 0;        ///< of these, steps that came otherwise
 
   /// @param skipped  as in StepRow
   void add_step(int iterations, const std::string& skipped) {
@@ -51,7 +53,9 @@ struct CouplingCounts {
             {"skipped", {{"acceleration", skipped_acceleration}, {"structure", skipped_structure}}},
             {"accepted_unconverged", accepted_unconverged},
             {"history_resets", history_resets},
-            {"filter_fallbacks", filter_fallbacks}};
+            {"filter_fallbacks", filter_fallbacks},
+            {"started_early", started_early},
+            {"called_off", called_off}};
   }
 };
 

@@ -18,6 +18,7 @@ struct Attempt {
   Eigen::VectorXd f_given = {};  ///< [N] given to the structures; serial: f
   Eigen::VectorXd x_tilde = {};  ///< [m] answered by the structures
 
+  bool soils_asked = false;      ///< they solve already (Sides::start_next)
   IterationRow row = {};         ///< of the last iteration, with its request
   std::string status = {};       ///< empty until the last iteration is done
   std::string skipped = "none";  ///< | acceleration | structure

@@ -55,7 +55,7 @@ Attempt CoupledStep::solve(const StepRequest& request) {
 
 /// The method.
 Attempt CoupledStep::iterate(const StepRequest& request) {
-  Attempt now = predict(request);
+  Attempt now = begin(request);
   for (;; ++now.row.request.iteration) {
     const Stopwatch watch;
     const bool contact = scheme_->solve(sides_, now);  // f = H^T MPM(H x), x_tilde = FEM(f)
@@ -70,10 +70,15 @@ Attempt CoupledStep::iterate(const StepRequest& request) {
   }
 }
 
-Attempt CoupledStep::predict(const StepRequest& request) {
+Attempt CoupledStep::begin(const StepRequest& request) {
   sides_.begin_solution();
   acceleration_->begin_step();
   convergence_.begin_step();
+  if (next_) return *std::exchange(next_, std::nullopt);
+  return predict(request);
+}
+
+Attempt CoupledStep::predict(const StepRequest& request) const {
   Attempt now{.row = {.request = request}};
   scheme_->set_guess(predictor_.predict(request.time + request.dt), now);
   return now;
@@ -170,6 +175,26 @@ void CoupledStep::accept(const Attempt& done, double time) {
   }
   contact_.accept(sides_.soil_reports());
   predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
+}
+
+void CoupledStep::start_next(const StepRequest& request, const DtRange& proposed) {
+  next_ = predict(request);
+  sides_.start_next(*next_, proposed);
+  ++counts_.started_early;
+}
+
+void CoupledStep::settle_next(const StepRequest& request) {
+  if (!next_) return;
+  const StepRequest& asked = next_->row.request;
+  if (sides_.solve_next() && asked.time == request.time && asked.dt == request.dt) return;
+  call_off_next();
+}
+
+void CoupledStep::call_off_next() {
+  if (!next_) return;
+  next_.reset();
+  sides_.call_off_next();
+  ++counts_.called_off;
 }
 
 void CoupledStep::start_at_rest() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/base/timer.hpp"
@@ -21,7 +22,7 @@ namespace gabion {
 /// The coupling of both sides within one step (docs/theory/coupling.md), and what it learns from
 /// step to step.
 ///
-///     (solve, reject)*, solve, accept
+///     (solve, reject)*, solve, accept, (start_next, settle_next)?
 class CoupledStep {
  public:
   /// @param record, counts  get each iteration
@@ -32,9 +33,17 @@ class CoupledStep {
   /// Iterate until both sides agree, or it is clear that they will not. A step that a solver cannot
   /// solve is an attempt that failed.
   Attempt solve(const StepRequest& request);
-  /// The sides have accepted this attempt. @param time  [s] at the end of the step
+  /// The sides accept this attempt. @param time  [s] at the end of the step
   void accept(const Attempt& done, double time);
   void reject() { acceleration_->discard_step(); }
+  /// After accept, while the sides accept: start the soils on the next step, which is likely to be
+  /// this one. @pre  sides.take_next_step()
+  /// @param proposed  the step sizes by whose proposal it is
+  void start_next(const StepRequest& request, const DtRange& proposed);
+  /// When the sides have accepted. @param request  the next step as it is
+  void settle_next(const StepRequest& request);
+  /// Nothing is under way then.
+  void call_off_next();
   /// At time 0: no displacement, no force.
   void start_at_rest();
 
@@ -44,7 +53,8 @@ class CoupledStep {
 
  private:
   Attempt iterate(const StepRequest& request);
-  Attempt predict(const StepRequest& request);
+  Attempt begin(const StepRequest& request);
+  Attempt predict(const StepRequest& request) const;
   void accept_one_pass(bool contact, Attempt& now);
   void measure(Attempt& now);
   void end_unconverged(Attempt& now);
@@ -63,7 +73,8 @@ class CoupledStep {
   Predictor predictor_;
   Convergence convergence_;
   ContactWatch contact_;
-  int forgotten_columns_ = 0;  // by the last change of contact, until the next call of `next`
+  std::optional<Attempt> next_;  // that start_next began
+  int forgotten_columns_ = 0;    // by the last change of contact, until the next call of `next`
   bool warned_round_off_ = false;
   double acceleration_seconds_ = 0;
 };

@@ -28,6 +28,7 @@ class Side::CallTimer {
 void Side::begin_step() {
   call_seconds_ = 0;
   busy_seconds_ = 0;
+  if (under_way_) under_way_->watch = Stopwatch();
 }
 
 void Side::start_solve(const StepRequest& request, const Eigen::VectorXd& given) {
@@ -63,12 +64,41 @@ void Side::skip() {
   solved_ = false;
 }
 
-AcceptReport Side::accept(const StepRequest& request, const Eigen::VectorXd& given) {
-  const CallTimer timer(*this);
-  AcceptReport report = solver_.accept_step(request, solved_);
+void Side::start_accept(const StepRequest& request) {
+  accepting_ = request;
+  if (AsynchronousSolver* solver = asynchronous()) solver->start_accept(request, solved_);
+}
+
+AcceptReport Side::finish_accept(const Eigen::VectorXd& given, const Stopwatch& since) {
+  AcceptReport report;
+  if (AsynchronousSolver* solver = asynchronous()) {
+    const CallTimer timer(*this, since);
+    report = solver->finish_accept();
+  } else {
+    const CallTimer timer(*this);
+    report = solver_.accept_step(accepting_, solved_);
+  }
   accepted_details_ = report.details;
   may_sleep_ = report.at_rest && layout_.is_zero_in(given);
+  solves_next_ = under_way_ && under_way_->proposed.contains(report.proposed_dt);
   return report;
+}
+
+bool Side::takes_next_step() const {
+  const AsynchronousSolver* solver = asynchronous();
+  return solver != nullptr && solver->takes_next_step();
+}
+
+void Side::start_next(const StepRequest& request, const Eigen::VectorXd& given,
+                      const DtRange& proposed) {
+  under_way_ = UnderWay{request, {}, Stopwatch(), proposed};
+  asynchronous()->start_next(request, layout_.values_in(given), proposed);
+}
+
+void Side::call_off_next() {
+  const CallTimer timer(*this);
+  under_way_.reset();
+  asynchronous()->call_off_solve();
 }
 
 void Side::reject() {
@@ -85,6 +115,17 @@ void Side::add_details(double wall_seconds, Json& details) const {
   details[prefix + "busy_seconds"] = busy_seconds_;
   details[prefix + "message_seconds"] = call_seconds_ - busy_seconds_;
   details[prefix + "waiting_seconds"] = wall_seconds - call_seconds_;
+}
+
+Json Side::calls() const {
+  const AsynchronousSolver* solver = asynchronous();
+  if (solver == nullptr) return {};
+  Json calls;
+  for (const auto& [kind, times] : solver->call_times()) {
+    calls[kind] = {
+        {"count", times.count}, {"seconds", times.seconds}, {"busy_seconds", times.busy_seconds}};
+  }
+  return calls;
 }
 
 }  // namespace gabion

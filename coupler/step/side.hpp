@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/timer.hpp"
-#include "common/run/solver.hpp"
+#include "common/run/asynchronous_solver.hpp"
 #include "coupler/mapping/interface_layout.hpp"
 
 namespace gabion {
@@ -13,7 +13,8 @@ namespace gabion {
 /// A participant and what became of it in the step under way. It takes its share of the vectors of
 /// its side, and puts its answers in their place.
 ///
-///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ..., accept
+///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ...,
+///     start_accept, finish_accept
 ///     solution: start_solve, finish_solve; or skip
 class Side {
  public:
@@ -34,9 +35,22 @@ class Side {
   void finish_solve(Eigen::VectorXd& answer);
   /// The solver is not asked in this iteration.
   void skip();
+  /// Begin to accept, and return at once when the solver is in another process.
+  void start_accept(const StepRequest& request);
   /// @param given  values at all interfaces of this side in the accepted solution
-  AcceptReport accept(const StepRequest& request, const Eigen::VectorXd& given);
+  /// @param since  the wait for a solver in another process runs from here on
+  AcceptReport finish_accept(const Eigen::VectorXd& given, const Stopwatch& since);
   void reject();
+
+  bool takes_next_step() const;
+  /// Between start_accept and finish_accept: as start_solve, of the next step, which the solver
+  /// leaves alone when it proposes another step size than these.
+  void start_next(const StepRequest& request, const Eigen::VectorXd& given,
+                  const DtRange& proposed);
+  /// After finish_accept: whether it solves.
+  bool solves_next() const { return solves_next_; }
+  /// Nothing is under way then.
+  void call_off_next();
 
   const StepReport& report() const { return report_; }  ///< of the last solution
   bool solved() const { return solved_; }               ///< in the last iteration
@@ -47,6 +61,8 @@ class Side {
   /// `linear_iterations` of all iterations of the accepted solution, and where `wall_seconds` of
   /// the step went.
   void add_details(double wall_seconds, Json& details) const;
+  /// Calls since the start, by kind; null of a solver in this process.
+  Json calls() const;
   void visit_state(StateVisitor& visitor) { visitor.flag("may_sleep." + name(), may_sleep_); }
 
  private:
@@ -55,6 +71,7 @@ class Side {
     StepRequest request;  // of a solver in this process, which solves in finish_solve
     InterfaceValues received;
     Stopwatch watch;
+    DtRange proposed = {};  // on which it depends
   };
   AsynchronousSolver* asynchronous() const { return dynamic_cast<AsynchronousSolver*>(&solver_); }
   void note_solution(const StepReport& report);
@@ -65,10 +82,12 @@ class Side {
   bool solved_ = false;
   bool may_sleep_ = false;
   std::optional<UnderWay> under_way_;
+  StepRequest accepting_;
+  bool solves_next_ = false;
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;
-  double call_seconds_ = 0;  // of all calls since the step began, rejected tries too
-  double busy_seconds_ = 0;  // of these, as the solver computed
+  double call_seconds_ = 0;  // of waiting in all calls since the step began, rejected tries too
+  double busy_seconds_ = 0;  // in which the solver computed, also while the coupler did not wait
 };
 
 }  // namespace gabion

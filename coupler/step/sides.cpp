@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -140,6 +141,7 @@ void Sides::begin_solution() {
 }
 
 void Sides::start_soils(Attempt& now) {
+  if (std::exchange(now.soils_asked, false)) return;
   now.u = map_->soil_displacement(now.x);
   for (Side& soil : soils_) soil.start_solve(now.row.request, now.u);
 }
@@ -201,7 +203,12 @@ void Sides::solve_structures(Attempt& now, bool may_sleep) {
   finish_structures(now, watch);
 }
 
-AcceptReport Sides::accept(const Attempt& now) {
+void Sides::start_accept(const Attempt& now) {
+  accepted_x_ = now.x_tilde;
+  for (Side* side : all()) side->start_accept(now.row.request);
+}
+
+AcceptReport Sides::finish_accept(const Attempt& now, const Stopwatch& since) {
   const ScopedTimer timer(phases_, "accept");
   AcceptReport both;
   const auto take = [&](const AcceptReport& report) {
@@ -210,10 +217,36 @@ AcceptReport Sides::accept(const Attempt& now) {
     both.proposed_dt =
         both.proposed_dt > 0 ? std::min(both.proposed_dt, report.proposed_dt) : report.proposed_dt;
   };
-  for (Side& soil : soils_) take(soil.accept(now.row.request, now.u));
-  for (Side& structure : structures_) take(structure.accept(now.row.request, now.f_given));
-  accepted_x_ = now.x_tilde;
+  Stopwatch waited = since;  // no wait counts twice
+  for (Side& soil : soils_) {
+    take(soil.finish_accept(now.u, waited));
+    waited = Stopwatch();
+  }
+  for (Side& structure : structures_) {
+    take(structure.finish_accept(now.f_given, waited));
+    waited = Stopwatch();
+  }
   return both;
+}
+
+bool Sides::take_next_step() const {
+  return std::all_of(soils_.begin(), soils_.end(),
+                     [](const Side& soil) { return soil.takes_next_step(); });
+}
+
+void Sides::start_next(Attempt& now, const DtRange& proposed) {
+  now.u = map_->soil_displacement(now.x);
+  for (Side& soil : soils_) soil.start_next(now.row.request, now.u, proposed);
+  now.soils_asked = true;
+}
+
+bool Sides::solve_next() const {
+  return std::all_of(soils_.begin(), soils_.end(),
+                     [](const Side& soil) { return soil.solves_next(); });
+}
+
+void Sides::call_off_next() {
+  for (Side& soil : soils_) soil.call_off_next();
 }
 
 void Sides::reject() {

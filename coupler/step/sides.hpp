@@ -62,8 +62,20 @@ class Sides {
   void solve_soils(Attempt& now);
   void solve_structures(Attempt& now, bool may_sleep);
 
+  /// Have all sides accept, at the same time where they are other processes.
+  void start_accept(const Attempt& now);
+  /// @param since  of start_accept
   /// @returns probes of all sides, the smallest of the proposed dt
-  AcceptReport accept(const Attempt& now);
+  AcceptReport finish_accept(const Attempt& now, const Stopwatch& since);
+
+  /// Whether start_next may be called.
+  bool take_next_step() const;
+  /// Between start_accept and finish_accept: start the soils on the next step, if they propose one
+  /// of these step sizes. The attempt may be finished as any other one.
+  void start_next(Attempt& now, const DtRange& proposed);
+  /// After finish_accept: whether all soils solve it.
+  bool solve_next() const;
+  void call_off_next();
   void reject();
   /// See InterfaceMap::accept. @pre the step was accepted
   void renew_map() { map_->accept(accepted_x_); }

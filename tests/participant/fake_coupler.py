@@ -108,6 +108,18 @@ class FakeCoupler:
                         **({"write_output": False} | fields))
 
 
+    def accept_and_solve(self, step: int, force: float, **bounds: float) -> list[Message]:
+        """Accept the step before and solve this one, which is asked for at once; both replies."""
+        begin, self._time = self._time, self._time + self._dt
+        self.request("accept_step", step=step - 1, iteration=0, time=begin, dt=self._dt, solved=True,
+                     write_output=False)
+        self.request("solve_step", {"force:wall": np.full((3, 2), force)}, step=step, iteration=0, time=self._time,
+                     dt=self._dt, **bounds)
+        replies = [self.receive(), self.receive()]
+        assert [reply.sequence for reply in replies] == [self._sequence - 1, self._sequence]
+        return replies
+
+
 class ParticipantCase(unittest.TestCase):
     """Has a coupler, and runs the participant's side in a thread."""
 

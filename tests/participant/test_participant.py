@@ -123,6 +123,18 @@ class OwnLoop(ParticipantCase):
         participant.set_interface("wall", SQUARE, SEGMENTS, "late")
         self.assertRaisesRegex(UsageError, 'found force_kind "late"', participant.initialize)
 
+    def test_the_next_step_behind_the_acceptance(self) -> None:
+        loop, coupler = self.begin(), self.coupler
+        coupler.solve(1, 2.0)
+        for step in (2, 3):  # a loop of its own proposes no dt, which is above all bounds
+            replies = coupler.accept_and_solve(step, 2.0, proposed_dt_from=0.3)
+            self.assertEqual([reply.type for reply in replies], ["accepted", "solved"])
+        replies = coupler.accept_and_solve(4, 2.0, proposed_dt_from=0.1, proposed_dt_below=0.3)
+        self.assertEqual([reply.type for reply in replies], ["accepted", "passed"])
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(loop.calls.count("complete"), 3)
+
     def displacement(self, reply) -> float:
         self.assertEqual(reply.type, "solved")
         values = reply.arrays["displacement:wall"]

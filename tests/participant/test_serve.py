@@ -150,6 +150,21 @@ class Serve(ParticipantCase):
         self.assertEqual(self.end(), "")
         self.assertEqual(self.solver.calls, ["write 0.0", "reject", "accept True", "write 0.05", "accept False"])
 
+    def test_the_next_step_behind_the_acceptance(self) -> None:
+        hello, coupler = self.begin(), self.coupler  # it proposes 0.25
+        self.assertIs(hello.fields["takes_next_step"], True)
+        coupler.solve(1, 2.0)
+        for step, (bounds, kind) in enumerate((({"proposed_dt_from": 0.1}, "solved"),
+                                               ({"proposed_dt_from": 0.3}, "passed"),
+                                               ({"proposed_dt_from": 0.1, "proposed_dt_below": 0.25}, "passed"),
+                                               ({"proposed_dt_from": 0.25, "proposed_dt_below": 0.5}, "solved")), 2):
+            replies = coupler.accept_and_solve(step, 2.0, **bounds)
+            self.assertEqual([reply.type for reply in replies], ["accepted", kind])
+            if kind == "passed":  # nothing was done
+                self.assertEqual(coupler.solve(step, 2.0).type, "solved")
+        coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
     def test_save_and_load(self) -> None:
         hello = self.begin(KeepingSpring())
         self.assertIs(hello.fields["keeps_state"], True)

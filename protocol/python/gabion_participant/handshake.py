@@ -126,6 +126,7 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
         "probe_names": list(introduction.probe_names), "heartbeat": True,
         "process": this_process().to_fields(), "keeps_state": introduction.keeps_state,
         "takes_force_kinds": introduction.takes_force_kinds,
+        "takes_next_step": True,  # requests are taken from the socket one by one
     })
     for mesh in interfaces:
         message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
@@ -172,6 +173,16 @@ def read_force_kinds(message: Message, interfaces: Sequence[InterfaceMesh]) -> d
 def read_step_request(message: Message) -> StepRequest:
     return StepRequest(message.integer("step"), message.count("iteration"), message.number("time"),
                        message.positive_number("dt"))
+
+
+def is_asked_for(message: Message, proposed_dt: float) -> bool:
+    """Whether a "solve_step" is to be done after an acceptance that proposed this dt [s], 0 = no opinion, which
+    is above all others."""
+    least = message.number("proposed_dt_from") if "proposed_dt_from" in message.fields else 0
+    below = message.positive_number("proposed_dt_below") if "proposed_dt_below" in message.fields else None
+    if proposed_dt <= 0:
+        return below is None
+    return proposed_dt >= least and (below is None or proposed_dt < below)
 
 
 def read_values(message: Message, quantity: str, interfaces: Sequence[InterfaceMesh]) -> InterfaceValues:

@@ -28,8 +28,9 @@ def serve_ranks(solver: Solver, settings: ParticipantSettings, comm: Any) -> Non
     """serve() on all ranks; called by each with its own part of the solver.
 
     interfaces, probe_names, probes, solve_step and the others return the same on all ranks where rank 0's answer
-    depends on it; save_state may return b"" on the others. ConvergenceError has to come on all ranks or on none; any
-    other error of a rank but 0 is printed and ends all processes of the communicator.
+    depends on it, and accept_step the same proposed_dt; save_state may return b"" on the others. ConvergenceError has
+    to come on all ranks or on none; any other error of a rank but 0 is printed and ends all processes of the
+    communicator.
     """
     if comm.size == 1:
         serve(solver, settings)

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from .errors import ProtocolError
-from .handshake import read_force_kinds, read_step_request, read_values
+from .handshake import is_asked_for, read_force_kinds, read_step_request, read_values
 from .message import Message
 from .solver import InterfaceMesh, InterfaceValues, StepRequest
 from .step_order import StepOrder
@@ -66,6 +66,7 @@ class StateMachine:
         self._receives, self._interfaces = receives, interfaces
         self._me = me
         self._order = StepOrder()
+        self._proposed_dt = 0.0  # [s] by the last answer to accept_step
         self.is_finished = False  # "finish" was asked: there is no further request
         # type: (what does it, whether it is allowed while a solution waits for its verdict)
         self._rules = {
@@ -93,6 +94,8 @@ class StateMachine:
         return self._handler.set_force_kinds(read_force_kinds(request, self._interfaces))
 
     def _solve(self, request: Message) -> Message | None:
+        if not is_asked_for(request, self._proposed_dt):
+            return Message("passed")
         step = read_step_request(request)
         received = read_values(request, self._receives, self._interfaces)
         self._order.check(step)
@@ -106,7 +109,9 @@ class StateMachine:
         step, was_solved = read_step_request(request), request.boolean("solved")
         self._order.accept(step, was_solved)
         output_time = request.number("output_time") if request.boolean("write_output") else None
-        return self._handler.accept_step(step, was_solved, output_time)
+        answer = self._handler.accept_step(step, was_solved, output_time)
+        self._proposed_dt = answer.number("proposed_dt") if answer else 0.0  # one that follows later has none
+        return answer
 
     def _reject(self, _request: Message) -> Message | None:
         answer = self._handler.reject_step()

@@ -223,7 +223,9 @@ TEST(OutputClock, first_time_at_or_after_each_multiple) {
   std::vector<double> due;
   for (int n = 0; n <= 40; ++n) {
     const double t = 0.03 * n;
-    if (clock.due(t)) due.push_back(t);
+    const bool is_due = clock.is_due(t);
+    EXPECT_EQ(clock.due(t), is_due);
+    if (is_due) due.push_back(t);
   }
   ASSERT_EQ(due.size(), 13u);
   for (int k = 0; k < 13; ++k) {

@@ -206,5 +206,31 @@ TEST(TimeSettings, all_keys_are_required_and_checked) {
           {"/dt_max: found 0.05, allowed: a number >= dt = 0.1"});
 }
 
+TEST(TimeSteps, proposals_of_a_range_and_no_others_lead_to_the_same_next_step) {
+  const std::vector<double> proposals = {0,     0.2,    0.1,  0.0999, 0.05, 0.049, 0.02,
+                                         0.025, 0.0126, 1e-2, 5e-3,   2e-3, 1e-4};
+  for (const double dt_max : {0.1, 0.4}) {
+    TimeSteps steps({4, 0.1, 0.1 / 16, dt_max});
+    int k = 0, grown = 0, shrunk = 0;
+    while (steps.time() < 3.5) {  // the last steps are cut to the end
+      for (const double likely : proposals) {
+        const DtRange range = steps.same_next(likely);
+        EXPECT_TRUE(range.contains(likely)) << likely;
+        for (const double other : proposals) {
+          const bool same = steps.after(other).dt() == steps.after(likely).dt();
+          EXPECT_EQ(range.contains(other), same) << steps.time() << ' ' << likely << ' ' << other;
+        }
+      }
+      const double dt = steps.dt();
+      steps.accept(proposals[static_cast<std::size_t>(k * k + k / 7) % proposals.size()]);
+      ++k;
+      grown += steps.dt() > dt;
+      shrunk += steps.dt() < dt;
+    }
+    EXPECT_GT(grown, 3);
+    EXPECT_GT(shrunk, 3);
+  }
+}
+
 }  // namespace
 }  // namespace gabion

@@ -51,13 +51,17 @@ class MassSprings : public Solver {
     v_ = v_trial_;
     a_ = a_trial_;
     ++accepted;
-    return {probes(), v_.isZero(0) && a_.isZero(0), 0, {{"accepted_steps", accepted}}};
+    return {probes(),
+            v_.isZero(0) && a_.isZero(0),
+            propose ? propose(accepted) : 0,
+            {{"accepted_steps", accepted}}};
   }
 
   void rename_interface(const std::string& name) { mesh_.name = name; }
   void force_kind(ForceKind kind) { mesh_.force_kind = kind; }
 
   std::function<void(const StepRequest&)> on_solve;  // may throw
+  std::function<double(int)> propose;                // dt [s] after so many accepted steps
   int accepted = 0;
   int slept = 0;
   int rejected = 0;

@@ -584,6 +584,45 @@ TEST(CouplingLoop, a_failure_in_the_parallel_scheme_leaves_nothing_under_way) {
   }
 }
 
+/// The dt that a solver proposes changes, so that the next step comes otherwise than it was asked
+/// for; frames, cuts and a limit by iterations come between.
+void propose_and_fail(CoupledRun& run, bool of_soil) {
+  test::MassSprings& solver = of_soil ? static_cast<test::MassSprings&>(run.soil) : run.structure;
+  solver.propose = [](int step) { return step % 5 == 0 ? 0.003 : step % 3 == 0 ? 0.02 : 0.006; };
+  run.soil.on_solve = [](const StepRequest& request) {
+    if (request.step == 8 && request.dt > 0.002) throw ConvergenceError("too large");
+  };
+  run.settings.coupling.step_control = {4, 0};
+}
+
+TEST(CouplingLoop, a_next_step_that_is_asked_for_early_changes_no_row) {
+  for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
+    for (const bool of_soil : {true, false}) {
+      SCOPED_TRACE(fmt::format("{} soil {}", name(scheme), of_soil));
+      CoupledRun local("early_local"), remote("early_remote");
+      for (CoupledRun* run : {&local, &remote}) {
+        propose_and_fail(*run, of_soil);
+        run->settings.coupling.scheme = scheme;
+        run == &local ? run->go() : run->go_behind_the_wire();
+      }
+      for (const std::string file : {"iterations.csv", "steps.csv", "probes.csv"}) {
+        EXPECT_EQ(remote.table(file), local.table(file)) << file;
+      }
+      EXPECT_EQ(local.summary()["started_early"], 0);
+      const Json summary = remote.summary();
+      EXPECT_GT(summary["started_early"], 10);
+      EXPECT_GT(summary["called_off"], 0);
+      EXPECT_LT(summary["called_off"], summary["started_early"]);
+      EXPECT_EQ(remote.soil.written, local.soil.written);
+      const Json& soil = summary["messages"]["soil"];
+      EXPECT_EQ(soil["accept_step"]["count"], summary["steps"]);
+      if (of_soil) {  // passed, not solved
+        EXPECT_EQ(remote.soil.solves, local.soil.solves);
+      }
+    }
+  }
+}
+
 TEST(CouplingLoop, many_iterations_halve_dt_and_few_let_it_grow) {
   CoupledRun run("step_control");
   run.settings.coupling.step_control = {3, 5};

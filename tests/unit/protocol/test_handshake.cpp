@@ -64,6 +64,17 @@ TEST(Handshake, messages_round_trip) {
   EXPECT_EQ(welcomed.deadlines.silence, 3);
 }
 
+TEST(Handshake, taking_the_next_step_early_is_optional) {
+  Hello hello = good_hello("soil");
+  hello.takes_next_step = true;
+  Message message = to_message(hello);
+  EXPECT_TRUE(read_hello(message).takes_next_step);
+  message.fields.erase("takes_next_step");  // as before 1.3
+  EXPECT_FALSE(read_hello(message).takes_next_step);
+  message.fields["takes_next_step"] = 1;
+  expect_refused(message, {"field \"takes_next_step\": expected true or false, found 1"});
+}
+
 TEST(Handshake, kinds_of_forces_round_trip_and_are_optional) {
   Hello hello = good_hello("soil");
   hello.takes_force_kinds = true;

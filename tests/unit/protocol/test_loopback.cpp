@@ -77,5 +77,63 @@ TEST(Loopback, two_solvers_solve_accept_skip_and_write) {
   EXPECT_EQ(pair.structure.calls, (std::vector<std::string>{"reject", "skip"}));
 }
 
+/// A soil that proposes 0.25 s, in a thread.
+struct ProposingSoil {
+  DummySolver solver{5, 2, -2.0};
+  Server server{patient_settings()};
+  std::future<std::string> end = start(solver, participant("soil", server.endpoint()));
+  std::map<std::string, std::unique_ptr<Solver>> solvers =
+      server.wait_for({expected("soil")}, {{"end", 1.5}});
+  RemoteSolver& soil = static_cast<RemoteSolver&>(*solvers.at("soil"));
+  const InterfaceValues u = {{"wall", std::vector<double>(10, 0.5)}};
+  InterfaceValues sent;
+};
+
+TEST(Loopback, the_next_step_is_asked_for_behind_the_acceptance) {
+  ProposingSoil run;
+  RemoteSolver& soil = run.soil;
+  ASSERT_TRUE(soil.takes_next_step());
+  soil.solve_step({1, 0, 0.0, 0.1}, run.u, run.sent);
+  soil.start_accept({1, 0, 0.0, 0.1}, true);
+  soil.start_next({2, 0, 0.1, 0.1}, {{"wall", std::vector<double>(10, 1.0)}}, {0.1, 0.5});
+  EXPECT_EQ(soil.finish_accept().proposed_dt, 0.25);
+  soil.finish_solve(run.sent);
+  EXPECT_EQ(run.sent["wall"], std::vector<double>(10, 0.1 + 1 - 2));
+  soil.start_accept({2, 0, 0.1, 0.1}, true);
+  soil.start_next({3, 0, 0.2, 0.1}, run.u, {0.1, {}});
+  soil.finish_accept();
+  soil.call_off_solve();  // solved, so it is rejected
+  soil.solve_step({3, 0, 0.2, 0.05}, run.u, run.sent);
+  EXPECT_EQ(soil.call_times().at("solve_step").count, 4);
+  run.server.finish();
+  EXPECT_EQ(run.end.get(), "");
+  EXPECT_EQ(run.solver.calls, (std::vector<std::string>{"accept", "accept", "reject"}));
+}
+
+TEST(Loopback, a_next_step_by_another_proposal_is_passed) {
+  for (const DtRange& range : {DtRange{0.3, {}}, DtRange{0.1, 0.25}}) {
+    ProposingSoil run;
+    RemoteSolver& soil = run.soil;
+    soil.solve_step({1, 0, 0.0, 0.1}, run.u, run.sent);
+    soil.start_accept({1, 0, 0.0, 0.1}, true);
+    soil.start_next({2, 0, 0.1, 0.1}, run.u, range);
+    soil.finish_accept();
+    soil.call_off_solve();  // nothing to reject
+    soil.solve_step({2, 0, 0.1, 0.05}, run.u, run.sent);
+    run.server.finish();
+    EXPECT_EQ(run.end.get(), "");
+    EXPECT_EQ(run.solver.calls, std::vector<std::string>{"accept"});
+  }
+}
+
+TEST(Loopback, a_next_step_is_asked_for_at_no_other_time) {
+  ProposingSoil run;
+  EXPECT_NE(message_of<ProtocolError>([&] {
+              run.soil.start_next({1, 0, 0.0, 0.1}, run.u, {});
+            }).find("step 1 asked for at the wrong time"),
+            std::string::npos);
+  run.server.finish();
+}
+
 }  // namespace
 }  // namespace gabion::test
