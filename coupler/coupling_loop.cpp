@@ -117,7 +117,8 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
 void CouplingLoop::start_next(const Attempt& done) {
   const double likely_dt = allowed_dt(done, proposed_dt_);
   const TimeSteps next = steps_.after(likely_dt);
-  if (next.finished() || clock_.is_due(next.time()) || !sides_.take_next_step()) return;
+  if (next.finished() || clock_.is_due(next.time()) || checkpoints_.is_likely()) return;
+  if (!sides_.take_next_step()) return;
   DtRange proposed = steps_.same_next(likely_dt);
   if (proposed.contains(allowed_dt(done, 0))) proposed.below.reset();  // it is not the soils' wish
   step_.start_next(request_of(next), proposed);

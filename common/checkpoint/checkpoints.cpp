@@ -81,10 +81,14 @@ Checkpoints::Checkpoints(const CheckpointSettings& settings, const Scene& scene,
       start_(std::move(start)),
       last_step_(start_ ? start_->point.step : 0) {}
 
-bool Checkpoints::due(std::int64_t step) {
+bool Checkpoints::is_due(std::int64_t step) const {
   const bool by_steps = settings_.steps > 0 && step - last_step_ >= settings_.steps;
   const bool by_time = settings_.minutes > 0 && since_last_.seconds() >= 60 * settings_.minutes;
-  if (parts_.agree(by_steps || by_time ? 1 : 0) == 0) return false;
+  return by_steps || by_time;
+}
+
+bool Checkpoints::due(std::int64_t step) {
+  if (parts_.agree(is_due(step) ? 1 : 0) == 0) return false;
   last_step_ = step;
   since_last_ = Stopwatch();
   return true;

@@ -51,6 +51,7 @@ class Checkpoints final : public RunKeeper {
 
   const RestartPoint* start() const override { return start_ ? &*start_ : nullptr; }
   bool due(std::int64_t step) override;
+  bool is_due(std::int64_t step) const override;
   void save(const RunPoint& point, const State& run) override;
   int signal() override;
 

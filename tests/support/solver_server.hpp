@@ -13,7 +13,7 @@ namespace gabion::test {
 /// Couple two solvers as in a real run, through the server and sockets; each solver serves in a
 /// thread of its own. Writes the files of the run.
 inline void couple_through_sockets(const CouplerSettings& settings, Solver& soil, Solver& structure,
-                                   RunRecord& files) {
+                                   RunRecord& files, RunKeeper* keeper = nullptr) {
   Server server({"tcp://127.0.0.1:*", {}});
   const auto take_part = [&server](Solver& solver, const std::string& name, bool sends_force) {
     ParticipantSettings participant;
@@ -35,8 +35,9 @@ inline void couple_through_sockets(const CouplerSettings& settings, Solver& soil
   std::jthread structure_thread(take_part, std::ref(structure), "structure", false);
   try {
     const auto solvers = server.wait_for(expected_participants(settings, "any"));
-    CouplingLoop loop(
-        settings, {{"soil", *solvers.at("soil")}, {"structure", *solvers.at("structure")}}, files);
+    CouplingLoop loop(settings,
+                      {{"soil", *solvers.at("soil")}, {"structure", *solvers.at("structure")}},
+                      files, keeper);
     loop.run();
     server.finish();
   } catch (const std::exception& error) {

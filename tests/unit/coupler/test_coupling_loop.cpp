@@ -623,6 +623,37 @@ TEST(CouplingLoop, a_next_step_that_is_asked_for_early_changes_no_row) {
   }
 }
 
+/// Checkpoints that come unforeseen, as at a signal.
+struct SuddenKeeper final : RunKeeper {
+  explicit SuddenKeeper(const test::MassSprings& soil) : soil_(soil) {}
+  const RestartPoint* start() const override { return nullptr; }
+  bool due(std::int64_t step) override { return step % 4 == 0; }
+  bool is_due(std::int64_t) const override { return false; }
+  void save(const RunPoint& point, const State&) override {
+    ++saved;
+    EXPECT_EQ(soil_.accepted, point.step);
+    EXPECT_EQ(soil_.rejected + (point.step == 20), saved);  // at the end nothing is under way
+  }
+  int signal() override { return 0; }
+
+  int saved = 0;
+
+ private:
+  const test::MassSprings& soil_;
+};
+
+TEST(CouplingLoop, a_checkpoint_gives_up_what_was_asked_for_early) {
+  CoupledRun run("sudden"), reference("sudden_reference");
+  reference.settings.output_interval = run.settings.output_interval = run.settings.time.end;
+  reference.go();
+  SuddenKeeper keeper(run.soil);
+  RunRecord files(run.folder.string(), "coupler");
+  test::couple_through_sockets(run.settings, run.soil, run.structure, files, &keeper);
+  EXPECT_EQ(keeper.saved, 5);
+  EXPECT_EQ(run.summary()["called_off"], 4);
+  EXPECT_EQ(run.table("steps.csv"), reference.table("steps.csv"));
+}
+
 TEST(CouplingLoop, many_iterations_halve_dt_and_few_let_it_grow) {
   CoupledRun run("step_control");
   run.settings.coupling.step_control = {3, 5};
