@@ -101,26 +101,30 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   sides_.start_accept(done);
   step_.accept(done, steps_.after(0).time());
   sides_.renew_map();
-  start_next(done);
-  const AcceptReport both = sides_.finish_accept(done, accepting);
-  proposed_dt_ = both.proposed_dt;
-  steps_.accept(allowed_dt(done, proposed_dt_));
+  const AcceptReport structures = sides_.finish_structures_accept(done, accepting);
+  const Stopwatch waiting;
+  start_next(done, structures.proposed_dt);
+  AcceptReport both = sides_.finish_soils_accept(done, waiting);
+  soils_dt_ = both.proposed_dt;
+  steps_.accept(allowed_dt(done, smaller_dt(soils_dt_, structures.proposed_dt)));
   step_.settle_next(request_of(steps_));
+  both.probes.insert(both.probes.end(), structures.probes.begin(), structures.probes.end());
   record_step(done, cuts, watch);
   record_.probes(steps_.time(), both.probes);
   progress_.update(done.row.request.step, steps_.time(), done.row.request.dt, done.iterations());
   if (clock_.due(steps_.time())) write_output();
 }
 
-/// While the sides still accept: the soils' first solution of the next step. Not where something
-/// else is asked of them before.
-void CouplingLoop::start_next(const Attempt& done) {
-  const double likely_dt = allowed_dt(done, proposed_dt_);
+/// While the soils still accept: their first solution of the next step. Not where something else is
+/// asked of them before, nor while a structure may yet fail to accept.
+void CouplingLoop::start_next(const Attempt& done, double structures_dt) {
+  const double others_dt = allowed_dt(done, structures_dt);
+  const double likely_dt = smaller_dt(soils_dt_, others_dt);
   const TimeSteps next = steps_.after(likely_dt);
   if (next.finished() || clock_.is_due(next.time()) || checkpoints_.is_likely()) return;
   if (!sides_.take_next_step()) return;
   DtRange proposed = steps_.same_next(likely_dt);
-  if (proposed.contains(allowed_dt(done, 0))) proposed.below.reset();  // it is not the soils' wish
+  if (proposed.contains(others_dt)) proposed.below.reset();  // it is not the soils' wish
   step_.start_next(request_of(next), proposed);
 }
 
@@ -132,7 +136,7 @@ double CouplingLoop::allowed_dt(const Attempt& done, double proposed_dt) const {
   const bool hold = control.few > 0 && done.iterations() > control.few;
   if (!halve && !hold) return proposed_dt;
   const double dt = halve ? done.row.request.dt / 2 : done.row.request.dt;
-  return proposed_dt > 0 ? std::min(proposed_dt, dt) : dt;
+  return smaller_dt(proposed_dt, dt);
 }
 
 void CouplingLoop::record_step(const Attempt& done, int cuts, const Stopwatch& watch) {

@@ -37,7 +37,7 @@ class CouplingLoop {
   void run_steps();
   void advance();
   void accept(const Attempt& done, int cuts, const Stopwatch& watch);
-  void start_next(const Attempt& done);
+  void start_next(const Attempt& done, double structures_dt);
   double allowed_dt(const Attempt& done, double proposed_dt) const;
   void record_step(const Attempt& done, int cuts, const Stopwatch& watch);
   void reject(const Attempt& failed);
@@ -58,8 +58,8 @@ class CouplingLoop {
   Progress progress_;
   InterfaceWork soil_work_;
   InterfaceWork structure_work_;
-  double proposed_dt_ = 0;  // [s] by the sides, after the last step
-  double written_ = -1;     // [s] time of the last frame
+  double soils_dt_ = 0;  // [s] that the soils proposed after the last step
+  double written_ = -1;  // [s] time of the last frame
   Stopwatch watch_;
 };
 

@@ -36,7 +36,7 @@ class CoupledStep {
   /// The sides accept this attempt. @param time  [s] at the end of the step
   void accept(const Attempt& done, double time);
   void reject() { acceleration_->discard_step(); }
-  /// After accept, while the sides accept: start the soils on the next step, which is likely to be
+  /// After accept, while the soils accept: start the soils on the next step, which is likely to be
   /// this one. @pre  sides.take_next_step()
   /// @param proposed  the step sizes by whose proposal it is
   void start_next(const StepRequest& request, const DtRange& proposed);

@@ -208,25 +208,25 @@ void Sides::start_accept(const Attempt& now) {
   for (Side* side : all()) side->start_accept(now.row.request);
 }
 
-AcceptReport Sides::finish_accept(const Attempt& now, const Stopwatch& since) {
+AcceptReport Sides::finish_structures_accept(const Attempt& now, const Stopwatch& since) {
+  return finish_accept(structures_, now.f_given, since);
+}
+
+AcceptReport Sides::finish_soils_accept(const Attempt& now, const Stopwatch& since) {
+  return finish_accept(soils_, now.u, since);
+}
+
+AcceptReport Sides::finish_accept(std::vector<Side>& sides, const Eigen::VectorXd& given,
+                                  Stopwatch since) {
   const ScopedTimer timer(phases_, "accept");
-  AcceptReport both;
-  const auto take = [&](const AcceptReport& report) {
-    both.probes.insert(both.probes.end(), report.probes.begin(), report.probes.end());
-    if (report.proposed_dt <= 0) return;
-    both.proposed_dt =
-        both.proposed_dt > 0 ? std::min(both.proposed_dt, report.proposed_dt) : report.proposed_dt;
-  };
-  Stopwatch waited = since;  // no wait counts twice
-  for (Side& soil : soils_) {
-    take(soil.finish_accept(now.u, waited));
-    waited = Stopwatch();
+  AcceptReport all;
+  for (Side& side : sides) {
+    const AcceptReport report = side.finish_accept(given, since);
+    since = Stopwatch();  // no wait counts twice
+    all.probes.insert(all.probes.end(), report.probes.begin(), report.probes.end());
+    all.proposed_dt = smaller_dt(all.proposed_dt, report.proposed_dt);
   }
-  for (Side& structure : structures_) {
-    take(structure.finish_accept(now.f_given, waited));
-    waited = Stopwatch();
-  }
-  return both;
+  return all;
 }
 
 bool Sides::take_next_step() const {

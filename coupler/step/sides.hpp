@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,6 +20,11 @@ struct NamedSolver {
   std::string name;
   Solver& solver;
 };
+
+/// The smaller one of two proposed step sizes [s]; 0 = no opinion.
+inline double smaller_dt(double a, double b) {
+  return a > 0 && b > 0 ? std::min(a, b) : std::max(a, b);
+}
 
 /// Soils and structures of a run, and the map between their surfaces.
 ///
@@ -64,16 +70,17 @@ class Sides {
 
   /// Have all sides accept, at the same time where they are other processes.
   void start_accept(const Attempt& now);
-  /// @param since  of start_accept
-  /// @returns probes of all sides, the smallest of the proposed dt
-  AcceptReport finish_accept(const Attempt& now, const Stopwatch& since);
+  /// @param since  the wait runs from here on
+  /// @returns probes of all structures, the smallest of the proposed dt
+  AcceptReport finish_structures_accept(const Attempt& now, const Stopwatch& since);
+  AcceptReport finish_soils_accept(const Attempt& now, const Stopwatch& since);
 
   /// Whether start_next may be called.
   bool take_next_step() const;
-  /// Between start_accept and finish_accept: start the soils on the next step, if they propose one
-  /// of these step sizes. The attempt may be finished as any other one.
+  /// Before finish_soils_accept: start the soils on the next step, if they propose one of these
+  /// step sizes. The attempt may be finished as any other one.
   void start_next(Attempt& now, const DtRange& proposed);
-  /// After finish_accept: whether all soils solve it.
+  /// After finish_soils_accept: whether all soils solve it.
   bool solve_next() const;
   void call_off_next();
   void reject();
@@ -84,6 +91,8 @@ class Sides {
 
  private:
   int finish_all(std::vector<Side>& sides, Eigen::VectorXd& answer);
+  AcceptReport finish_accept(std::vector<Side>& sides, const Eigen::VectorXd& given,
+                             Stopwatch since);
   void visit_surfaces(StateVisitor& visitor) const;
 
   std::vector<Side> soils_;

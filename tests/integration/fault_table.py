@@ -42,9 +42,9 @@ def when(phase: str) -> str:
         phase, "last sign of life")
 
 
-def early(who: str, phase: str) -> bool:
-    """The soil waits for step 3 while the structure still accepts step 2."""
-    return (who, phase) == ("soil", "before_solve")
+def rows(phase: str) -> int:
+    """Of steps.csv, when a participant fails in this phase: before step 3 the other one still accepts step 2."""
+    return STEPS[phase] - (phase == "before_solve")
 
 
 def lost_in_handshake(who: str) -> tuple[str, ...]:
@@ -61,16 +61,15 @@ def process_faults() -> list[Cell]:
         for phase in PHASES[1:]:
             cells += [
                 Cell("killed", who, phase, (peer, "has died", "last sign of life", when(phase)),
-                     steps=STEPS[phase] - early(who, phase)),
+                     steps=rows(phase)),
                 Cell("stopped", who, phase, (peer, "is silent for", f"limit {SILENCE:g} s", "its process is stopped",
                                              when(phase)), steps=STEPS[phase]),
                 Cell("slow", who, phase, (), code=0, steps=5),
             ]
         for phase in ("before_solve", "inside_solve", "after_solve", "output"):
             # In the other phases it accepts or writes, and may complete its files.
-            steps = STEPS[phase] - (phase == "before_solve")  # that of step 2 is not accepted then
             cells.append(Cell("never_answers", who, phase, (peer, "is alive but has not answered for",
-                                                            f"limit {ANSWER:g} s", "in phase"), steps=steps))
+                                                            f"limit {ANSWER:g} s", "in phase"), steps=rows(phase)))
     for phase in PHASES:
         cells += [Cell("killed", "coupler", phase, ("the coupler (pid", "has died", "last sign of life")),
                   Cell("stopped", "coupler", phase, ("the coupler (pid", "is silent for", f"limit {SILENCE:g} s",
@@ -121,7 +120,7 @@ def wire_faults() -> list[Cell]:
             ("wrong_sizes", "after_solve"): (peer, "answered wrongly", '"probes"', "expected shape [1], found [0]"),
             ("nan", "inside_solve"): (peer, "answered wrongly", f'"{sent}:wall" is nan at vertex 0, component 0'),
         }
-        cells += [Cell(kind, who, phase, says, steps=STEPS[phase] - early(who, phase))
+        cells += [Cell(kind, who, phase, says, steps=rows(phase))
                   for (kind, phase), says in lies.items()]
         cells.append(Cell("started_twice", who, "inside_solve", (), code=0, steps=5))
     return cells

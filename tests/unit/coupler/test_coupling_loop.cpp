@@ -611,14 +611,16 @@ TEST(CouplingLoop, a_next_step_that_is_asked_for_early_changes_no_row) {
       EXPECT_EQ(local.summary()["started_early"], 0);
       const Json summary = remote.summary();
       EXPECT_GT(summary["started_early"], 10);
-      EXPECT_GT(summary["called_off"], 0);
-      EXPECT_LT(summary["called_off"], summary["started_early"]);
+      if (of_soil) {
+        EXPECT_GT(summary["called_off"], 0);
+        EXPECT_LT(summary["called_off"], summary["started_early"]);
+      } else {  // known before the soil is asked
+        EXPECT_EQ(summary["called_off"], 0);
+      }
       EXPECT_EQ(remote.soil.written, local.soil.written);
       const Json& soil = summary["messages"]["soil"];
       EXPECT_EQ(soil["accept_step"]["count"], summary["steps"]);
-      if (of_soil) {  // passed, not solved
-        EXPECT_EQ(remote.soil.solves, local.soil.solves);
-      }
+      EXPECT_EQ(remote.soil.solves, local.soil.solves);  // passed, not solved
     }
   }
 }
