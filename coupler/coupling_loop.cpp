@@ -49,7 +49,11 @@ void CouplingLoop::run() {
     Json failed = summary(step_failed);
     failed["completed"] = false;
     failed["reason"] = error.what();
-    files_.write_json("summary.json", failed);
+    try {
+      files_.write_json("summary.json", failed);
+    } catch (const Error& no_summary) {
+      log::error("{}", no_summary.what());  // what came first is the run's error
+    }
     if (step_failed) write_output();
     throw;
   }
