@@ -27,35 +27,43 @@ struct Neighbourhood {
   }
 };
 
-// Append the products of the values along the axes; `local` gets numbers in the neighbourhood.
+// Where the values of a point go.
 template <int dim>
-void append_products(const AxisValues* axes, const BoxGrid<dim>& box, Neighbourhood<dim>& around,
-                     PointWeights<dim>& weights) {
-  const int layers = dim == 3 ? axes[dim - 1].count : 1;
-  for (int k = 0; k < layers; ++k) {
-    for (int j = 0; j < axes[1].count; ++j) {
-      for (int i = 0; i < axes[0].count; ++i) {
-        const int at[3] = {i, j, k};
-        double N = 1;
-        int number = 0;
-        for (int d = dim - 1; d >= 0; --d) {
-          N *= axes[d].N[at[d]];
-          number = 4 * number + axes[d].first + at[d] - around.corner[d];
-        }
-        Vector<dim> grad;
-        for (int d = 0; d < dim; ++d) {
-          grad[d] = axes[d].dN[at[d]] / box.spacing[d];
-          for (int other = 0; other < dim; ++other) {
-            if (other != d) grad[d] *= axes[other].N[at[other]];
-          }
-        }
+struct ValuePlace {
+  std::uint8_t* local;  // gets numbers in the neighbourhood
+  double* N;
+  Vector<dim>* grad;
+};
+
+// The products of the values along the axes. @returns their number
+template <int dim>
+int set_products(const AxisValues* axes, const Vector<dim>& spacing, Neighbourhood<dim>& around,
+                 const ValuePlace<dim>& to) {
+  double slopes[dim][3];
+  for (int d = 0; d < dim; ++d) {
+    for (int a = 0; a < 3; ++a) slopes[d][a] = axes[d].dN[a] / spacing[d];
+  }
+  int first = 0;  // number in the neighbourhood
+  for (int d = dim - 1; d >= 0; --d) first = 4 * first + axes[d].first - around.corner[d];
+  const auto &x = axes[0], &y = axes[1];
+  int n = 0;
+  for (int k = 0; k < (dim == 3 ? axes[dim - 1].count : 1); ++k) {
+    const double Nz = dim == 3 ? axes[dim - 1].N[k] : 1;
+    for (int j = 0; j < y.count; ++j) {
+      const double Nzy = Nz * y.N[j];
+      for (int i = 0; i < x.count; ++i, ++n) {
+        to.N[n] = Nzy * x.N[i];
+        Vector<dim>& grad = to.grad[n];
+        grad[0] = slopes[0][i] * y.N[j] * Nz;
+        grad[1] = slopes[1][j] * x.N[i] * Nz;
+        if constexpr (dim == 3) grad[2] = slopes[2][k] * x.N[i] * y.N[j];
+        const int number = first + i + 4 * j + 16 * k;
         around.local[number] = 0;
-        weights.local.push_back(static_cast<std::uint8_t>(number));
-        weights.N.push_back(N);
-        weights.grad_N.push_back(grad);
+        to.local[n] = static_cast<std::uint8_t>(number);
       }
     }
   }
+  return n;
 }
 
 // Number the nodes that act on the group and list them.
@@ -87,14 +95,19 @@ void begin_again(std::vector<Value>& values) {
   reserve_tightly(values, likely);
 }
 
-// Room for the values of a group: three nodes along each axis act on a point.
+// Room for the values of a group behind the `used` ones: three nodes along each axis act on a
+// point.
 template <int dim>
-void make_room(const CellGroup& group, PointWeights<dim>& weights) {
+void make_room(const CellGroup& group, std::size_t used, PointWeights<dim>& weights) {
   constexpr std::size_t most_nodes = dim == 2 ? 9 : 27;
-  const std::size_t size = weights.N.size() + most_nodes * (group.last - group.first);
-  reserve_tightly(weights.local, size);
-  reserve_tightly(weights.N, size);
-  reserve_tightly(weights.grad_N, size);
+  const std::size_t size = used + most_nodes * (group.last - group.first);
+  const auto extend = [size](auto& values) {
+    reserve_tightly(values, size);
+    values.resize(size);
+  };
+  extend(weights.local);
+  extend(weights.N);
+  extend(weights.grad_N);
 }
 
 }  // namespace
@@ -142,10 +155,11 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
   begin_again(weights.N);
   begin_again(weights.grad_N);
   weights.group_nodes.clear();
+  std::size_t used = 0;  // number of values
   for (CellGroup& group : weights.groups) {
     const auto cell = box.cell_index(group.cell);
     Neighbourhood<dim> around(cell);
-    make_room(group, weights);
+    make_room(group, used, weights);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       const Vector<dim> t = box.lattice_position(points.x[p]);
@@ -158,11 +172,15 @@ void evaluate_box_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<di
       } else {
         for (int d = 0; d < dim; ++d) axes[d] = bspline_values(t[d], cell[d], box.num_cells[d]);
       }
-      append_products<dim>(axes, box, around, weights);
-      weights.starts.push_back(static_cast<std::int32_t>(weights.N.size()));
+      used += set_products<dim>(axes, box.spacing, around,
+                                {&weights.local[used], &weights.N[used], &weights.grad_N[used]});
+      weights.starts.push_back(static_cast<std::int32_t>(used));
     }
     number_nodes(box, around, group, weights);
   }
+  weights.local.resize(used);
+  weights.N.resize(used);
+  weights.grad_N.resize(used);
 }
 
 template Vector<2> gimp_domain<2>(const BoxGrid<2>&, const MaterialPoints<2>&, std::int32_t);
