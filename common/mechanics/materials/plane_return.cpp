@@ -141,13 +141,19 @@ PlaneReturn::PlaneReturn(const PrincipalMohrCoulomb& law, bool keeps_gap)
 [[gnu::always_inline]] inline void PlaneReturn::store_tangent(const Trial& t, const Returned& r,
                                                               PointBatch<2>& batch) const {
   LaneBlock D;  // 00, 01, 10, 11
-  {
-    const double* rows[num_lanes];
-    for (int l = 0; l < num_lanes; ++l) {
-      const int out = t.above_0[l] ? 0 : t.above_1[l] ? 1 : 2;
-      rows[l] = moduli_[r.face(l)][out];
-    }
-    D.load(rows[0], rows[1], rows[2], rows[3]);
+  const LaneMask yields = ~r.on[LaneReturn::elastic];
+  if (any(yields)) {
+    const auto number = [](int face) { return 3 * face; };
+    const LaneMask place = (r.on[LaneReturn::plane] & number(LaneReturn::plane)) |
+                           (r.on[LaneReturn::edge_12] & number(LaneReturn::edge_12)) |
+                           (r.on[LaneReturn::edge_23] & number(LaneReturn::edge_23)) |
+                           (r.on[LaneReturn::apex] & number(LaneReturn::apex));
+    const LaneMask out = ~t.above_0 & ((t.above_1 & 1) | (~t.above_1 & 2));
+    const PlaneModuli* const all = moduli_[0];
+    D.load(all[place[0] + out[0]], all[place[1] + out[1]], all[place[2] + out[2]],
+           all[place[3] + out[3]]);
+  } else {
+    for (int k = 0; k < 4; ++k) D[k] = lanes(moduli_[LaneReturn::elastic][0][k]);
   }
   const PrincipalLanes plastic = t.on_axes(r.plastic);
   const Lanes &tau_0 = r.tau[0], &tau_1 = r.tau[1];
