@@ -36,9 +36,8 @@ void AveragedForces<dim>::set_volumes() {
   stresses_.fill_up();
   const auto& [points, weights] = std::tie(parts_.points, parts_.weights);
   for (std::size_t b = 0; b < averages_.size(); ++b) {
-    const Lanes V = stresses_.of_points(b, [&](std::int32_t e) {
-      return weights.volume[e] * points.J[weights.point[e]];
-    });
+    const Lanes V = stresses_.of_points(
+        b, [&](std::int32_t e) { return weights.volume[e] * points.J[weights.point[e]]; });
     averages_[b].start(stresses_.batches()[b].H, V);
     for (int l = 0; l < stresses_.points_of(b); ++l) {
       GroupSums& sums = sums_[group_of_[b * batch_size + l]];
@@ -227,7 +226,7 @@ std::vector<double> AveragedForces<dim>::find_start_forces(std::size_t num_value
       averages_[b].average(Lanes{}, stresses_.batches()[b].H);
     }
     sum_pressures(false);
-    add_forces<0>(range, f);
+    with_num_nodes(parts_.weights, [&]<int n>() { add_forces<n>(range, f); });
     return true;
   });
   return f;

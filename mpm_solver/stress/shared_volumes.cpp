@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/materials/spectral.hpp"
 #include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
@@ -31,9 +32,9 @@ double volumetric_strain(const Law&, const MaterialState<dim>& state) {
   if constexpr (has_small_strain<Law, dim>) {
     return trace<dim>(state.e);
   } else {
-    double change = std::log1p(determinant_minus_one<dim>(in_plane<dim>(state.e)));
-    if constexpr (dim == 2) change += std::log1p(state.e[2]);
-    return 0.5 * change + state.gap;
+    double strain = hencky_strain(determinant_minus_one<dim>(in_plane<dim>(state.e)));
+    if constexpr (dim == 2) strain += hencky_strain(state.e[2]);
+    return strain + state.gap;
   }
 }
 
@@ -63,8 +64,9 @@ class GroupVolumes {
   void add(std::int32_t body, std::int32_t p, double theta) {
     Sums& sums = sums_.at(group_of(body, p));
     const double V = points_.V0[p] * points_.J[p];
-    sums[0] += V * std::exp(-theta);
-    sums[1] -= V * std::expm1(-theta);
+    const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
+    sums[0] += V * (1 + smaller);
+    sums[1] -= V * smaller;
   }
   /// Groups with points of this rank in cells of others: the owner adds up and answers.
   void sum() {
