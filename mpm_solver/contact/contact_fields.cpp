@@ -91,13 +91,15 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
   }
 }
 
-// Distance between a triangle or segment and the soil around a point that it faces.
+// Between a triangle or segment and the soil of a point that it faces: a ball of radius R with
+// soil aside of it up to half_width, which may end in a fold of the surface but not overlap it.
 template <int dim>
-double distance_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x,
-                        double height, double half_width) {
-  const Vector<dim> way = x - closest_place<dim>(corners, x).x;
-  const double aside = std::sqrt(std::max(0.0, way.squaredNorm() - height * height));
-  return std::hypot(height, std::max(0.0, aside - half_width));
+double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x, double height,
+                   double R, double half_width) {
+  const double distance = (x - closest_place<dim>(corners, x).x).norm();
+  const double aside = std::sqrt(std::max(0.0, distance * distance - height * height));
+  const double of_soil = std::hypot(height, std::max(0.0, aside - half_width)) - R;
+  return of_soil < 0 ? std::min(distance - R, 0.0) : of_soil;
 }
 
 }  // namespace
@@ -192,7 +194,7 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
       if (height <= 0) continue;
       const double R = radius(p, n);
       const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
-      const double gap = distance_to_soil<dim>(corners, x, height, half_width) - R;
+      const double gap = gap_to_soil<dim>(corners, x, height, R, half_width);
       double& least = fields.gap[placed.facet(s)];
       if (gap <= reach) least = std::min(least, gap);
     }

@@ -88,6 +88,7 @@ class Newton {
   bool goes_in_circles() const;
   bool may_keep_matrix(bool converged, double norm_before) const;
   bool is_converged() const;
+  bool is_solution() const;
   double dot(std::span<const double> a, std::span<const double> b) const {
     return problem_.shared().dot(a, b);
   }
@@ -225,6 +226,7 @@ bool Newton<block_size>::line_search() {
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
+    if (is_solution() && !next.small_residual) break;
     if (rejection_.empty() && sufficient(next)) {
       std::copy(trial_.begin(), trial_.end(), du_.begin());
       std::swap(r_, trial_r_);
@@ -253,7 +255,11 @@ bool Newton<block_size>::raise_brace() {
 template <int block_size>
 void Newton<block_size>::follow_brace(double norm_before) {
   if (!brace_.active()) return;
-  brace_.follow(norm_before, current_.norm);
+  if (current_.small_residual) {
+    brace_ = {};
+  } else {
+    brace_.follow(norm_before, current_.norm);
+  }
   problem_.brace(brace_.share());
   current_.has_matrix = false;
   unbraced_since_ = report_.residuals.size() - 1;
@@ -281,6 +287,13 @@ bool Newton<block_size>::is_converged() const {
          (!matrix_is_old_ && step_size_ <= round_off * scale);
 }
 
+// Before the step at hand is taken: the iterate is within both limits, whatever lies beyond a kink.
+template <int block_size>
+bool Newton<block_size>::is_solution() const {
+  return current_.small_residual && !brace_.active() && !supported_ && !matrix_is_old_ &&
+         step_size_ <= settings_.increment_tolerance * problem_.increment_scale();
+}
+
 template <int block_size>
 NewtonReport Newton<block_size>::run() {
   const bool reuse = settings_.reuse_matrix && matrix_.is_usable;
@@ -305,6 +318,9 @@ NewtonReport Newton<block_size>::run() {
       matrix_is_usable = may_keep_matrix(converged, norm_before);
       if (report_.iterations == 1) report_.first_matrix_serves = matrix_serves();
       follow_brace(norm_before);
+    } else if (is_solution()) {
+      evaluate(du_, r_, false);
+      converged = true;
     } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace()) {
       matrix_is_usable = false;  // the first K may be that of a neighbouring state
     } else {

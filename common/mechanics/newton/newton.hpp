@@ -114,14 +114,15 @@ struct NewtonReport {
 /// s is the first for which the trial state is admissible and |step . r(s)| <= 0.8 |step . r(0)| or
 /// |r| falls (or |r| is within the tolerance). Converged when |r| <= residual_tolerance
 /// * force_scale and the largest |s step| of a node in the last iteration <= increment_tolerance *
-/// increment_scale; a guess that satisfies the first is a solution already, with 0 iterations. With
-/// force_scale 0 only r = 0 converges.
+/// increment_scale; a guess that satisfies the first is a solution already, with 0 iterations. A
+/// step within both limits that leads out of the first, as over a kink, is not taken: the iterate
+/// before it is the solution. With force_scale 0 only r = 0 converges.
 ///
 /// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
 /// may jump to and fro for ever. Then K gets a brace there (NewtonProblem::brace, Brace), s counts
-/// as good up to twice |r|, and only a step without brace ends the search. The brace is in K alone:
-/// the solution does not depend on it. Where K alone is singular, it gets support for one step
-/// (NewtonProblem::support).
+/// as good up to twice |r|, and only a step without brace ends the search; within the limit of |r|
+/// the brace goes. It is in K alone: the solution does not depend on it. Where K alone is singular,
+/// it gets support for one step (NewtonProblem::support).
 ///
 /// K comes with the residual in one evaluation unless the iterate likely needs none: quadratic
 /// convergence predicts it, or the problem does. An iterate without K takes that of the one before

@@ -123,6 +123,23 @@ TEST(ContactOutput, shear_of_a_floor_that_goes_aside) {
   }
 }
 
+/// A block that touches a floor overlaps nothing where the floor falls away beside it.
+TEST(ContactOutput, no_overlap_beyond_a_crest) {
+  Json json = lifted_block<2>("facets");
+  json["rigid_walls"][0]["surface"] = {{"polyline", {{1.4, -0.15}, {1, 0}, {-0.2, 0}}},
+                                       {"spacing", 0.15}};
+  const auto solver = mpm_solver<2>(json);
+  const auto fields = solver->surfaces().fields(0, solver->points(), 0.2);
+  double least = 1;
+  int beyond = 0;
+  for (std::size_t f = 0; f < fields.gap.size(); ++f) {
+    least = std::min(least, fields.gap[f]);
+    beyond += fields.vertices[f][0] > 1 && std::isfinite(fields.gap[f]);
+  }
+  EXPECT_NEAR(least, 0, 1e-12);
+  EXPECT_GT(beyond, 0);
+}
+
 /// Open: the gap is the distance; and nothing is known where no point is near.
 TEST(ContactOutput, gap_before_anything_moves) {
   Json json = lifted_block<2>("facets");

@@ -106,6 +106,41 @@ TEST(LooseNode, brace_and_kept_matrix_go_together) {
   EXPECT_NEAR(u, node.solution(), 1e-8 * node.weight);
 }
 
+/// At u = 0 within the limit of |r|, with a small step to go; beyond, |r| jumps out of the limit.
+class EdgeOfRest : public NewtonProblem<1> {
+ public:
+  double increment_scale() const override { return 1; }
+  Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<1>* K) override {
+    last_u = u[0];
+    r[0] = u[0] < -0.5 ? -u[0] : u[0] > 0 ? 2e-5 : 5e-6 - u[0];
+    if (K) {
+      K->set_zero();
+      if (test::rank() == 0) K->add_diagonal(0, 1);
+    }
+    Evaluation evaluation;
+    evaluation.force_scale = 1;
+    return evaluation;
+  }
+  double last_u = NAN;
+};
+
+TEST(EdgeOfRest, a_small_step_does_not_lead_out_of_the_limit_of_the_residual) {
+  EdgeOfRest edge;
+  BlockMatrix<1> K;
+  K.set_pattern(1, std::vector<std::int32_t>{0, 1}, std::vector<std::int32_t>{0});
+  LinearSolver<1> linear(test::comm(), 2, {.method = "lu"});
+  NewtonMatrix<1> matrix{K, linear};
+  PhaseTimes times;
+  const NewtonSettings settings{.residual_tolerance = 1e-5, .increment_tolerance = 1e-3};
+  double u = -1;
+  const NewtonReport report =
+      solve_newton<1>(edge, matrix, settings, std::span<double>(&u, 1), times);
+  EXPECT_EQ(u, 0);
+  EXPECT_EQ(edge.last_u, u);  // what the problem keeps belongs to the solution
+  EXPECT_LE(report.residuals.back(), settings.residual_tolerance);
+  EXPECT_EQ(report.iterations, 2);
+}
+
 TEST(Brace, comes_at_full_and_goes_with_good_steps) {
   Brace brace;
   EXPECT_FALSE(brace.active());
