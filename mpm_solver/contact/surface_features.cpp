@@ -13,8 +13,10 @@ namespace {
 // Two places whose distances from a point differ by less than this share are equally near.
 constexpr double same_distance = 1e-9;
 
-// Of the reach: how far beyond the end of a simplex.
-constexpr double fading_share = 0.1;
+// At a bend by alpha a plane pushes (WayOut) as long as its foot is no farther beyond the end of
+// its simplex than R tan(alpha / 2) cos(alpha), which is largest at cos(alpha) = 0.618, and as much
+// more as the centre is behind the surface. This share of the reach holds for every angle.
+constexpr double fading_share = 0.301;
 
 /// A simplex at the end of the step, with what a point sees of it.
 template <int dim>
@@ -300,9 +302,8 @@ bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, i
   });
 }
 
-// At an inside corner the depth below a plane fades out a little beyond the end of its simplex: the
-// soil's motion at its surface, which depends on the normal, decides where the other one takes
-// over. Whether a simplex, whose place is no minimum, still counts so.
+// At an inside corner the depth below a plane fades out beyond the end of its simplex. Whether a
+// simplex, whose place is no minimum, still counts so.
 template <int dim>
 bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
                const SurfaceFeature<dim>& foot, const std::vector<Sight<dim>>& all, double margin) {
@@ -320,7 +321,9 @@ double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>
                             const Vector<dim>& y, double reach) {
   const double way = (y - x).norm() + surface.motion;
   if (way > reach) return std::numeric_limits<double>::infinity();
-  return (1 + fading_share) * reach + surface.size + way;
+  double behind = 0;  // when the step began
+  for (const FacingSimplex& facing : surface.facing) behind = std::max(behind, -facing.height);
+  return (1 + fading_share) * reach + behind + surface.size + way;
 }
 
 }  // namespace
@@ -343,19 +346,22 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     if (!behind || sight.height > behind->height) behind = &sight;
   }
   if (behind) features.push_back(feature_of<dim>(*behind, y));
+  const double margin = fading_share * reach - (behind ? behind->height : 0);
   for (const Sight<dim>& sight : sights) {
+    if (&sight == behind) continue;
     const bool over = sight.height > 0 && sight.distance < reach;
-    if (over && !is_minimum<dim>(surface, sight, sights)) {
-      if (behind) continue;
+    const bool counts =
+        over ? is_minimum<dim>(surface, sight, sights) : is_under<dim>(sight, touched);
+    if (!counts && !over && !behind) continue;
+    if (behind && !inside_corner<dim>(surface, *behind, sight)) continue;
+    if (!counts) {
       auto foot = foot_of<dim>(surface, sight, y);
-      if (fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
+      if (fades_out<dim>(surface, sight, foot, sights, margin)) {
         move_to_nearest<dim>(surface, sights, foot);
         features.push_back(foot);
       }
       continue;
     }
-    if (!over && !is_under<dim>(sight, touched)) continue;
-    if (behind && (&sight == behind || !inside_corner<dim>(surface, *behind, sight))) continue;
     const auto feature = feature_of<dim>(sight, y);
     if (is_new<dim>(feature, features, reach)) features.push_back(feature);
   }

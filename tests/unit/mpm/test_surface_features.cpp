@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/way_out.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {
@@ -46,6 +47,21 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
                            .facing = seen.facing},
                           x, y, reach, found);
   return found;
+}
+
+/// Shortest way of a ball with the radius `reach` out of the planes that it is in.
+Vector<2> way_out_of(const ContactSurface<2>& surface, const Vector<2>& x, const Vector<2>& y,
+                     double reach) {
+  std::vector<Vector<2>> normals;
+  std::vector<double> depths;
+  for (const auto& feature : features<2>(surface, x, y, reach)) {
+    normals.push_back(feature.normal);
+    depths.push_back(reach - feature.distance);
+  }
+  const auto way = mpm::way_out<2>(normals, depths);
+  Vector<2> u = Vector<2>::Zero();
+  for (int k = 0; k < way.size; ++k) u += way.depths[k] * normals[way.planes[k]];
+  return u;
 }
 
 /// Hills over [-1, 1]^2, of 2 n^2 triangles.
@@ -254,6 +270,29 @@ TEST(SurfaceFeatures, beyond_the_end_of_a_facet_the_next_one_carries_its_force) 
         place += feature.weights[k] * seen.vertices[seen.simplices[feature.simplex][k]];
       }
       EXPECT_LT((place - feature.x).norm(), 0.02 * 3 * bend);
+    }
+  }
+}
+
+/// A centre that went through the surface feels a slight bend as one in front does: the depth below
+/// the side that it leaves behind fades out beyond its end.
+TEST(SurfaceFeatures, a_bend_fades_in_for_a_centre_behind_it_too) {
+  constexpr double reach = 0.1;
+  for (const double bend : {0.06, 0.3, 0.8}) {
+    const ContactSurface<2> wall{.vertices = {{1, bend}, {0, 0}, {-1, bend}},
+                                 .facet_type = CellType::line2,
+                                 .facets = {0, 1, 1, 2}};
+    for (const double y : {1e-4, -1e-4, -0.03}) {
+      Vector<2> before = Vector<2>::Zero();
+      double largest = 0;
+      constexpr int places = 4000;
+      for (int k = 0; k <= places; ++k) {
+        const double x = 0.2 * k / places - 0.1;
+        const Vector<2> way = way_out_of(wall, {x, 0.5}, {x, bend * std::abs(x) + y}, reach);
+        if (k > 0) largest = std::max(largest, (way - before).norm());
+        before = way;
+      }
+      EXPECT_LT(largest, 3 * 0.2 / places) << bend << ' ' << y;
     }
   }
 }
