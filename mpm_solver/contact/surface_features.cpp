@@ -13,10 +13,9 @@ namespace {
 // Two places whose distances from a point differ by less than this share are equally near.
 constexpr double same_distance = 1e-9;
 
-// At a bend by alpha a plane pushes (WayOut) as long as its foot is no farther beyond the end of
-// its simplex than R tan(alpha / 2) cos(alpha), which is largest at cos(alpha) = 0.618, and as much
-// more as the centre is behind the surface. This share of the reach holds for every angle.
-constexpr double fading_share = 0.301;
+// Of the reach: how far beyond the end of a simplex. At a bend by alpha its plane pushes (WayOut)
+// up to R tan(alpha / 2) cos(alpha) there: this is enough for 11 degrees.
+constexpr double fading_share = 0.1;
 
 /// A simplex at the end of the step, with what a point sees of it.
 template <int dim>
@@ -321,9 +320,7 @@ double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>
                             const Vector<dim>& y, double reach) {
   const double way = (y - x).norm() + surface.motion;
   if (way > reach) return std::numeric_limits<double>::infinity();
-  double behind = 0;  // when the step began
-  for (const FacingSimplex& facing : surface.facing) behind = std::max(behind, -facing.height);
-  return (1 + fading_share) * reach + behind + surface.size + way;
+  return (1 + fading_share) * reach + surface.size + way;
 }
 
 }  // namespace
@@ -346,7 +343,6 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     if (!behind || sight.height > behind->height) behind = &sight;
   }
   if (behind) features.push_back(feature_of<dim>(*behind, y));
-  const double margin = fading_share * reach - (behind ? behind->height : 0);
   for (const Sight<dim>& sight : sights) {
     if (&sight == behind) continue;
     const bool over = sight.height > 0 && sight.distance < reach;
@@ -356,7 +352,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     if (behind && !inside_corner<dim>(surface, *behind, sight)) continue;
     if (!counts) {
       auto foot = foot_of<dim>(surface, sight, y);
-      if (fades_out<dim>(surface, sight, foot, sights, margin)) {
+      if (fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
         move_to_nearest<dim>(surface, sights, foot);
         features.push_back(foot);
       }
