@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/base/error.hpp"
-#include "common/base/log.hpp"
 #include "common/mechanics/newton/brace.hpp"
 #include "common/mechanics/newton/residual_history.hpp"
 #include "common/mechanics/norm.hpp"
@@ -39,12 +37,6 @@ WorstNode worst_node(std::span<const double> values) {
   }
   return worst;
 }
-
-// A full Newton step below this share of the increment scale cannot improve the solution: what is
-// left of r is round-off (forces that cancel, as in a free body that moves without strain).
-constexpr double round_off = 1e-14;
-
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// State of one solve.
 template <int block_size>
@@ -284,7 +276,7 @@ bool Newton<block_size>::is_converged() const {
   if (brace_.active() || supported_) return false;
   const double scale = problem_.increment_scale();
   return (current_.small_residual && cut_ * step_size_ <= settings_.increment_tolerance * scale) ||
-         (!matrix_is_old_ && step_size_ <= round_off * scale);
+         (!matrix_is_old_ && step_size_ <= increment_round_off * scale);
 }
 
 // Before the step at hand is taken: the iterate is within both limits, whatever lies beyond a kink.
@@ -354,49 +346,6 @@ void Newton<block_size>::fail(const std::string& reason, const std::string& caus
 }
 
 }  // namespace
-
-KeyTable newton_keys(const NewtonSettings& defaults) {
-  return {
-      "newton",
-      "Newton's method for the displacements of a step.",
-      {key::number("residual_tolerance", "",
-                   "Residual |r| over the largest of |f_int|, |f_ext|, |f_inertia| (of the soil "
-                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep it larger. From the "
-                   "second coupling iteration on the soil takes a hundredth of it.")
-           .in(in_words(between(epsilon, 0.1),
-                        "a number from 2.3e-16 (rounding of the forces) to 0.1"))
-           .or_else(defaults.residual_tolerance),
-       key::number("increment_tolerance", "", "Largest nodal step over the mean cell size.")
-           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
-           .or_else(defaults.increment_tolerance),
-       key::integer("max_iterations", "After so many iterations the step has failed.")
-           .in(at_least(1))
-           .or_else(defaults.max_iterations),
-       key::boolean("reuse_matrix",
-                    "Keep the matrix and its factor while |r| falls by more than a factor 4 an "
-                    "iteration.")
-           .or_else(defaults.reuse_matrix)}};
-}
-
-NewtonSettings read_newton_settings(ConfigReader in) {
-  NewtonSettings settings;
-  settings.residual_tolerance = in.number("residual_tolerance");
-  settings.increment_tolerance = in.number("increment_tolerance");
-  settings.max_iterations = in.integer("max_iterations");
-  settings.reuse_matrix = in.boolean("reuse_matrix");
-  in.finish();
-  if (settings.residual_tolerance < likely_round_off) {
-    log::warn(
-        "{}: found {:g}: |r| is a sum of forces that cancel, and their rounding alone may keep it "
-        "above that; {:g} is a safe choice",
-        in.where("residual_tolerance"), settings.residual_tolerance, likely_round_off);
-  }
-  if (settings.increment_tolerance < round_off) {
-    log::warn("{}: found {:g}: without effect below {:g}, where a step counts as small in any case",
-              in.where("increment_tolerance"), settings.increment_tolerance, round_off);
-  }
-  return settings;
-}
 
 template <int block_size>
 NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block_size>& matrix,

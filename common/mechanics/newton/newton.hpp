@@ -8,27 +8,12 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/mechanics/newton/newton_settings.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/mechanics/petsc/shared_nodes.hpp"
-#include "common/settings/config_reader.hpp"
 
 namespace gabion {
-
-/// Share of the forces that their own rounding may leave in |r|: some thousand terms of either
-/// sign.
-inline constexpr double likely_round_off = 1e-13;
-
-/// The "newton" object of a solver's config.
-struct NewtonSettings {
-  double residual_tolerance = 1e-8;   ///< |r| <= tol * scale of the forces; [eps, 0.1]
-  double increment_tolerance = 1e-8;  ///< largest increment of a node <= tol * scale; (0, 1]
-  int max_iterations = 20;            ///< >= 1
-  /// Keep the matrix (and its factor) while |r| falls by more than a factor 4 an iteration.
-  bool reuse_matrix = false;
-};
-KeyTable newton_keys(const NewtonSettings& defaults = {});
-NewtonSettings read_newton_settings(ConfigReader in);
 
 /// What was found of a trial state. The same on all ranks.
 struct Evaluation {
