@@ -53,7 +53,7 @@ struct SoilState {
   std::vector<std::int64_t> probe_ids;  ///< of the material point of each probe
   std::int64_t removed_points = 0;      ///< of all ranks
   std::vector<double> removed_masses;   ///< through SoilModel::exit_sides [kg]
-  bool nearly_linear = false;  ///< the last step's first solution hardly needed a second matrix
+  bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]
   KrylovPause pause;           ///< LinearSolver::pause() after the last step
 

@@ -206,11 +206,10 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
   }
   const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, times_);
   linear_iterations_ += newton.linear_iterations;
-  if (first) nearly_linear_ = newton.iterations <= 1 || newton.first_matrix_serves;
+  if (first) first_iterations_ = newton.iterations;
   sizes_.add_solution(newton.iterations);
-  log::debug("step {} iteration {}: |r|/scale {:.1e}, {} matrices, {} linear iterations",
-             request.step, request.iteration, fmt::join(newton.residuals, " "), newton.matrices,
-             newton.linear_iterations);
+  log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
+             request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
   return newton;
 }
 
@@ -302,7 +301,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
                          points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
-  state_.nearly_linear = implicit && nearly_linear_;
+  state_.nearly_linear = implicit && first_iterations_ <= 1;
   state_.contact_rate = implicit ? 0 : explicit_.contact_rate();
   state_.pause = system_.solver().pause();
   dt_ = 0;

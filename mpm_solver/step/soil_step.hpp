@@ -94,8 +94,8 @@ class SoilStep {
   double initial_displacement_ = 0;
 
   // the step under way
-  double dt_ = 0;               // 0: none begun
-  bool nearly_linear_ = false;  // the first solution was, see SoilState
+  double dt_ = 0;             // 0: none begun
+  int first_iterations_ = 0;  // of Newton's method, of the first solution
   std::size_t phase_ = 0;
   bool with_inertia_ = true;
   bool forces_jump_ = false;  // at the start of the step: no acceleration is known

@@ -8,7 +8,6 @@
 
 #include "common/base/error.hpp"
 #include "common/mechanics/newton/brace.hpp"
-#include "common/mechanics/newton/residual_history.hpp"
 #include "common/mechanics/norm.hpp"
 
 namespace gabion {
@@ -71,14 +70,13 @@ class Newton {
   void solve_linear();
   int solve_supported(double tolerance, const std::string& reason);
   bool next_is_last() const;
-  bool matrix_serves() const;
-  bool next_needs_matrix() const;
+  double predicted_relative() const;
+  bool cycles() const;
   bool line_search();
   bool sufficient(const Iterate& next) const;
   bool raise_brace();
   void follow_brace(double norm_before);
   bool goes_in_circles() const;
-  bool may_keep_matrix(bool converged, double norm_before) const;
   bool is_converged() const;
   bool is_solution() const;
   double dot(std::span<const double> a, std::span<const double> b) const {
@@ -134,25 +132,20 @@ void Newton<block_size>::accept(const Iterate& next) {
   report_.residuals.push_back(next.relative);
 }
 
+// Quadratic convergence through the last two residuals; infinite where they do not show it.
+template <int block_size>
+double Newton<block_size>::predicted_relative() const {
+  const auto& residuals = report_.residuals;
+  if (residuals.size() < 2) return HUGE_VAL;
+  const double before = residuals[residuals.size() - 2], last = residuals.back();
+  if (!(last < before)) return HUGE_VAL;
+  return last * (last / before) * (last / before);
+}
+
 template <int block_size>
 bool Newton<block_size>::next_is_last() const {
   return step_size_ <= settings_.increment_tolerance * problem_.increment_scale() &&
-         (current_.small_residual ||
-          predicted_residual(report_.residuals) <= settings_.residual_tolerance);
-}
-
-// After a step was taken: whether another one with the same matrix likely is the last.
-template <int block_size>
-bool Newton<block_size>::matrix_serves() const {
-  return cut_ == 1 && !brace_.active() && !supported_ &&
-         matrix_serves_again(report_.residuals, settings_.residual_tolerance);
-}
-
-// Whether the state after the step at hand likely gets a matrix of its own.
-template <int block_size>
-bool Newton<block_size>::next_needs_matrix() const {
-  return !settings_.reuse_matrix && !matrix_is_old_ && !current_.likely_last && !next_is_last() &&
-         !next_matrix_serves_again(report_.residuals, settings_.residual_tolerance);
+         (current_.small_residual || predicted_relative() <= settings_.residual_tolerance);
 }
 
 template <int block_size>
@@ -168,7 +161,7 @@ void Newton<block_size>::provide_matrix() {
 
 template <int block_size>
 void Newton<block_size>::solve_linear() {
-  const double predicted = predicted_residual(report_.residuals);
+  const double predicted = predicted_relative();
   const double needed = linear_margin * (std::isfinite(predicted) && !matrix_is_old_
                                              ? std::max(predicted, settings_.residual_tolerance)
                                              : settings_.residual_tolerance);
@@ -211,10 +204,20 @@ bool Newton<block_size>::sufficient(const Iterate& next) const {
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(dot(step_, r_));
 }
 
+// Across a kink (contact that opens, a point that leaves the yield surface) full steps may jump to
+// and fro between two states for ever; half a step lands between them.
+template <int block_size>
+bool Newton<block_size>::cycles() const {
+  const auto& residuals = report_.residuals;
+  const std::size_t n = residuals.size();
+  return n > 4 && residuals[n - 1] > 0.5 * residuals[n - 3] &&
+         residuals[n - 2] > 0.5 * residuals[n - 4];
+}
+
 template <int block_size>
 bool Newton<block_size>::line_search() {
-  const bool speculate = next_needs_matrix();
-  cut_ = !brace_.active() && residuals_cycle(report_.residuals) ? 0.5 : 1;
+  const bool speculate = !settings_.reuse_matrix && !current_.likely_last && !next_is_last();
+  cut_ = !brace_.active() && cycles() ? 0.5 : 1;
   for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
@@ -263,13 +266,6 @@ bool Newton<block_size>::goes_in_circles() const {
          go_in_circles(std::span<const double>(report_.residuals).subspan(unbraced_since_));
 }
 
-template <int block_size>
-bool Newton<block_size>::may_keep_matrix(bool converged, double norm_before) const {
-  if (brace_.active() || supported_) return false;
-  if (!settings_.reuse_matrix) return !current_.has_matrix && matrix_serves();
-  return converged || current_.norm <= reuse_reduction * norm_before;
-}
-
 // After a step was taken.
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
@@ -307,8 +303,8 @@ NewtonReport Newton<block_size>::run() {
     const double norm_before = current_.norm;
     if (line_search()) {
       converged = is_converged();
-      matrix_is_usable = may_keep_matrix(converged, norm_before);
-      if (report_.iterations == 1) report_.first_matrix_serves = matrix_serves();
+      matrix_is_usable = settings_.reuse_matrix && !brace_.active() && !supported_ &&
+                         (converged || current_.norm <= reuse_reduction * norm_before);
       follow_brace(norm_before);
     } else if (is_solution()) {
       evaluate(du_, r_, false);
@@ -319,7 +315,7 @@ NewtonReport Newton<block_size>::run() {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");
     }
   }
-  matrix_.is_usable = settings_.reuse_matrix && matrix_is_usable;
+  matrix_.is_usable = matrix_is_usable;
   return report_;
 }
 

@@ -23,7 +23,7 @@ struct Evaluation {
   double force_scale = 0;
   /// |r|, where the problem knows it.
   std::optional<double> residual_norm{};
-  /// This K likely serves to the end: none is wanted with the residual after the step with it.
+  /// One step with this K likely suffices: no K is wanted with the residual after it.
   bool likely_last = false;
   std::string reason;  ///< worst place when not admissible
 };
@@ -86,10 +86,9 @@ struct NewtonReport {
   int matrices = 0;    ///< evaluations of K
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
-  int braced = 0;                    ///< linear systems solved with a brace
-  int supported = 0;                 ///< linear systems that had no solution without support
-  bool first_matrix_serves = false;  ///< K of the guess was good for a second iteration
-  std::vector<double> residuals;     ///< |r| / force_scale of each iterate
+  int braced = 0;                 ///< linear systems solved with a brace
+  int supported = 0;              ///< linear systems that had no solution without support
+  std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
 
 /// Newton's method from the guess `du` (which satisfies the constraints).
@@ -109,11 +108,9 @@ struct NewtonReport {
 /// the brace goes. It is in K alone: the solution does not depend on it. Where K alone is singular,
 /// it gets support for one step (NewtonProblem::support).
 ///
-/// K comes with the residual in one evaluation unless the iterate likely needs none: quadratic
-/// convergence predicts it, or the problem does. An iterate without K takes that of the one before
-/// where this likely brings |r| within its tolerance (matrix_serves_again). The linear tolerance is
-/// 0.3 of what the next residual has to reach, not looser than 1e-2 and not tighter than the linear
-/// solver's setting.
+/// K comes with the residual in one evaluation unless the iterate is likely the last one: quadratic
+/// convergence predicts it, or the problem does. The linear tolerance is 0.3 of what the next
+/// residual has to reach, not looser than 1e-2 and not tighter than the linear solver's setting.
 ///
 /// @param[in,out] matrix  -dr/du; `is_usable` lets `reuse_matrix` reach from one call to the next
 /// @param[in,out] du      guess, then solution                               num_nodes x block_size
