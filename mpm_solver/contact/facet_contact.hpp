@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -146,6 +147,7 @@ class FacetContact final : public Contact<dim> {
   void list_facing(Candidate& candidate, std::span<const std::int32_t> near, double margin);
   void drop_far_side(const Candidate& candidate, const Vector<dim>& normal);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
+  double mean_radius(const Candidate& c) const { return c.shape.norm() / std::sqrt(double{dim}); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
   ContactMark<dim> mark_of(const Touch& touch) const;

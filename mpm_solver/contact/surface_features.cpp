@@ -13,9 +13,9 @@ namespace {
 // Two places whose distances from a point differ by less than this share are equally near.
 constexpr double same_distance = 1e-9;
 
-// Of the reach: how far beyond the end of a simplex. At a bend by alpha its plane pushes (WayOut)
-// up to R tan(alpha / 2) cos(alpha) there: this is enough for 11 degrees.
-constexpr double fading_share = 0.1;
+// Of the radius: how far beyond the end of a simplex. At a bend by alpha its plane pushes (WayOut)
+// up to R tan(alpha / 2) cos(alpha) there, which is largest at cos(alpha) = 0.618.
+constexpr double fading_share = 0.301;
 
 /// A simplex at the end of the step, with what a point sees of it.
 template <int dim>
@@ -317,21 +317,22 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
 // neighbour of one that counts. A way longer than the reach may lead round a corner behind one.
 template <int dim>
 double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
-                            const Vector<dim>& y, double reach) {
+                            const Vector<dim>& y, double reach, double fading) {
   const double way = (y - x).norm() + surface.motion;
   if (way > reach) return std::numeric_limits<double>::infinity();
-  return (1 + fading_share) * reach + surface.size + way;
+  return reach + fading + surface.size + way;
 }
 
 }  // namespace
 
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
-                   double reach, std::vector<SurfaceFeature<dim>>& features) {
+                   double reach, double radius, std::vector<SurfaceFeature<dim>>& features) {
   features.clear();
+  const double fading = fading_share * radius;
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
-  const double farthest = farthest_that_counts<dim>(surface, x, y, reach);
+  const double farthest = farthest_that_counts<dim>(surface, x, y, reach, fading);
   for (const FacingSimplex& facing : surface.facing) {
     if (facing.distance > farthest) continue;
     sights.push_back(sight_of<dim>(surface, facing, x, y));
@@ -352,7 +353,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     if (behind && !inside_corner<dim>(surface, *behind, sight)) continue;
     if (!counts) {
       auto foot = foot_of<dim>(surface, sight, y);
-      if (fades_out<dim>(surface, sight, foot, sights, fading_share * reach)) {
+      if (fades_out<dim>(surface, sight, foot, sights, fading)) {
         move_to_nearest<dim>(surface, sights, foot);
         features.push_back(foot);
       }
@@ -374,8 +375,8 @@ template struct ClosestPlace<3>;
 template ClosestPlace<2> closest_place<2>(const std::array<Vector<2>, 2>&, const Vector<2>&);
 template ClosestPlace<3> closest_place<3>(const std::array<Vector<3>, 3>&, const Vector<3>&);
 template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&, double,
-                               std::vector<SurfaceFeature<2>>&);
+                               double, std::vector<SurfaceFeature<2>>&);
 template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&, double,
-                               std::vector<SurfaceFeature<3>>&);
+                               double, std::vector<SurfaceFeature<3>>&);
 
 }  // namespace gabion::mpm

@@ -99,9 +99,10 @@ struct FacingSurface {
 /// with the weights of the simplex that is next to it there.
 /// Of features behind which the point is the least deep one counts, with those that form inside
 /// corners with it. A point that touched and whose centre went through stays behind.
+/// @param radius    of the ball around the point [m]
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
-                   double reach, std::vector<SurfaceFeature<dim>>& features);
+                   double reach, double radius, std::vector<SurfaceFeature<dim>>& features);
 
 }  // namespace gabion::mpm

@@ -45,7 +45,7 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
                            .start = seen.vertices,
                            .end = seen.vertices,
                            .facing = seen.facing},
-                          x, y, reach, found);
+                          x, y, reach, reach, found);
   return found;
 }
 
@@ -174,7 +174,7 @@ TEST(SurfaceFeatures, far_simplices_change_nothing) {
                              .end = seen.vertices,
                              .facing = facing,
                              .size = size},
-                            x, y, reach, few);
+                            x, y, reach, reach, few);
       const auto all = features<3>(surface, x, y, reach);
       ASSERT_EQ(few.size(), all.size());
       found += all.size();
@@ -222,7 +222,7 @@ TEST(SurfaceFeatures, a_centre_that_went_through_stays_behind) {
                            .start = seen.vertices,
                            .end = seen.vertices,
                            .facing = facing},
-                          {1.3, 0.5}, {x, 0.5}, 0.1, found);
+                          {1.3, 0.5}, {x, 0.5}, 0.1, 0.1, found);
     ASSERT_EQ(found.size(), 1U) << x;
     EXPECT_NEAR(found[0].distance, 1 - x, 1e-15);
     EXPECT_LT((found[0].normal - Vector<2>(-1, 0)).norm(), 1e-15);
@@ -274,25 +274,31 @@ TEST(SurfaceFeatures, beyond_the_end_of_a_facet_the_next_one_carries_its_force) 
   }
 }
 
-/// A centre that went through the surface feels a slight bend as one in front does: the depth below
-/// the side that it leaves behind fades out beyond its end.
-TEST(SurfaceFeatures, a_bend_fades_in_for_a_centre_behind_it_too) {
-  constexpr double reach = 0.1, bend = 0.06;
+/// The way out of a bend changes continuously as a ball of radius 0.1 goes along it.
+/// @param height  of the centre above the surface
+void expect_smooth_way(double bend, double height) {
+  constexpr double radius = 0.1, stretch = 0.2;
+  constexpr int places = 4000;
   const ContactSurface<2> wall{.vertices = {{1, bend}, {0, 0}, {-1, bend}},
                                .facet_type = CellType::line2,
                                .facets = {0, 1, 1, 2}};
-  for (const double y : {1e-4, -1e-4, -0.02}) {
-    Vector<2> before = Vector<2>::Zero();
-    double largest = 0;
-    constexpr int places = 4000;
-    for (int k = 0; k <= places; ++k) {
-      const double x = 0.2 * k / places - 0.1;
-      const Vector<2> way = way_out_of(wall, {x, 0.5}, {x, bend * std::abs(x) + y}, reach);
-      if (k > 0) largest = std::max(largest, (way - before).norm());
-      before = way;
-    }
-    EXPECT_LT(largest, 3 * 0.2 / places) << y;
+  Vector<2> before = Vector<2>::Zero();
+  double largest = 0;
+  for (int k = 0; k <= places; ++k) {
+    const double x = stretch * k / places - stretch / 2;
+    const Vector<2> way = way_out_of(wall, {x, 0.5}, {x, bend * std::abs(x) + height}, radius);
+    if (k > 0) largest = std::max(largest, (way - before).norm());
+    before = way;
   }
+  EXPECT_LT(largest, 3 * stretch / places) << bend << ' ' << height;
+}
+
+/// Also for a centre that went through the surface.
+TEST(SurfaceFeatures, a_bend_fades_in_at_every_angle) {
+  for (const double bend : {0.06, 0.3, 0.49, 0.8}) {
+    for (const double height : {0.05, 1e-4, -1e-4}) expect_smooth_way(bend, height);
+  }
+  expect_smooth_way(0.06, -0.02);
 }
 
 /// A vertex between two segments in line is one place, not two.
