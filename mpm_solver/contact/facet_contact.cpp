@@ -163,7 +163,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
   }
   const double reach = c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
   if (c.distance - motion.norm() - surface_motion_ > reach) return;
-  find_features<dim>(surface_of(c, end_), c.x, c.x + motion, reach, mean_radius(c), features_);
+  find_features<dim>(surface_of(c, end_), c.x, c.x + motion, {reach, mean_radius(c)}, features_);
   const std::size_t first = touches_.size();
   for (const auto& feature : features_) {
     Touch touch = touch_at(c, feature, du);

@@ -29,7 +29,8 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(const Candidate
   double deepest = 0;
   for (const auto& side : sides) deepest = std::max(deepest, side.depth);
   const double tolerance = touching_share * cell_size_;
-  find_features<dim>(surface_of(c, end_), c.x, c.x, deepest + tolerance, mean_radius(c), features_);
+  find_features<dim>(surface_of(c, end_), c.x, c.x, {deepest + tolerance, mean_radius(c)},
+                     features_);
   for (const auto& feature : features_) {
     const Vector<dim>& n = feature.normal;
     const auto side = std::find_if(sides.begin(), sides.end(), [&](const auto& s) {

@@ -317,22 +317,22 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
 // neighbour of one that counts. A way longer than the reach may lead round a corner behind one.
 template <int dim>
 double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
-                            const Vector<dim>& y, double reach, double fading) {
+                            const Vector<dim>& y, double reach) {
   const double way = (y - x).norm() + surface.motion;
   if (way > reach) return std::numeric_limits<double>::infinity();
-  return reach + fading + surface.size + way;
+  return reach + surface.size + way;
 }
 
 }  // namespace
 
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
-                   double reach, double radius, std::vector<SurfaceFeature<dim>>& features) {
+                   const FeatureReach& reach, std::vector<SurfaceFeature<dim>>& features) {
   features.clear();
-  const double fading = fading_share * radius;
+  const double fading = fading_share * reach.radius;
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
-  const double farthest = farthest_that_counts<dim>(surface, x, y, reach, fading);
+  const double farthest = farthest_that_counts<dim>(surface, x, y, reach.distance + fading);
   for (const FacingSimplex& facing : surface.facing) {
     if (facing.distance > farthest) continue;
     sights.push_back(sight_of<dim>(surface, facing, x, y));
@@ -346,7 +346,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   if (behind) features.push_back(feature_of<dim>(*behind, y));
   for (const Sight<dim>& sight : sights) {
     if (&sight == behind) continue;
-    const bool over = sight.height > 0 && sight.distance < reach;
+    const bool over = sight.height > 0 && sight.distance < reach.distance;
     const bool counts =
         over ? is_minimum<dim>(surface, sight, sights) : is_under<dim>(sight, touched);
     if (!counts && !over && !behind) continue;
@@ -360,7 +360,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
       continue;
     }
     const auto feature = feature_of<dim>(sight, y);
-    if (is_new<dim>(feature, features, reach)) features.push_back(feature);
+    if (is_new<dim>(feature, features, reach.distance)) features.push_back(feature);
   }
 }
 
@@ -374,9 +374,9 @@ template struct ClosestPlace<2>;
 template struct ClosestPlace<3>;
 template ClosestPlace<2> closest_place<2>(const std::array<Vector<2>, 2>&, const Vector<2>&);
 template ClosestPlace<3> closest_place<3>(const std::array<Vector<3>, 3>&, const Vector<3>&);
-template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&, double,
-                               double, std::vector<SurfaceFeature<2>>&);
-template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&, double,
-                               double, std::vector<SurfaceFeature<3>>&);
+template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&,
+                               const FeatureReach&, std::vector<SurfaceFeature<2>>&);
+template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&,
+                               const FeatureReach&, std::vector<SurfaceFeature<3>>&);
 
 }  // namespace gabion::mpm

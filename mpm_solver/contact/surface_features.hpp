@@ -94,15 +94,20 @@ struct FacingSurface {
   double size = 0;    ///< no two places of a simplex are farther from each other [m]
 };
 
-/// The features of a surface that are nearer than `reach` to a point that came from x to y, or that
+/// How far a point feels a surface.
+struct FeatureReach {
+  double distance = 0;  ///< features that are farther do not count [m]
+  double radius = 0;    ///< of the ball around the point [m]
+};
+
+/// The features of a surface that are within reach of a point that came from x to y, or that
 /// its way went through. Inside corners have several, each a little beyond where its simplex ends,
 /// with the weights of the simplex that is next to it there.
 /// Of features behind which the point is the least deep one counts, with those that form inside
 /// corners with it. A point that touched and whose centre went through stays behind.
-/// @param radius    of the ball around the point [m]
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,
-                   double reach, double radius, std::vector<SurfaceFeature<dim>>& features);
+                   const FeatureReach& reach, std::vector<SurfaceFeature<dim>>& features);
 
 }  // namespace gabion::mpm

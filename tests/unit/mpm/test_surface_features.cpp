@@ -45,7 +45,7 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
                            .start = seen.vertices,
                            .end = seen.vertices,
                            .facing = seen.facing},
-                          x, y, reach, reach, found);
+                          x, y, {reach, reach}, found);
   return found;
 }
 
@@ -174,7 +174,7 @@ TEST(SurfaceFeatures, far_simplices_change_nothing) {
                              .end = seen.vertices,
                              .facing = facing,
                              .size = size},
-                            x, y, reach, reach, few);
+                            x, y, {reach, reach}, few);
       const auto all = features<3>(surface, x, y, reach);
       ASSERT_EQ(few.size(), all.size());
       found += all.size();
@@ -222,7 +222,7 @@ TEST(SurfaceFeatures, a_centre_that_went_through_stays_behind) {
                            .start = seen.vertices,
                            .end = seen.vertices,
                            .facing = facing},
-                          {1.3, 0.5}, {x, 0.5}, 0.1, 0.1, found);
+                          {1.3, 0.5}, {x, 0.5}, {0.1, 0.1}, found);
     ASSERT_EQ(found.size(), 1U) << x;
     EXPECT_NEAR(found[0].distance, 1 - x, 1e-15);
     EXPECT_LT((found[0].normal - Vector<2>(-1, 0)).norm(), 1e-15);
