@@ -458,6 +458,12 @@ class Handshake(ParticipantCase):
         self.coupler.welcome(protocol="2.0")
         self.assertIn("protocol version: coupler 2.0, participant 1.3", self.end())
 
+    def test_versions_that_are_none(self) -> None:
+        for version in ("1" * 5000 + ".0", "2147483648.0", "-1.0", "\u0663.0", "1"):
+            self.start(lambda: serve(Spring(), self.settings()))
+            self.coupler.welcome(protocol=version)
+            self.assertIn('protocol version: expected "major.minor"', self.end())
+
     def test_a_newer_minor_version_with_unknown_fields(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
         self.coupler.welcome(protocol="1.7", more="of it")

@@ -138,8 +138,8 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
 
 def major_version(version: str) -> int:
     """The major of "major.minor"."""
-    found = re.match(r"(\d+)\.", version)
-    if not found:
+    found = re.match(r"0*([0-9]{1,10})\.", version)
+    if not found or int(found[1]) >= 2**31:
         raise ProtocolError(f'protocol version: expected "major.minor", found "{version}"')
     return int(found[1])
 
