@@ -15,7 +15,7 @@ from scipy.linalg import solve_banded
 BAND = 5  # off-diagonals of a matrix that couples neighbouring nodes
 MAX_NEWTON = 30
 TOLERANCE = 1e-10  # of the forces in balance
-ROUND_OFF = 10 * np.finfo(float).eps  # of EA: what the strains' own rounding leaves
+ROUND_OFF = 10 * np.finfo(float).eps  # of EA and of M q / dt^2: what the rounding of q leaves
 
 
 class NoSolution(Exception):
@@ -212,7 +212,8 @@ class Beam:
             size = max(np.linalg.norm(part[3:]) for part in (moved, internal, self.weight, outer))
             if not np.isfinite(size):
                 raise NoSolution(f"Newton iteration {iteration}: forces are not finite")
-            allowed = max(TOLERANCE * size, ROUND_OFF * self.stiffness[0])
+            rounded = max(self.stiffness[0], factor * np.linalg.norm(self.mass_times(q)))
+            allowed = max(TOLERANCE * size, ROUND_OFF * rounded)
             if np.linalg.norm(residual) <= allowed:
                 return q, iteration
             matrix = tangent + factor * self.mass

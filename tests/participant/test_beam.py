@@ -234,6 +234,20 @@ class Surface(unittest.TestCase):
         self.outline = Outline(self.beam, 4)
         self.q = random_state(self.beam, 0.2)
 
+    def test_steps_that_end_a_run(self) -> None:
+        """However short: the rounding of a displacement is a large acceleration then."""
+        structure = beam(bossak_alpha=-0.3)
+        push = tip(structure, (3.0, 0.0))
+        moving = structure.at_rest()
+        for _ in range(20):
+            moving, _ = structure.step(moving, 1e-3, push)
+        for dt in (1e-5, 1e-6, 1e-7, 1e-8):
+            state = moving
+            for _ in range(5):
+                state, _ = structure.step(state, dt, push)
+            way = np.linalg.norm(state.q - moving.q) / np.linalg.norm(moving.v)
+            self.assertAlmostEqual(way / (5 * dt), 1, delta=0.02)
+
     def test_outline(self) -> None:
         points = self.outline.coordinates
         np.testing.assert_allclose(points[[0, 6, 8, 10, 16]], [[0.26, 0], [0.26, 0.05], [0.255, 0.05], [0.25, 0.05],
