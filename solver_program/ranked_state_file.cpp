@@ -88,8 +88,8 @@ void load_ranked_state(MPI_Comm comm, const std::string& path, Solver& solver) {
   std::optional<RankedStateReader> file;
   together(comm, [&] { file.emplace(path); });
   const int num_parts = file->num_ranks();
-  if (num_parts != size && !solver.joins_states()) require_ranks(comm, num_parts);
-  const bool joins = num_parts != size;
+  const bool joins = num_parts != size && solver.joins_states();
+  if (!joins) require_ranks(comm, num_parts);
   std::vector<State> own;
   State other_first;
   together(comm, [&] {

@@ -91,8 +91,8 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
   }
 }
 
-// Between a triangle or segment and the soil of a point that it faces: a ball of radius R with
-// soil aside of it up to half_width, which may end in a fold of the surface but not overlap it.
+// Between a triangle or segment and the soil of a point that it faces: a ball of radius R, and soil
+// aside of it up to half_width, which touches at most: it ends where the surface falls away.
 template <int dim>
 double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x, double height,
                    double R, double half_width) {

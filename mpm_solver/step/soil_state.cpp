@@ -265,19 +265,14 @@ State SoilState<dim>::save() {
 
 template <int dim>
 void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
-  std::string problem;
-  try {
+  together(model.comm, [&] {
     visit(visitor);
     check_points(points, model.grid.num_cells());
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),
             "saved state: points.id: found an id twice");
-  } catch (const Error& error) {
-    problem = error.what();
-  }
-  problem = first_text(model.comm, problem);
-  require(problem.empty(), problem);
+  });
   auto count = static_cast<double>(points.size() + (rank_of(model.comm) == 0 ? removed_points : 0));
   sum_over_ranks(model.comm, std::span<double>(&count, 1));
   require(count == static_cast<double>(points.body_ids.back()),

@@ -69,6 +69,9 @@ class Newton {
   void provide_matrix();
   void solve_linear();
   int solve_supported(double tolerance, const std::string& reason);
+  bool is_small(double step) const {
+    return step <= settings_.increment_tolerance * problem_.increment_scale();
+  }
   bool next_is_last() const;
   double predicted_relative() const;
   bool cycles() const;
@@ -144,7 +147,7 @@ double Newton<block_size>::predicted_relative() const {
 
 template <int block_size>
 bool Newton<block_size>::next_is_last() const {
-  return step_size_ <= settings_.increment_tolerance * problem_.increment_scale() &&
+  return is_small(step_size_) &&
          (current_.small_residual || predicted_relative() <= settings_.residual_tolerance);
 }
 
@@ -270,16 +273,15 @@ bool Newton<block_size>::goes_in_circles() const {
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
   if (brace_.active() || supported_) return false;
-  const double scale = problem_.increment_scale();
-  return (current_.small_residual && cut_ * step_size_ <= settings_.increment_tolerance * scale) ||
-         (!matrix_is_old_ && step_size_ <= increment_round_off * scale);
+  return (current_.small_residual && is_small(cut_ * step_size_)) ||
+         (!matrix_is_old_ && step_size_ <= increment_round_off * problem_.increment_scale());
 }
 
 // Before the step at hand is taken: the iterate is within both limits, whatever lies beyond a kink.
 template <int block_size>
 bool Newton<block_size>::is_solution() const {
   return current_.small_residual && !brace_.active() && !supported_ && !matrix_is_old_ &&
-         step_size_ <= settings_.increment_tolerance * problem_.increment_scale();
+         is_small(step_size_);
 }
 
 template <int block_size>

@@ -143,7 +143,7 @@ void write_field(MPI_Comm comm, const OutputFrame& frame, OutputField field, Arr
   const Layout stored = layout(field);
   std::vector<float> values;
   together(comm, [&] {
-    check_size(frame, field);
+    if (field.make) check_size(frame, field);
     values = arrange<float>(field.values, field.components, stored.columns, field.name);
   });
   made = {};

@@ -46,14 +46,17 @@ class LooseNode : public NewtonProblem<1> {
   double share_ = 0;
 };
 
-NewtonReport solve(LooseNode& node, double& u, bool reuse_matrix = false) {
+NewtonReport solve(NewtonProblem<1>& problem, double& u, const NewtonSettings& settings) {
   BlockMatrix<1> K;
   K.set_pattern(1, std::vector<std::int32_t>{0, 1}, std::vector<std::int32_t>{0});
   LinearSolver<1> linear(test::comm(), 2, {.method = "lu"});
   NewtonMatrix<1> matrix{K, linear};
   PhaseTimes times;
-  const NewtonSettings settings{.max_iterations = 30, .reuse_matrix = reuse_matrix};
-  return solve_newton<1>(node, matrix, settings, std::span<double>(&u, 1), times);
+  return solve_newton<1>(problem, matrix, settings, std::span<double>(&u, 1), times);
+}
+
+NewtonReport solve(LooseNode& node, double& u, bool reuse_matrix = false) {
+  return solve(node, u, NewtonSettings{.max_iterations = 30, .reuse_matrix = reuse_matrix});
 }
 
 TEST(LooseNode, defeats_the_line_search_without_a_brace) {
@@ -126,15 +129,9 @@ class EdgeOfRest : public NewtonProblem<1> {
 
 TEST(EdgeOfRest, a_small_step_does_not_lead_out_of_the_limit_of_the_residual) {
   EdgeOfRest edge;
-  BlockMatrix<1> K;
-  K.set_pattern(1, std::vector<std::int32_t>{0, 1}, std::vector<std::int32_t>{0});
-  LinearSolver<1> linear(test::comm(), 2, {.method = "lu"});
-  NewtonMatrix<1> matrix{K, linear};
-  PhaseTimes times;
   const NewtonSettings settings{.residual_tolerance = 1e-5, .increment_tolerance = 1e-3};
   double u = -1;
-  const NewtonReport report =
-      solve_newton<1>(edge, matrix, settings, std::span<double>(&u, 1), times);
+  const NewtonReport report = solve(edge, u, settings);
   EXPECT_EQ(u, 0);
   EXPECT_EQ(edge.last_u, u);  // what the problem keeps belongs to the solution
   EXPECT_LE(report.residuals.back(), settings.residual_tolerance);
