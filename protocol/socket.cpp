@@ -13,20 +13,31 @@
 #include "common/base/require.hpp"
 #include "protocol/authenticator.hpp"
 #include "protocol/codec.hpp"
+#include "protocol/local_channel.hpp"
 
 namespace gabion {
 
 namespace {
 
-/// First part of a message that is there or comes within this time; the processor goes to whoever
-/// else wants it. @returns whether one came.
-bool look_for(zmq::socket_t& socket, zmq::message_t& part, std::chrono::duration<double> time) {
-  const auto until = std::chrono::steady_clock::now() + time;
-  do {
-    if (socket.recv(part, zmq::recv_flags::dontwait)) return true;
-    std::this_thread::yield();
-  } while (std::chrono::steady_clock::now() < until);
-  return false;
+using Clock = std::chrono::steady_clock;
+
+int milliseconds_until(Clock::time_point end) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+  return static_cast<int>(std::max<std::int64_t>(0, left.count()));
+}
+
+/// The message that is there, or nothing.
+std::optional<RawMessage> take_from(zmq::socket_t& socket) {
+  zmq::message_t part;
+  if (!socket.recv(part, zmq::recv_flags::dontwait)) return std::nullopt;
+  RawMessage frames;
+  frames.push_back(part.to_string());
+  while (part.more()) {
+    // The parts of a message arrive together: this does not wait.
+    if (!socket.recv(part, zmq::recv_flags::dontwait)) break;
+    if (frames.size() < Socket::max_frames) frames.push_back(part.to_string());
+  }
+  return frames;
 }
 
 }  // namespace
@@ -41,12 +52,64 @@ struct Socket::Implementation {
   zmq::socket_t socket;
   std::optional<zmq::socket_t> monitor;  // of failed handshakes, until a message has come
   bool has_keys = false;
+  int linger = 500;                       // [ms]
+  std::optional<LocalListener> listener;  // the coupler's, beside the socket
+  std::optional<LocalConnection> local;   // the participant's, instead of the socket
+  std::optional<RawMessage> to_connect;   // endpoint and route, before the first message
 
   Implementation(std::shared_ptr<SocketContext> shared, zmq::socket_type type)
       : context(std::move(shared)), socket(context->context, type) {
     socket.set(zmq::sockopt::linger, 500);
     socket.set(zmq::sockopt::sndtimeo, 1000);
     socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(CodecLimits{}.max_frame_bytes));
+  }
+
+  ~Implementation() {
+    const auto end = Clock::now() + std::chrono::milliseconds(linger);
+    while (has_unsent() && Clock::now() < end) flush();
+  }
+  Implementation(Implementation&&) = delete;
+  Implementation& operator=(Implementation&&) = delete;
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  /// The first message goes: by the local channel if there is one.
+  void try_local() {
+    if (!to_connect) return;
+    local = LocalConnection::connect((*to_connect)[0], max_frames);
+    if (local) local->send({(*to_connect)[1]});
+    to_connect.reset();
+  }
+
+  bool has_unsent() const {
+    return (listener && listener->has_unsent()) || (local && local->has_unsent());
+  }
+
+  void flush() {
+    if (listener) listener->flush();
+    if (local) local->flush();
+  }
+
+  /// A participant that computes sends nothing: its answer goes before it gets a new request.
+  std::optional<RawMessage> take() {
+    std::optional<RawMessage> message;
+    if (listener) message = listener->take();
+    if (local && !local->has_unsent()) message = local->take();
+    return message ? message : take_from(socket);
+  }
+
+  /// Until something may have come, or gone. @returns false after `milliseconds` without
+  bool wait(int milliseconds) {
+    std::vector<zmq::pollitem_t> items = {{socket.handle(), 0, ZMQ_POLLIN, 0}};
+    const auto add = [&items](int descriptor, bool unsent) {
+      const int events = unsent ? ZMQ_POLLIN | ZMQ_POLLOUT : ZMQ_POLLIN;
+      items.push_back({nullptr, descriptor, static_cast<short>(events), 0});
+    };
+    if (listener) {
+      for (const auto& [descriptor, unsent] : listener->descriptors()) add(descriptor, unsent);
+    }
+    if (local && !local->is_closed()) add(local->descriptor(), local->has_unsent());
+    return zmq::poll(items, std::chrono::milliseconds(milliseconds)) > 0;
   }
 
   void use(const ServerKeys& keys) {
@@ -104,6 +167,10 @@ Socket Socket::bind_router(std::shared_ptr<SocketContext> context, const std::st
                     "tcp://127.0.0.1:* takes any free port)",
                     endpoint, problem.what()));
   }
+  if (!keys) {
+    const std::string bound = made->socket.get(zmq::sockopt::last_endpoint);
+    made->listener = LocalListener::listen(bound, max_frames);
+  }
   return Socket(std::move(made));
 }
 
@@ -114,7 +181,9 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
   made->socket.set(zmq::sockopt::routing_id, route);
   made->socket.set(zmq::sockopt::linger, linger);
   if (keys) made->use(*keys);
+  made->linger = linger;
   if (linger > 0) made->start_monitor();  // nobody asks the others
+  if (linger > 0 && !keys) made->to_connect = {endpoint, route};
   try {
     made->socket.connect(endpoint);
   } catch (const zmq::error_t& problem) {
@@ -126,11 +195,19 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
 }
 
 bool Socket::send(const std::vector<std::string_view>& frames) {
+  Implementation& own = *implementation_;
+  own.try_local();
+  // A coupler that has gone is noticed by those who watch it, as over the network.
+  if (own.local) {
+    own.local->send(frames);
+    return true;
+  }
+  if (own.listener && own.listener->has(std::string(frames[0]))) return own.listener->send(frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
     for (;;) {
       try {
-        if (!implementation_->socket.send(zmq::buffer(frames[i]), flags)) return false;
+        if (!own.socket.send(zmq::buffer(frames[i]), flags)) return false;
         break;
       } catch (const zmq::error_t& problem) {
         if (problem.num() == EHOSTUNREACH) return false;
@@ -143,25 +220,26 @@ bool Socket::send(const std::vector<std::string_view>& frames) {
 
 std::optional<std::vector<std::string>> Socket::receive(int milliseconds,
                                                         std::chrono::duration<double> look) {
-  zmq::socket_t& socket = implementation_->socket;
+  Implementation& own = *implementation_;
+  const auto begin = Clock::now();
+  const auto end = begin + std::chrono::milliseconds(milliseconds);
   try {
-    zmq::message_t part;
-    const std::chrono::milliseconds patience(milliseconds);
-    if (!look_for(socket, part, std::min<std::chrono::duration<double>>(look, patience))) {
-      if (milliseconds == 0) return std::nullopt;
-      zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
-      if (zmq::poll(&item, 1, std::chrono::milliseconds(milliseconds)) == 0) return std::nullopt;
-      if (!socket.recv(part, zmq::recv_flags::dontwait)) return std::nullopt;
+    own.flush();
+    std::optional<RawMessage> message = own.take();
+    while (!message &&
+           Clock::now() < std::min(end, begin + std::chrono::ceil<Clock::duration>(look))) {
+      std::this_thread::yield();  // the processor goes to whoever else wants it
+      own.flush();
+      message = own.take();
     }
-    implementation_->stop_monitor();
-    std::vector<std::string> frames;
-    frames.push_back(part.to_string());
-    while (part.more()) {
-      // The parts of a message arrive together: this does not wait.
-      if (!socket.recv(part, zmq::recv_flags::dontwait)) break;
-      if (frames.size() < max_frames) frames.push_back(part.to_string());
+    while (!message) {
+      const int left = milliseconds_until(end);
+      if (left == 0 || !own.wait(left)) return std::nullopt;
+      own.flush();
+      message = own.take();
     }
-    return frames;
+    own.stop_monitor();
+    return message;
   } catch (const zmq::error_t& problem) {
     if (problem.num() == EINTR) return std::nullopt;
     throw ProtocolError(fmt::format("receive: {}", problem.what()));
@@ -202,6 +280,10 @@ std::optional<Socket::Refusal> Socket::refusal() {
     }
   }
   return last;
+}
+
+bool Socket::is_local(const std::string& route) const {
+  return implementation_->listener && implementation_->listener->has(route);
 }
 
 std::string Socket::endpoint() const {

@@ -18,6 +18,9 @@ struct SocketContext;
 std::shared_ptr<SocketContext> make_socket_context();
 
 /// A ZeroMQ socket with finite linger and finite send time. To be used by one thread at a time.
+/// Between processes of one machine messages take the way of local_channel.hpp, which wakes no
+/// threads of the library: where both sides have no keys, one endpoint, and the coupler is there
+/// when the participant sends its first message.
 class Socket {
  public:
   /// Coupler's side. The first frame of what it sends and receives is the peer's route.
@@ -53,6 +56,9 @@ class Socket {
     bool is_final = false;  ///< trying again will not help
   };
   std::optional<Refusal> refusal();
+
+  /// Whether what goes to this route stays on this machine, past the network. Coupler's side.
+  bool is_local(const std::string& route) const;
 
   /// Where it is bound: the port is known even when the endpoint said `*`.
   std::string endpoint() const;

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <list>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gabion {
+
+/// A message as it comes from a socket, frame by frame.
+using RawMessage = std::vector<std::string>;
+
+/// An open file of this process, or none.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor();
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number() const { return number_; }
+  bool is_open() const { return number_ >= 0; }
+
+ private:
+  int number_ = -1;
+};
+
+/// One end of a stream between two processes of one user on one machine. A message is a count of
+/// frames and their sizes (64-bit, in the machine's order), then their bytes. What the peer's
+/// buffer has no room for is kept and sent by later calls. Nothing here waits longer than a
+/// millisecond without progress.
+class LocalConnection {
+ public:
+  /// @param max_frames  of a message; more is not understood
+  LocalConnection(Descriptor end, std::size_t max_frames)
+      : end_(std::move(end)), max_frames_(max_frames) {}
+
+  /// To who listens there; none where nobody does, or another user.
+  static std::optional<LocalConnection> connect(const std::string& endpoint,
+                                                std::size_t max_frames);
+
+  /// False where the peer has closed.
+  bool send(const std::vector<std::string_view>& frames);
+  /// Send what is left, as far as the peer has room, and read what has come, so that it has room.
+  void flush();
+  /// The oldest message that has come in whole.
+  std::optional<RawMessage> take();
+  /// The peer has closed its end, or sent what is not understood: nothing more will come.
+  bool is_closed() const { return closed_; }
+  bool takes_messages() const { return !closed_ && !deaf_; }
+  bool has_unsent() const { return takes_messages() && !unsent_.empty(); }
+  int descriptor() const { return end_.number(); }
+
+ private:
+  void read();
+  bool cut_message();
+  std::size_t write(std::string_view bytes);
+
+  Descriptor end_;
+  std::size_t max_frames_;
+  bool closed_ = false;
+  bool deaf_ = false;  // what the peer said before may still be there to read
+  std::string unsent_;
+  std::string came_;  // of messages that are not whole yet
+  std::deque<RawMessage> messages_;
+};
+
+/// The coupler's end: all that have connected, by the route that they give in their first message.
+class LocalListener {
+ public:
+  /// None where the machine has no such sockets or the name is taken: the other way in is open.
+  static std::optional<LocalListener> listen(const std::string& endpoint, std::size_t max_frames);
+  /// Whether this route leads here, to a peer that has not closed.
+  bool has(const std::string& route) const;
+  /// False where the peer has closed. @param frames  the route first
+  bool send(const std::vector<std::string_view>& frames);
+  void flush();
+  bool has_unsent() const;
+  /// One message that has come, the route of its sender first.
+  std::optional<RawMessage> take();
+  /// What to wait for: descriptor and whether something is unsent there.
+  std::map<int, bool> descriptors() const;
+
+ private:
+  LocalListener(Descriptor door, std::size_t max_frames)
+      : door_(std::move(door)), max_frames_(max_frames) {}
+  void accept_all();
+  void welcome_new();
+
+  Descriptor door_;
+  std::size_t max_frames_;
+  std::list<LocalConnection> nameless_;
+  std::map<std::string, LocalConnection> by_route_;
+  std::string last_served_;
+};
+
+}  // namespace gabion
