@@ -20,6 +20,7 @@ class Wall:
 
 
 LEAST_THROUGH = 2  # cells through the thickness
+MOST_CELLS = 500_000
 
 
 def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
@@ -47,8 +48,14 @@ def stations(line: np.ndarray, ways: np.ndarray, spacing: float) -> tuple[np.nda
 
 
 def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) -> Wall:
-    """Upright on the slope, `height` above its line, a cell deep in the ground; facets of half a cell at most."""
+    """Upright on the slope, `height` above its line, a cell deep in the ground; facets of half a cell at most.
+
+    @raises TerrainError  it leaves the area, has too many cells, or a line that cannot be built on
+    """
     h = slope.spacing
+    outside = TerrainError("barrier/line: found a part outside the area, allowed: the area of the grid")
+    if (line < 0).any() or (line > slope.size()).any():
+        raise outside
     for k in range(len(line) - 1):
         if not np.linalg.norm(line[k + 1] - line[k]) > 0:
             raise TerrainError(f"barrier/line/{k + 1}: found the corner before it again, allowed: corners that differ")
@@ -61,7 +68,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     places, asides = stations(line, ways, h / 2 / np.hypot(1, steep) / widened)
     rim = places[:, None, :] + np.array([-1, 1])[None, :, None] * asides[:, None, :]  # station, side, axis
     if (rim < 0).any() or (rim > slope.size()).any():
-        raise TerrainError("barrier/line: found a part outside the area, allowed: the area of the grid")
+        raise outside
     fall = np.abs(np.diff(slope.at(rim[..., 0], rim[..., 1]))).max()
     through = max(LEAST_THROUGH, int(np.ceil(np.hypot(thickness, fall) / (h / 2) - 1e-9)))
     x = places[:, None, :] + np.linspace(-1, 1, through + 1)[None, :, None] * asides[:, None, :]
@@ -69,6 +76,10 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     # The wall meets the ground on both sides; its crest is level across.
     higher = 1 + (slope.at(*places.T)[:, None] - ground) / height
     layers = int(np.ceil(height * higher.max() / min(h / 2, thickness / 2) - 1e-9))
+    count = (len(places) - 1) * through * (layers + 1)
+    if count > MOST_CELLS:
+        raise TerrainError(f"barrier: found height {height:g} m and thickness {thickness:g} m, whose cells are half as "
+                           f"long, or half a cell of the grid: {count} cells, allowed: {MOST_CELLS}")
     levels = np.array([-h, *np.linspace(0, height, layers + 1)])
     nodes = np.empty((*ground.shape, len(levels), 3))
     nodes[..., :2] = x[:, :, None, :]

@@ -72,7 +72,7 @@ class Reader:
 
     def number(self, key: str, at_least_zero: bool = False) -> float:
         value = self.values.get(key)
-        real = isinstance(value, (int, float)) and not isinstance(value, bool)
+        real = isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
         if not real or not (value > 0 or (at_least_zero and value == 0)):
             raise self.fail(key, "a number >= 0" if at_least_zero else "a number > 0")
         del self.values[key]
@@ -88,12 +88,19 @@ class Reader:
         del self.values[key]
         return rows
 
-    def name(self, key: str) -> str:
+    def text(self, key: str, allowed: str) -> str:
         value = self.values.get(key)
         if not isinstance(value, str) or not value:
-            raise self.fail(key, "a name")
+            raise self.fail(key, allowed)
         del self.values[key]
         return value
+
+    def raster(self, key: str, folder: Path) -> Raster:
+        name = self.text(key, "the name of a raster")
+        try:
+            return read_raster(folder / name)
+        except TerrainError as error:
+            raise TerrainError(f"{self.where}/{key}: {error}") from error
 
     def children(self, key: str) -> "list[Reader]":
         """Of a list of objects; none where the key is missing."""
@@ -117,9 +124,9 @@ def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
         raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, or a raster) and top (a raster)")
     depth = top = None
     if "top" in reader.values:
-        top = read_raster(folder / str(reader.values.pop("top")))
+        top = reader.raster("top", folder)
     elif isinstance(reader.values["depth"], str):
-        depth = read_raster(folder / reader.values.pop("depth"))
+        depth = reader.raster("depth", folder)
     else:
         depth = reader.number("depth")
         if polygon is None:
@@ -131,7 +138,8 @@ def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
-        return reader.values.pop("material")
+        material = reader.child("material")
+        return dict(material.values) | {"density": material.number("density")}
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 
@@ -148,7 +156,7 @@ def read_gauge(reader: Reader) -> Gauge:
     line = reader.rows("line", 2)
     if len(line) != 2:
         raise TerrainError(f"{reader.where}/line: found {len(line)} rows, allowed: 2, the ends of a straight line")
-    gauge = Gauge(reader.name("name"), line, reader.number("height"))
+    gauge = Gauge(reader.text("name", "a name"), line, reader.number("height"))
     reader.finish()
     return gauge
 
@@ -160,7 +168,7 @@ def read_plan(path: Path) -> Plan:
     except (OSError, ValueError) as error:
         raise TerrainError(f"{path}: {error}") from error
     reader = Reader(values, str(path))
-    slope = read_raster(path.parent / str(reader.values.pop("slope", "")))
+    slope = reader.raster("slope", path.parent)
     notes: list[str] = []
     corners = reader.rows("area", 2)
     if len(corners) != 2 or not (corners[0] < corners[1]).all():

@@ -29,6 +29,10 @@ class Raster:
         rows, columns = self.values.shape
         return self.x, self.y, self.x + (columns - 1) * self.spacing, self.y + (rows - 1) * self.spacing
 
+    def reach(self) -> str:
+        low_x, low_y, high_x, high_y = self.limits()
+        return f"the raster reaches from ({low_x:.9g}, {low_y:.9g}) to ({high_x:.9g}, {high_y:.9g})"
+
     def place(self, row: int, column: int) -> str:
         """Where a value stands in the file, whose first row is that in the north."""
         return f"row {self.values.shape[0] - row}, column {column + 1}"
@@ -56,8 +60,7 @@ class Raster:
         at_x, at_y = float(np.ravel(x)[k]), float(np.ravel(y)[k])
         low_x, low_y, high_x, high_y = self.limits()
         if not (low_x <= at_x <= high_x and low_y <= at_y <= high_y):
-            raise TerrainError(f"{self.path}: the area needs a height at ({at_x:.9g}, {at_y:.9g}); the raster reaches "
-                               f"from ({low_x:.9g}, {low_y:.9g}) to ({high_x:.9g}, {high_y:.9g})")
+            raise TerrainError(f"{self.path}: the area needs a height at ({at_x:.9g}, {at_y:.9g}); {self.reach()}")
         near = (np.abs(self.x + np.arange(self.values.shape[1])[None, :] * self.spacing - at_x) <= self.spacing) & (
             np.abs(self.y + np.arange(self.values.shape[0])[:, None] * self.spacing - at_y) <= self.spacing)
         row, column = np.argwhere(near & np.isnan(self.values))[0]
@@ -78,15 +81,20 @@ def read_ascii(path: Path) -> Raster:
     first = 0
     for first, line in enumerate(lines):
         words = line.split()
-        if not words or words[0].lower() not in HEADER:
+        if not words or not words[0][0].isalpha() or words[0].lower() == "nan":
             break
+        if words[0].lower() not in HEADER:
+            raise TerrainError(f"{path}: line {first + 1}: found \"{line}\", allowed: {', '.join(sorted(HEADER))}; "
+                               "cells have to be square and lie along the axes")
         try:
-            head[words[0].lower()] = float(words[1])
-        except (IndexError, ValueError) as error:
+            head[words[0].lower()], = map(float, words[1:])
+        except ValueError as error:
             raise TerrainError(f"{path}: line {first + 1}: found \"{line}\", expected a name and a number") from error
     for name in ("ncols", "nrows", "cellsize"):
-        if not head.get(name, 0) > 0:
-            raise TerrainError(f"{path}: header: {name}: found {head.get(name, 'none')}, allowed: a number > 0")
+        value = head.get(name, 0)
+        if not 0 < value < np.inf or (name != "cellsize" and value % 1):
+            allowed = "a number > 0" if name == "cellsize" else "a whole number > 0"
+            raise TerrainError(f"{path}: header: {name}: found {head.get(name, 'none')}, allowed: {allowed}")
     columns, rows, spacing = int(head["ncols"]), int(head["nrows"]), head["cellsize"]
     if rows < 2 or columns < 2:
         raise TerrainError(f"{path}: found {rows} x {columns} values, allowed: at least 2 x 2")

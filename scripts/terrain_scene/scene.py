@@ -12,10 +12,11 @@ from matplotlib.path import Path as Polygon
 from .barrier import Wall, build_wall
 from .gauges import gauge_settings
 from .plan import GRAVITY, Plan
-from .raster import TerrainError
+from .raster import Raster, TerrainError
 from .slope import THINNEST, Columns, Depth, Slope, lay_columns, write_hexahedra, write_ply
 
 MANY_CELLS = 2_000_000
+MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
 
 
 @dataclass
@@ -34,7 +35,11 @@ class Made:
 def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
     """Origin and heights; the area is widened to whole cells."""
     h = plan.cell_size
-    count = np.ceil((plan.high - plan.low) / h - 1e-9).astype(int)
+    sides = np.ceil((plan.high - plan.low) / h - 1e-9)
+    if not np.prod(sides) <= MOST_IN_PLAN:
+        raise TerrainError(f"cell_size: found {h:g} m, which makes {sides[0]:.0f} x {sides[1]:.0f} cells in the area, "
+                           f"allowed: {MOST_IN_PLAN}")
+    count = sides.astype(int)
     x, y = np.meshgrid(plan.low[0] + h * np.arange(count[0] + 1), plan.low[1] + h * np.arange(count[1] + 1))
     z = plan.slope.needed_at(x, y)
     # A cell of the grid below the lowest place, since a point must not leave it there.
@@ -69,7 +74,10 @@ def make(plan: Plan) -> Made:
     origin, slope = sample_slope(plan)
     columns = lay_columns(slope, depth_function(plan, origin, slope))
     if not len(columns.cells):
-        raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in the area")
+        raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
+        raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in the "
+                           f"area from ({plan.low[0]:.9g}, {plan.low[1]:.9g}) to ({plan.high[0]:.9g}, {plan.high[1]:.9g})"
+                           + (f"; {raster.path}: {raster.reach()}" if raster else ""))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():

@@ -100,6 +100,9 @@ class Rasters(TerrainCase):
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2 3 4", "cellsize"),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3", "found 3 values"),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 x", "line 7"),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n1 2\n3 4", "line 5: found \"dx 1\""),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1 2\n1 2\n3 4", "line 5: found"),
+                            ("ncols 2.5\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4", "a whole number"),
                             ("ncols 1\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2", "at least 2 x 2")):
             with self.assertRaisesRegex(TerrainError, words):
                 read_raster(self.write("a.asc", text))
@@ -249,6 +252,26 @@ class Scenes(TerrainCase):
         self.refused("the raster reaches", area=[[WEST, SOUTH], [WEST + 10, SOUTH + 10]])
         self.refused("mass at the rim", slide={"depth": 1, "polygon": [[WEST + x, SOUTH + y] for x, y in
                                                                        ((2, 6), (9, 6), (9, 12), (2, 12))]})
+
+    def test_plans_beyond_measure_end_soon(self) -> None:
+        self.refused("/slope: found nothing", slope=None)
+        self.refused("/slide/depth: ", "no such raster", slide={"depth": "none.asc"})
+        polygon = [[WEST + 5, SOUTH + 6], [WEST + 11, SOUTH + 6], [WEST + 11, SOUTH + 14]]
+        for words, material in (("/slide/material: found 'sand', allowed: an object", "sand"),
+                                ("/slide/material/density: found -1800", {"density": -1800})):
+            self.refused(words, slide={"depth": 1, "polygon": polygon, "material": material})
+        self.refused("cell_size: found 0.001 m", "24000 x 18000 cells", cell_size=1e-3)
+        self.refused("/cell_size: found inf", cell_size=float("inf"))
+        line = [[SOUTH + 6, WEST + 20], [SOUTH + 14, WEST + 20]]  # axes in the wrong order: very long to the grid
+        self.refused("barrier/line: found a part outside", barrier={"line": line, "height": 2, "thickness": 0.5})
+        line = [[WEST + 20, SOUTH + 6], [WEST + 20, SOUTH + 14]]
+        self.refused("barrier: found height 2 m and thickness 0.0001 m", "cells, allowed: 500000",
+                     barrier={"line": line, "height": 2, "thickness": 1e-4})
+        self.raster("depth.asc", np.ones((4, 4)), "xllcorner 0\nyllcorner 0\n")
+        self.refused("found no mass", "depth.asc: the raster reaches from (1, 1) to (7, 7)", slide={"depth": "depth.asc"})
+        result = self.python_script("terrain", self.plan(), self.folder / "plan.json" / "scene")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("plan.json", result.stderr)
 
     def test_a_scene_is_not_written_over_unasked(self) -> None:
         self.make(barrier=None)
