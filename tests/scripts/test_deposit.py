@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/deposit: depth over the plan from the material points of frames."""
 
+import json
 import unittest
 from pathlib import Path
 
@@ -79,6 +80,17 @@ class Deposits(ScriptCase):
         self.assertEqual((float(head["xllcorner"]), float(head["yllcorner"])), (1000, 2000))
         rows = [[float(word) for word in line.split()] for line in lines[6:]]  # from north to south
         np.testing.assert_allclose(rows, [[0.2, 0], [0.2, 0], [0.4, 0.4]], atol=1e-15)
+
+    def test_rasters_of_a_scene_with_an_origin_lie_on_the_map(self) -> None:
+        self.run_of(frame(0, [0, 0, 0], [0.4, 0.2, 0.4], 1.0))
+        settings = {"mpm.json": {"gravity": [0, 0, -9.81], "origin": [500000.5, 5200000, 700]}}
+        self.write("mpm/resolved_config.json", json.dumps(settings))
+        for options, corner in (((), (500000.5, 5200000)), (("--origin", "1", "2"), (1, 2))):
+            result = self.python_script("deposit", self.folder, "--cell", "0.2", *options)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            lines = (self.folder / "deposit" / "depth.asc").read_text(encoding="utf-8").splitlines()
+            head = dict(line.split() for line in lines[:6])
+            self.assertEqual((float(head["xllcorner"]), float(head["yllcorner"])), corner)
 
     def test_profile_in_the_plane(self) -> None:
         run = self.run_of(frame(0, [0, 0], [0.4, 0.2], 1.0))
