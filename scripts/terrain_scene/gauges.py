@@ -11,7 +11,8 @@ SAMPLES = 8  # a cell of the slope along the line
 
 
 def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
-    """From the lowest ground under its line to `height` above the highest; flow to the right of the line counts positive.
+    """From the lowest ground within a cell of its line, where the slab of its section still has soil, to `height`
+    above the highest under the line; flow to the right of the line counts positive.
 
     @raises TerrainError  the line leaves the area or has no length
     """
@@ -22,6 +23,11 @@ def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
     if (line < 0).any() or (line > slope.size()).any():
         raise TerrainError(f"{where}: found a part outside the area, allowed: the area of the grid")
     count = int(np.ceil(SAMPLES * np.linalg.norm(line[1] - line[0]) / slope.spacing)) + 1
-    ground = slope.at(*np.linspace(line[0], line[1], count).T)
-    foot = [[*map(float, place), float(ground.min())] for place in line]
+    places = np.linspace(line[0], line[1], count)
+    ground = slope.at(*places.T)
+    along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+    across = slope.spacing * np.array([along[1], -along[0]])
+    beside = (np.clip(places + side * across, 0, slope.size()) for side in (-1, 1))
+    lowest = min(ground.min(), *(slope.at(*each.T).min() for each in beside))
+    foot = [[*map(float, place), float(lowest)] for place in line]
     return {"name": gauge.name, "corners": [*foot, [*foot[0][:2], float(ground.max() + gauge.height)]]}

@@ -138,8 +138,9 @@ def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
-        material = reader.child("material")
-        return dict(material.values) | {"density": material.number("density")}
+        material = reader.values["material"]
+        reader.child("material").number("density")  # the programs check the rest
+        return material
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 

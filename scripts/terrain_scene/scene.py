@@ -75,8 +75,9 @@ def make(plan: Plan) -> Made:
     columns = lay_columns(slope, depth_function(plan, origin, slope))
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
-        raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in the "
-                           f"area from ({plan.low[0]:.9g}, {plan.low[1]:.9g}) to ({plan.high[0]:.9g}, {plan.high[1]:.9g})"
+        (west, south), (east, north) = plan.low, plan.high
+        raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
+                           f"the area from ({west:.9g}, {south:.9g}) to ({east:.9g}, {north:.9g})"
                            + (f"; {raster.path}: {raster.reach()}" if raster else ""))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True

@@ -228,7 +228,7 @@ class Scenes(TerrainCase):
         soil = json.loads((self.folder / "scene" / "mpm.json").read_text())
         gauge, = soil["gauges"]
         self.assertEqual(gauge["name"], "throat")
-        low, high = (plane(WEST + 15, SOUTH + y) - soil["origin"][2] for y in (6, 14))
+        low, high = (plane(x, SOUTH + y) - soil["origin"][2] for x, y in ((WEST + 16, 6), (WEST + 15, 14)))
         np.testing.assert_allclose(gauge["corners"], [[13, 4, low], [13, 12, low], [13, 4, high + 3]], atol=1e-6)
         self.assertNotIn("warning", self.check("coupler", "mpm_solver", "fem_solver"))
 
