@@ -23,29 +23,22 @@ constexpr int room_milliseconds = 1;  // for a peer that reads to make room
 constexpr int waiting_peers = 64;     // between two looks
 constexpr std::size_t word = sizeof(std::uint64_t);
 
-struct Address {
-  sockaddr_un value{};
-  socklen_t size = 0;
-};
-
-// A name without a file, which ends with its socket; each network namespace has its own names, as
-// it has its own loopback. Empty size: too long.
-Address address_of(const std::string& endpoint) {
+// A socket that is bound or connected to the name of an endpoint; none where that fails or the
+// name is too long. The name has no file and ends with its socket; each network namespace has its
+// own names, as it has its own loopback.
+// @param use  bind or connect
+Descriptor socket_at(const std::string& endpoint, int (*use)(int, const sockaddr*, socklen_t)) {
   const std::string name = "gabion " + endpoint;
-  Address address;
-  if (name.size() + 1 > sizeof address.value.sun_path) return address;
-  address.value.sun_family = AF_UNIX;
-  std::memcpy(address.value.sun_path + 1, name.data(), name.size());
-  address.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  return address;
-}
-
-const sockaddr* generic(const Address& address) {
-  return reinterpret_cast<const sockaddr*>(&address.value);
-}
-
-Descriptor open_socket() {
-  return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  if (name.size() + 1 > sizeof address.sun_path) return {};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());
+  const std::size_t size = offsetof(sockaddr_un, sun_path) + 1 + name.size();
+  Descriptor made(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!made.is_open()) return {};
+  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
+  if (use(made.number(), generic, static_cast<socklen_t>(size)) != 0) return {};
+  return made;
 }
 
 // Whoever could bind the name first could else speak for a coupler of somebody else.
@@ -70,18 +63,10 @@ std::uint64_t number_at(const std::string& from, std::size_t place) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (is_open()) close(number_);
-}
-
 std::optional<LocalConnection> LocalConnection::connect(const std::string& endpoint,
                                                         std::size_t max_frames) {
-  const Address address = address_of(endpoint);
-  if (address.size == 0) return std::nullopt;
-  Descriptor end = open_socket();
-  if (!end.is_open()) return std::nullopt;
-  if (::connect(end.number(), generic(address), address.size) != 0) return std::nullopt;
-  if (!is_own_user(end.number())) return std::nullopt;
+  Descriptor end = socket_at(endpoint, ::connect);
+  if (!end.is_open() || !is_own_user(end.number())) return std::nullopt;
   return LocalConnection(std::move(end), max_frames);
 }
 
@@ -152,25 +137,24 @@ void LocalConnection::read() {
   }
 }
 
-// Whether there was a whole message. What is not understood closes the connection.
+// What came is not understood. @returns false
+bool LocalConnection::refuse() {
+  closed_ = true;
+  came_.clear();
+  return false;
+}
+
+// Whether there was a whole message.
 bool LocalConnection::cut_message() {
   if (came_.size() < word) return false;
   const std::uint64_t count = number_at(came_, 0);
-  if (count == 0 || count > max_frames_) {
-    closed_ = true;
-    came_.clear();
-    return false;
-  }
+  if (count == 0 || count > max_frames_) return refuse();
   std::size_t place = (1 + count) * word;
   if (came_.size() < place) return false;
   std::size_t whole = place;
   for (std::uint64_t k = 0; k < count; ++k) {
     const std::uint64_t size = number_at(came_, (1 + k) * word);
-    if (size > CodecLimits{}.max_frame_bytes) {
-      closed_ = true;
-      came_.clear();
-      return false;
-    }
+    if (size > CodecLimits{}.max_frame_bytes) return refuse();
     whole += size;
   }
   if (came_.size() < whole) return false;
@@ -195,22 +179,18 @@ std::optional<RawMessage> LocalConnection::take() {
 
 std::optional<LocalListener> LocalListener::listen(const std::string& endpoint,
                                                    std::size_t max_frames) {
-  const Address address = address_of(endpoint);
-  if (address.size == 0) return std::nullopt;
-  Descriptor door = open_socket();
-  if (!door.is_open()) return std::nullopt;
-  if (bind(door.number(), generic(address), address.size) != 0) return std::nullopt;
-  if (::listen(door.number(), waiting_peers) != 0) return std::nullopt;
+  Descriptor door = socket_at(endpoint, ::bind);
+  if (!door.is_open() || ::listen(door.number(), waiting_peers) != 0) return std::nullopt;
   return LocalListener(std::move(door), max_frames);
 }
 
-bool LocalListener::has(const std::string& route) const {
+bool LocalListener::has(std::string_view route) const {
   const auto found = by_route_.find(route);
   return found != by_route_.end() && found->second.takes_messages();
 }
 
 bool LocalListener::send(const std::vector<std::string_view>& frames) {
-  const auto found = by_route_.find(std::string(frames[0]));
+  const auto found = by_route_.find(frames[0]);
   return found != by_route_.end() && found->second.send({frames.begin() + 1, frames.end()});
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <list>
 #include <map>
 #include <optional>
@@ -11,29 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/descriptor.hpp"
+
 namespace gabion {
 
 /// A message as it comes from a socket, frame by frame.
 using RawMessage = std::vector<std::string>;
-
-/// An open file of this process, or none.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-  bool is_open() const { return number_ >= 0; }
-
- private:
-  int number_ = -1;
-};
 
 /// One end of a stream between two processes of one user on one machine. A message is a count of
 /// frames and their sizes (64-bit, in the machine's order), then their bytes. What the peer's
@@ -64,6 +48,7 @@ class LocalConnection {
  private:
   void read();
   bool cut_message();
+  bool refuse();
   std::size_t write(std::string_view bytes);
 
   Descriptor end_;
@@ -80,8 +65,9 @@ class LocalListener {
  public:
   /// None where the machine has no such sockets or the name is taken: the other way in is open.
   static std::optional<LocalListener> listen(const std::string& endpoint, std::size_t max_frames);
+
   /// Whether this route leads here, to a peer that has not closed.
-  bool has(const std::string& route) const;
+  bool has(std::string_view route) const;
   /// False where the peer has closed. @param frames  the route first
   bool send(const std::vector<std::string_view>& frames);
   void flush();
@@ -94,13 +80,14 @@ class LocalListener {
  private:
   LocalListener(Descriptor door, std::size_t max_frames)
       : door_(std::move(door)), max_frames_(max_frames) {}
+  using Peers = std::map<std::string, LocalConnection, std::less<>>;
   void accept_all();
   void welcome_new();
 
   Descriptor door_;
   std::size_t max_frames_;
   std::list<LocalConnection> nameless_;
-  std::map<std::string, LocalConnection> by_route_;
+  Peers by_route_;
   std::string last_served_;
 };
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <utility>
 #include <zmq.hpp>
 
 #include "common/base/require.hpp"
@@ -55,7 +56,7 @@ struct Socket::Implementation {
   int linger = 500;                       // [ms]
   std::optional<LocalListener> listener;  // the coupler's, beside the socket
   std::optional<LocalConnection> local;   // the participant's, instead of the socket
-  std::optional<RawMessage> to_connect;   // endpoint and route, before the first message
+  std::string endpoint, route;            // of a local channel that is still to be tried
 
   Implementation(std::shared_ptr<SocketContext> shared, zmq::socket_type type)
       : context(std::move(shared)), socket(context->context, type) {
@@ -75,10 +76,9 @@ struct Socket::Implementation {
 
   /// The first message goes: by the local channel if there is one.
   void try_local() {
-    if (!to_connect) return;
-    local = LocalConnection::connect((*to_connect)[0], max_frames);
-    if (local) local->send({(*to_connect)[1]});
-    to_connect.reset();
+    if (endpoint.empty()) return;
+    local = LocalConnection::connect(std::exchange(endpoint, {}), max_frames);
+    if (local) local->send({route});
   }
 
   bool has_unsent() const {
@@ -90,8 +90,10 @@ struct Socket::Implementation {
     if (local) local->flush();
   }
 
-  /// A participant that computes sends nothing: its answer goes before it gets a new request.
+  /// Send what is left, take what is there. A participant that computes sends nothing: its answer
+  /// goes before it gets a new request.
   std::optional<RawMessage> take() {
+    flush();
     std::optional<RawMessage> message;
     if (listener) message = listener->take();
     if (local && !local->has_unsent()) message = local->take();
@@ -183,7 +185,10 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
   if (keys) made->use(*keys);
   made->linger = linger;
   if (linger > 0) made->start_monitor();  // nobody asks the others
-  if (linger > 0 && !keys) made->to_connect = {endpoint, route};
+  if (linger > 0 && !keys) {
+    made->endpoint = endpoint;
+    made->route = route;
+  }
   try {
     made->socket.connect(endpoint);
   } catch (const zmq::error_t& problem) {
@@ -202,7 +207,7 @@ bool Socket::send(const std::vector<std::string_view>& frames) {
     own.local->send(frames);
     return true;
   }
-  if (own.listener && own.listener->has(std::string(frames[0]))) return own.listener->send(frames);
+  if (own.listener && own.listener->has(frames[0])) return own.listener->send(frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
     for (;;) {
@@ -223,23 +228,20 @@ std::optional<std::vector<std::string>> Socket::receive(int milliseconds,
   Implementation& own = *implementation_;
   const auto begin = Clock::now();
   const auto end = begin + std::chrono::milliseconds(milliseconds);
+  const auto end_of_look = std::min(end, begin + std::chrono::ceil<Clock::duration>(look));
   try {
-    own.flush();
-    std::optional<RawMessage> message = own.take();
-    while (!message &&
-           Clock::now() < std::min(end, begin + std::chrono::ceil<Clock::duration>(look))) {
-      std::this_thread::yield();  // the processor goes to whoever else wants it
-      own.flush();
-      message = own.take();
-    }
-    while (!message) {
+    for (;;) {
+      if (auto message = own.take()) {
+        own.stop_monitor();
+        return message;
+      }
+      if (Clock::now() < end_of_look) {
+        std::this_thread::yield();  // the processor goes to whoever else wants it
+        continue;
+      }
       const int left = milliseconds_until(end);
       if (left == 0 || !own.wait(left)) return std::nullopt;
-      own.flush();
-      message = own.take();
     }
-    own.stop_monitor();
-    return message;
   } catch (const zmq::error_t& problem) {
     if (problem.num() == EINTR) return std::nullopt;
     throw ProtocolError(fmt::format("receive: {}", problem.what()));

@@ -14,6 +14,7 @@
 #include <gabion_version.hpp>
 #include <string_view>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/checkpoint/state_file.hpp"
@@ -32,11 +33,9 @@ constexpr std::string_view step_prefix = "step_";
 
 /// Until this returns, a power cut may undo what was written.
 void flush_to_disk(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool good = file >= 0 && fsync(file) == 0;
-  const std::string cause = std::strerror(errno);
-  if (file >= 0) close(file);
-  require(good, "{}: could not be flushed to the disk: {}", path.string(), cause);
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const bool good = file.is_open() && fsync(file.number()) == 0;
+  require(good, "{}: could not be flushed to the disk: {}", path.string(), std::strerror(errno));
 }
 
 /// Number of a folder "step_000123"; -1: it has another name.

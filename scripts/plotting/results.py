@@ -187,6 +187,11 @@ class Results:
         return next((settings for file, settings in self._resolved if file == name), {})
 
     @property
+    def origin(self) -> np.ndarray:
+        """Of the soil's coordinates on the map [m]: x, y, z."""
+        return np.array(self.settings("mpm.json").get("origin", [0, 0, 0]))
+
+    @property
     def per_metre(self) -> str:
         """Ending of the units of forces and energies: in plane strain they are per metre of thickness."""
         return "/m" if self.dim == 2 else ""

@@ -53,9 +53,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     @raises TerrainError  it leaves the area, has too many cells, or a line that cannot be built on
     """
     h = slope.spacing
-    outside = TerrainError("barrier/line: found a part outside the area, allowed: the area of the grid")
-    if (line < 0).any() or (line > slope.size()).any():
-        raise outside
+    slope.require_inside(line, "barrier/line")
     for k in range(len(line) - 1):
         if not np.linalg.norm(line[k + 1] - line[k]) > 0:
             raise TerrainError(f"barrier/line/{k + 1}: found the corner before it again, allowed: corners that differ")
@@ -67,8 +65,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     widened = max((length / lengths[0]).max() for length in lengths)
     places, asides = stations(line, ways, h / 2 / np.hypot(1, steep) / widened)
     rim = places[:, None, :] + np.array([-1, 1])[None, :, None] * asides[:, None, :]  # station, side, axis
-    if (rim < 0).any() or (rim > slope.size()).any():
-        raise outside
+    slope.require_inside(rim, "barrier/line")
     fall = np.abs(np.diff(slope.at(rim[..., 0], rim[..., 1]))).max()
     through = max(LEAST_THROUGH, int(np.ceil(np.hypot(thickness, fall) / (h / 2) - 1e-9)))
     x = places[:, None, :] + np.linspace(-1, 1, through + 1)[None, :, None] * asides[:, None, :]

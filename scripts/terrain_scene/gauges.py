@@ -18,14 +18,14 @@ def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
     """
     line = gauge.line - origin[:2]
     where = f"gauge {gauge.name}: line"
-    if not np.linalg.norm(line[1] - line[0]) > 0:
+    length = np.linalg.norm(line[1] - line[0])
+    if not length > 0:
         raise TerrainError(f"{where}: found no length, allowed: two places that differ")
-    if (line < 0).any() or (line > slope.size()).any():
-        raise TerrainError(f"{where}: found a part outside the area, allowed: the area of the grid")
-    count = int(np.ceil(SAMPLES * np.linalg.norm(line[1] - line[0]) / slope.spacing)) + 1
+    slope.require_inside(line, where)
+    count = int(np.ceil(SAMPLES * length / slope.spacing)) + 1
     places = np.linspace(line[0], line[1], count)
     ground = slope.at(*places.T)
-    along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+    along = (line[1] - line[0]) / length
     across = slope.spacing * np.array([along[1], -along[0]])
     beside = (np.clip(places + side * across, 0, slope.size()) for side in (-1, 1))
     lowest = min(ground.min(), *(slope.at(*each.T).min() for each in beside))

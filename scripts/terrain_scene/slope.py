@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .raster import TerrainError
+
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
@@ -22,6 +24,11 @@ class Slope:
 
     def size(self) -> tuple[float, float]:
         return (self.z.shape[1] - 1) * self.spacing, (self.z.shape[0] - 1) * self.spacing
+
+    def require_inside(self, places: np.ndarray, where: str) -> None:
+        """places: any shape x 2. @raises TerrainError"""
+        if (places < 0).any() or (places > self.size()).any():
+            raise TerrainError(f"{where}: found a part outside the area, allowed: the area of the grid")
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         rows, columns = self.z.shape

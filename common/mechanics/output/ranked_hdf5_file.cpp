@@ -55,9 +55,10 @@ RankedHdf5File::~RankedHdf5File() {
 void RankedHdf5File::open() {
   const bool first = rank_of(comm_) == 0;
   if (first) {
-    room_file_ = ::open(part_path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, new_file_mode);
+    room_file_ = Descriptor(
+        ::open(part_path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, new_file_mode));
   }
-  require_on_all(!first || room_file_ >= 0, "create this file", std::strerror(errno));
+  require_on_all(!first || room_file_.is_open(), "create this file", std::strerror(errno));
   const bool seen = access(part_path_.c_str(), W_OK) == 0;
   require_on_all(
       seen, fmt::format("write this file from rank {} of {}", rank_of(comm_), num_ranks(comm_)),
@@ -75,8 +76,8 @@ void RankedHdf5File::open() {
 void RankedHdf5File::abandon() {
   const QuietErrors quiet;
   if (file_ >= 0) H5Fclose(std::exchange(file_, -1));
-  if (room_file_ < 0) return;
-  close(std::exchange(room_file_, -1));
+  if (!room_file_.is_open()) return;
+  room_file_ = {};
   std::error_code ignored;
   std::filesystem::remove(part_path_, ignored);
 }
@@ -92,7 +93,7 @@ void RankedHdf5File::require_on_all(bool good, const std::string& what,
 /// Room for so much more.
 void RankedHdf5File::reserve(std::int64_t bytes) {
   room_ += bytes;
-  const int problem = room_file_ >= 0 ? posix_fallocate(room_file_, 0, room_) : 0;
+  const int problem = room_file_.is_open() ? posix_fallocate(room_file_.number(), 0, room_) : 0;
   require_on_all(problem == 0, "write this file", std::strerror(problem));
 }
 
@@ -147,7 +148,7 @@ void RankedHdf5File::finish() {
   const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;  // to the disk, on every rank
   require_on_all(flushed, "write this file", hdf5_cause());
   const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
-  if (room_file_ >= 0) close(std::exchange(room_file_, -1));
+  room_file_ = {};
   require_on_all(closed, "write this file", hdf5_cause());
   std::error_code error;
   if (rank_of(comm_) == 0) std::filesystem::rename(part_path_, path_, error);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/descriptor.hpp"
 #include "common/hdf5/array_file.hpp"
 
 namespace gabion {
@@ -40,7 +41,7 @@ class RankedHdf5File final : public ArrayFile {
   std::string path_;
   std::string part_path_;
   MPI_Comm comm_;
-  int room_file_ = -1;      // the system's, on the first rank: reserves the room
+  Descriptor room_file_;    // the system's, on the first rank: reserves the room
   std::int64_t room_ = 0;   // [bytes] reserved
   std::int64_t file_ = -1;  // HDF5's identifier; negative when closed
 };
