@@ -10,6 +10,8 @@
 
 #include "common/base/log.hpp"
 #include "common/mechanics/mesh/seen_facets.hpp"
+#include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/ranks/divide_mesh.hpp"
 
 namespace gabion::fem {
 
@@ -190,7 +192,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   s.probes = read_probes<dim>(in);
   require_distinct_names(in, "interfaces", s.interfaces);
   require_distinct_supports(in, s.supports);
-  require_distinct_facets(in, s);
+  together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });
   if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
   if (s.supports.empty() && s.prescribed.empty()) {
     log::warn("{}: none, and nothing is prescribed: the structure moves freely",
@@ -265,13 +267,12 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
 }
 
 template <int dim>
-FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in) {
+FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Comm comm) {
   FemSettings<dim> s;
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
   s.material = read_material<dim>(in.object("material"));
   assert(is_elastic<dim>(s.material.law));
-  s.mesh = read_mesh<dim>(scene, in.object("mesh"));
-  warn_of_cell_groups(s.mesh, in.where("mesh"));
+  s.mesh = read_mesh_of_rank<dim>(scene, in, comm, s.ranks);
   s.gravity = read_vector<dim>(in, "gravity");
   read_motion<dim>(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
@@ -291,7 +292,7 @@ template void read_motion<2>(ConfigReader&, MotionSettings<2>&);
 template void read_motion<3>(ConfigReader&, MotionSettings<3>&);
 template std::vector<ProbeSettings<2>> read_probes<2>(ConfigReader&);
 template std::vector<ProbeSettings<3>> read_probes<3>(ConfigReader&);
-template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&);
-template FemSettings<3> read_fem_settings<3>(const Scene&, ConfigReader&);
+template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&, MPI_Comm);
+template FemSettings<3> read_fem_settings<3>(const Scene&, ConfigReader&, MPI_Comm);
 
 }  // namespace gabion::fem

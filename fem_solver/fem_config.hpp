@@ -15,6 +15,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/supports/time_function.hpp"
 
 namespace gabion::fem {
@@ -78,10 +79,13 @@ struct MotionSettings {
   bool initial_equilibrium = false;  ///< start at rest under gravity and the loads at time 0
 };
 
+inline constexpr NewtonSettings newton_defaults{.reuse_matrix = true};
+
 /// fem.json of a structure with a mesh.
 template <int dim>
 struct FemSettings : MotionSettings<dim> {
-  Mesh<dim> mesh;
+  Mesh<dim> mesh;   ///< the part of this rank
+  MeshRanks ranks;  ///< how it lies in the whole
   Material<dim> material;
   bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
   Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
@@ -91,7 +95,7 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
   std::vector<ProbeSettings<dim>> probes;
-  NewtonSettings newton{.reuse_matrix = true};
+  NewtonSettings newton = newton_defaults;
   LinearSolverSettings linear_solver;
 };
 
@@ -125,8 +129,11 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
 }
 
 /// Read everything of fem.json, with fem_keys(), but "dimension", "time" and "output".
+/// @param comm  the ranks that part the mesh; MPI_COMM_NULL: this process has all of it
 /// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values
+/// @note Collective.
 template <int dim>
-FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in);
+FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in,
+                                   MPI_Comm comm = MPI_COMM_NULL);
 
 }  // namespace gabion::fem

@@ -105,7 +105,7 @@ std::vector<Key> model_keys() {
       key::boolean("initial_equilibrium",
                    "Start at rest under gravity and the loads at time 0; needs `supports` or "
                    "`prescribed` in every direction.")
-          .or_else(FemSettings<2>{}.initial_equilibrium)};
+          .or_else(MotionSettings<2>{}.initial_equilibrium)};
 }
 
 std::vector<Key> condition_keys() {
@@ -120,7 +120,7 @@ std::vector<Key> condition_keys() {
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("probes", probe_keys(), "Reported points.").or_empty(),
-      key::object("newton", newton_keys(FemSettings<2>{}.newton), "Newton's method.")
+      key::object("newton", newton_keys(newton_defaults), "Newton's method.")
           .or_empty()
           .without("matrices"),
       key::object("linear_solver", linear_solver_keys(), "Linear systems.")

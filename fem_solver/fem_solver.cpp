@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/petsc/numbered_values.hpp"
+#include "common/mechanics/ranks/text.hpp"
 
 namespace gabion::fem {
 
@@ -11,7 +13,7 @@ template <int dim>
 FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
                           const std::string& output_folder)
     : settings_(std::move(settings)),
-      wet_surfaces_(settings_.mesh, settings_.interfaces),
+      wet_surfaces_(settings_.mesh, settings_.interfaces, settings_.ranks),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
       state_(step_.initial_state()) {}
@@ -63,17 +65,44 @@ void FemSolver<dim>::reject_step() {
 
 template <int dim>
 State FemSolver<dim>::save_state() {
+  const MeshRanks& ranks = settings_.ranks;
+  StructureState own = state_;
+  for (const auto& [name, values] : own.nodal_vectors()) {
+    *values = ranks.owned(std::move(*values), dim);
+  }
+  auto nodes = ranks.owned_nodes(settings_.mesh.num_nodes_total());
   State state;
   StateWriter writer(state);
-  state_.visit_state(writer);
+  own.visit_state(writer, nodes);
   return state;
 }
 
 template <int dim>
 void FemSolver<dim>::load_state(const State& state) {
+  join_states(state, {&state, 1});
+}
+
+template <int dim>
+void FemSolver<dim>::join_states(const State& first, std::span<const State> own) {
   reject_step();
-  StateReader reader(state);
-  state_.visit_state(reader);
+  const Mesh<dim>& mesh = settings_.mesh;
+  const MeshRanks& ranks = settings_.ranks;
+  StructureState loaded;
+  std::vector<std::int64_t> nodes;
+  together(ranks.comm(), [&] {
+    StateJoiner joiner(first, own);
+    loaded.visit_state(joiner, nodes);
+    for (const auto& [name, values] : loaded.nodal_vectors()) {
+      require(values->size() == nodes.size() * dim,
+              "saved state: \"{}\" has {} values for {} nodes, allowed: {} a node", name,
+              values->size(), nodes.size(), dim);
+    }
+  });
+  const NumberedValues holders(ranks.alone() ? MPI_COMM_SELF : ranks.comm(), nodes,
+                               ranks.held_nodes(mesh), ranks.num_nodes_of_all(mesh),
+                               "saved state: nodes");
+  for (const auto& [name, values] : loaded.nodal_vectors()) *values = holders.send(*values, dim);
+  state_ = std::move(loaded);
 }
 
 template class FemSolver<2>;

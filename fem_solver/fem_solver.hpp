@@ -21,6 +21,7 @@ namespace gabion::fem {
 template <int dim>
 class FemSolver final : public Solver {
  public:
+  /// @param settings       with the part of this rank of `comm`
   /// @param output_folder  folder of the frames; empty: none are written
   /// @throws ConfigError       contradictory settings
   /// @throws ConvergenceError  no initial equilibrium
@@ -40,14 +41,15 @@ class FemSolver final : public Solver {
   bool keeps_state() const override { return true; }
   State save_state() override;
   void load_state(const State& state) override;
-  /// All ranks have the whole state.
   bool joins_states() const override { return true; }
-  void join_states(const State& first, std::span<const State>) override { load_state(first); }
+  void join_states(const State& first, std::span<const State> own) override;
 
   const StructureState& state() const { return state_; }
-  /// Start from other displacements and velocities, num_nodes x dim [m, m/s], at time 0.
+  /// Start from other displacements and velocities of the held nodes, num_nodes x dim [m, m/s], at
+  /// time 0.
   void set_motion(std::vector<double> u, std::vector<double> v);
-  const Mesh<dim>& mesh() const { return settings_.mesh; }
+  const Mesh<dim>& mesh() const { return settings_.mesh; }  ///< the part of this rank
+  const MeshRanks& ranks() const { return settings_.ranks; }
 
  private:
   FemSettings<dim> settings_;

@@ -28,7 +28,7 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Co
         comm, scene, finished(fem::read_matrix_settings<dim>(in), in, alone), output_folder);
   }
   return std::make_unique<fem::FemSolver<dim>>(
-      comm, finished(fem::read_fem_settings<dim>(scene, in), in, alone), output_folder);
+      comm, finished(fem::read_fem_settings<dim>(scene, in, comm), in, alone), output_folder);
 }
 
 template <int dim>

@@ -4,20 +4,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
+/// Facets of an interface, group by group, by the numbers of the nodes in the whole mesh: on one
+/// rank.
 template <int dim>
-std::vector<std::int32_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& settings) {
-  std::vector<std::int32_t> facets;
-  for (const auto& group : settings.groups) {
-    const auto& part = mesh.facets(group, settings.where);
+std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& interface) {
+  std::vector<std::int64_t> facets;
+  for (const auto& group : interface.groups) {
+    const auto& part = mesh.facets(group, interface.where);
     facets.insert(facets.end(), part.begin(), part.end());
   }
+  return facets;
+}
+
+/// The same on all ranks: each gives its facets, with group and place in it.
+template <int dim>
+std::vector<std::int64_t> gather_facets(const Mesh<dim>& mesh, const MeshRanks& ranks,
+                                        const WetSurfaceSettings& interface) {
+  if (ranks.alone()) return facets_of(mesh, interface);
+  const std::size_t n = num_nodes(facet_type(mesh.cell_type)), width = n + 2;
+  std::vector<std::int64_t> own;
+  for (std::size_t g = 0; g < interface.groups.size(); ++g) {
+    const auto& facets = mesh.facets(interface.groups[g], interface.where);
+    const auto numbers = ranks.facet_numbers(interface.groups[g]);
+    for (std::size_t f = 0; f < numbers.size(); ++f) {
+      own.insert(own.end(), {static_cast<std::int64_t>(g), numbers[f]});
+      for (std::size_t a = 0; a < n; ++a) own.push_back(ranks.node_of_all(facets[f * n + a]));
+    }
+  }
+  const auto all = gather_on_all<std::int64_t>(ranks.comm(), own);
+  std::vector<const std::int64_t*> rows;
+  for (std::size_t first = 0; first < all.size(); first += width) rows.push_back(&all[first]);
+  std::ranges::sort(rows, [](const std::int64_t* a, const std::int64_t* b) {
+    return std::pair(a[0], a[1]) < std::pair(b[0], b[1]);
+  });
+  std::vector<std::int64_t> facets;
+  for (const std::int64_t* row : rows) facets.insert(facets.end(), row + 2, row + width);
   return facets;
 }
 
@@ -25,11 +55,12 @@ std::vector<std::int32_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSetti
 
 template <int dim>
 WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
-                              const std::vector<WetSurfaceSettings>& interfaces)
-    : num_dofs_(structure.nodes.size() * dim) {
+                              const std::vector<WetSurfaceSettings>& interfaces,
+                              const MeshRanks& ranks)
+    : shared_(ranks.shared()), num_dofs_(structure.nodes.size() * dim) {
   for (const auto& interface : interfaces) {
-    const auto facets = facets_of(structure, interface);
-    std::vector<std::int32_t> nodes = facets;
+    const auto facets = gather_facets(structure, ranks, interface);
+    std::vector<std::int64_t> nodes = facets;
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 
@@ -37,17 +68,32 @@ WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
     mesh.name = interface.name;
     mesh.dim = dim;
     mesh.vertices_per_facet = num_nodes(facet_type(structure.cell_type));
-    for (const auto node : nodes) {
-      const Vector<dim>& x = structure.nodes[node];
-      mesh.coordinates.insert(mesh.coordinates.end(), x.data(), x.data() + dim);
-    }
     for (const auto node : facets) {
       mesh.facets.push_back(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
     }
+    auto& held = nodes_.emplace_back();
+    for (const auto node : nodes) {
+      held.push_back(ranks.held_node(static_cast<std::int32_t>(node)));
+    }
+    mesh.coordinates =
+        of_vertices(held, [&](std::int32_t node) { return structure.nodes[node].data(); });
     meshes_.push_back(std::move(mesh));
-    nodes_.push_back(std::move(nodes));
     kinds_.push_back(ForceKind::end_of_step);
   }
+}
+
+/// Values of the vertices, each from the rank that owns its node.
+template <int dim>
+template <class Values>
+std::vector<double> WetSurfaces<dim>::of_vertices(std::span<const std::int32_t> nodes,
+                                                  const Values& of_node) const {
+  std::vector<double> values(nodes.size() * dim, 0.0);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (nodes[k] < 0 || !shared_.owns(nodes[k])) continue;
+    std::copy_n(of_node(nodes[k]), dim, &values[k * dim]);
+  }
+  shared_.total(values);
+  return values;
 }
 
 template <int dim>
@@ -79,7 +125,7 @@ ExternalForces WetSurfaces<dim>::nodal_forces(const InterfaceValues& received) c
             meshes_[s].name, values.size(), nodes_[s].size(), dim);
     auto& f = kinds_[s] == ForceKind::step_mean ? forces.step : forces.end;
     for (std::size_t k = 0; k < nodes_[s].size(); ++k) {
-      for (int c = 0; c < dim; ++c) {
+      for (int c = 0; c < dim && nodes_[s][k] >= 0; ++c) {
         f[static_cast<std::size_t>(nodes_[s][k]) * dim + c] += values[k * dim + c];
       }
     }
@@ -91,11 +137,9 @@ template <int dim>
 InterfaceValues WetSurfaces<dim>::displacements(std::span<const double> u) const {
   InterfaceValues result;
   for (std::size_t s = 0; s < meshes_.size(); ++s) {
-    auto& values = result[meshes_[s].name];
-    for (const auto node : nodes_[s]) {
-      const auto* first = u.data() + static_cast<std::size_t>(node) * dim;
-      values.insert(values.end(), first, first + dim);
-    }
+    result[meshes_[s].name] = of_vertices(nodes_[s], [&](std::int32_t node) {
+      return u.data() + static_cast<std::size_t>(node) * dim;
+    });
   }
   return result;
 }

@@ -12,12 +12,16 @@
 namespace gabion::fem {
 
 /// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes. They
-/// take forces and give displacements.
+/// take forces and give displacements. Each rank has all of the surfaces, and the nodal vectors of
+/// the nodes that it holds.
 template <int dim>
 class WetSurfaces {
  public:
+  /// @param structure     the part of this rank
   /// @throws ConfigError  missing group, with those that exist
-  WetSurfaces(const Mesh<dim>& structure, const std::vector<WetSurfaceSettings>& interfaces);
+  /// @note Collective.
+  WetSurfaces(const Mesh<dim>& structure, const std::vector<WetSurfaceSettings>& interfaces,
+              const MeshRanks& ranks = {});
 
   /// Vertices in the order of their node numbers; facets with outward normals.
   const std::vector<InterfaceMesh>& meshes() const { return meshes_; }
@@ -32,12 +36,17 @@ class WetSurfaces {
   ExternalForces nodal_forces(const InterfaceValues& received) const;
 
   /// Total displacements of the vertices. @param u  num_nodes x dim [m]
+  /// @note Collective.
   InterfaceValues displacements(std::span<const double> u) const;
 
  private:
+  template <class Values>
+  std::vector<double> of_vertices(std::span<const std::int32_t> nodes, const Values& of_node) const;
+
+  SharedNodes shared_;
   std::size_t num_dofs_;
   std::vector<InterfaceMesh> meshes_;
-  std::vector<std::vector<std::int32_t>> nodes_;  // node of each vertex of each interface
+  std::vector<std::vector<std::int32_t>> nodes_;  // of each vertex of each interface; -1: not held
   std::vector<ForceKind> kinds_;                  // of the forces received on each interface
 };
 

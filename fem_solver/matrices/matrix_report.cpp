@@ -30,7 +30,7 @@ MatrixReport<dim>::MatrixReport(const MatrixSettings<dim>& settings,
       dynamic_(settings.dynamic),
       folder_(std::move(folder)) {
   for (const auto& probe : settings.probes) {
-    probe_nodes_.push_back(node_at(structure.mesh, probe.point, probe.where));
+    probe_nodes_.push_back(node_at(structure.mesh, {}, probe.point, probe.where));
     for (int c = 0; c < dim; ++c) {
       names_.push_back(fmt::format("{}.u{}", probe.name, component_names[c]));
     }

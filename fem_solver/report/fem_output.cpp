@@ -1,58 +1,82 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/report/fem_output.hpp"
 
-#include "common/mechanics/ranks/sum.hpp"
+#include <functional>
+#include <utility>
+
+#include "common/mechanics/output/numbered_rows.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-using Values = std::span<const double>;
+using Values = std::vector<double>;
 
+OutputField field(std::string name, int components, std::function<Values()> make) {
+  return {.name = std::move(name), .components = components, .make = std::move(make)};
+}
+
+/// Of the nodes and cells of this rank. The fields refer to their arguments.
 template <int dim>
-std::vector<OutputField> frame_fields(Values u, Values v, Values f_ext, Values stress) {
-  return {
-      {.name = "displacement", .components = dim, .values = u},
-      {.name = "velocity", .components = dim, .values = v},
-      {.name = "external_force", .components = dim, .values = f_ext},
-      {.name = "stress", .components = symmetric_size<dim>, .values = stress, .on_cells = true}};
+std::vector<OutputField> frame_fields(const StructureState& state,
+                                      const std::function<Values()>& stress) {
+  const auto forces = [&state] {
+    Values values = state.f_ext;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += state.f_step[i];
+    return values;
+  };
+  std::vector<OutputField> fields = {
+      field("displacement", dim, [&state] { return state.motion.u; }),
+      field("velocity", dim, [&state] { return state.motion.v; }),
+      field("external_force", dim, forces), field("stress", symmetric_size<dim>, stress)};
+  fields.back().on_cells = true;
+  return fields;
 }
 
 }  // namespace
 
 template <int dim>
-std::int64_t FemOutput<dim>::frame_bytes(const Mesh<dim>& mesh) {
-  return XdmfSeries::frame_bytes(mesh.num_nodes_total(), mesh.cell_type, mesh.num_cells(),
-                                 frame_fields<dim>({}, {}, {}, {}));
+std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
+  const Mesh<dim>& mesh = settings.mesh;
+  const MeshRanks& ranks = settings.ranks;
+  return XdmfSeries::frame_bytes(ranks.num_nodes_of_all(mesh), mesh.cell_type,
+                                 ranks.num_cells_of_all(mesh), frame_fields<dim>({}, {}));
 }
 
 template <int dim>
-FemOutput<dim>::FemOutput(const Mesh<dim>& mesh, std::string folder, MPI_Comm comm)
-    : mesh_(mesh), comm_(comm), folder_(std::move(folder)) {}
+FemOutput<dim>::FemOutput(const FemSettings<dim>& settings, const std::string& folder)
+    : settings_(settings), series_(folder, "structure", settings.ranks.comm()) {}
 
 template <int dim>
 void FemOutput<dim>::write(double time, const StructureState& state,
                            const Equilibrium<dim>& equilibrium) {
-  constexpr int size = symmetric_size<dim>;
-  const CellRange own = cells_of_rank(mesh_.num_cells(), rank_of(comm_), num_ranks(comm_));
-  const auto own_stress = equilibrium.cells().cell_stresses(state.motion.u);
-  std::vector<double> stress(static_cast<std::size_t>(mesh_.num_cells()) * size, 0.0);
-  std::copy(own_stress.begin(), own_stress.end(),
-            stress.begin() + static_cast<std::ptrdiff_t>(own.first) * size);
-  sum_over_ranks(comm_, std::span<double>(stress));
-  if (rank_of(comm_) != 0) return;
-  if (!series_) series_.emplace(folder_, "structure");
-
-  std::vector<double> x(state.motion.u);
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh_.nodes[i / dim][i % dim];
-  std::vector<double> forces(state.f_ext);
-  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += state.f_step[i];
-  series_->write({.time = time,
-                  .dim = dim,
-                  .coordinates = x,
-                  .cell_type = mesh_.cell_type,
-                  .connectivity = mesh_.cells,
-                  .fields = frame_fields<dim>(state.motion.u, state.motion.v, forces, stress)});
+  const Mesh<dim>& mesh = settings_.mesh;
+  const MeshRanks& ranks = settings_.ranks;
+  const NumberedRows nodes(ranks.comm(), ranks.owned_nodes(mesh.num_nodes_total()),
+                           ranks.num_nodes_of_all(mesh));
+  const NumberedRows cells(ranks.comm(), ranks.own_cells(mesh.num_cells()),
+                           ranks.num_cells_of_all(mesh));
+  auto fields =
+      frame_fields<dim>(state, [&] { return equilibrium.cells().cell_stresses(state.motion.u); });
+  for (OutputField& field : fields) {
+    field.make = [&, own = std::move(field.make), width = field.components,
+                  on_cells = field.on_cells] {
+      return on_cells ? cells.gather_rows(own(), width)
+                      : nodes.gather_rows(ranks.owned(own(), width), width);
+    };
+  }
+  Values x = state.motion.u;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh.nodes[i / dim][i % dim];
+  x = nodes.gather_rows(ranks.owned(std::move(x), dim), dim);
+  std::vector<std::int32_t> corners = mesh.cells;
+  for (std::int32_t& i : corners) i = ranks.node_of_all(i);
+  corners = cells.gather_rows(std::move(corners), mesh.nodes_per_cell());
+  series_.write({.time = time,
+                 .dim = dim,
+                 .coordinates = x,
+                 .cell_type = mesh.cell_type,
+                 .connectivity = corners,
+                 .fields = std::move(fields)});
 }
 
 template class FemOutput<2>;

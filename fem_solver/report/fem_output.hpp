@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "fem_solver/step/equilibrium.hpp"
@@ -13,24 +11,24 @@
 namespace gabion::fem {
 
 /// Time series of the deformed structure: displacement, velocity, external_force on nodes, stress
-/// (Cauchy, cell mean) on cells.
+/// (Cauchy, cell mean) on cells. Nodes and cells stand in the order of the mesh, on any number of
+/// ranks, which write together.
 template <int dim>
 class FemOutput {
  public:
-  /// @param folder  of the series "structure"; created with the first frame, by rank 0
-  FemOutput(const Mesh<dim>& mesh, std::string folder, MPI_Comm comm);
+  /// Refers to the settings.
+  /// @param folder  of the series "structure"; created with the first frame
+  FemOutput(const FemSettings<dim>& settings, const std::string& folder);
 
   /// @throws Error  disk full, folder gone
   /// @note Collective.
   void write(double time, const StructureState& state, const Equilibrium<dim>& equilibrium);
-  /// Size of a frame before compression.
-  static std::int64_t frame_bytes(const Mesh<dim>& mesh);
+  /// Size of a frame of all ranks before compression.
+  static std::int64_t frame_bytes(const FemSettings<dim>& settings);
 
  private:
-  const Mesh<dim>& mesh_;
-  MPI_Comm comm_;
-  std::string folder_;
-  std::optional<XdmfSeries> series_;  // rank 0, from the first frame on
+  const FemSettings<dim>& settings_;
+  XdmfSeries series_;
 };
 
 }  // namespace gabion::fem

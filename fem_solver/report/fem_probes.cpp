@@ -5,8 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/LU>
+#include <limits>
 #include <optional>
+#include <utility>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 
 namespace gabion::fem {
@@ -42,29 +45,55 @@ std::optional<ShapeValues<dim>> shape_at(const Mesh<dim>& mesh, std::int32_t c,
   return std::nullopt;
 }
 
-}  // namespace
-
+/// The first cell of all ranks that holds a point, by its number in the whole; -1: none.
 template <int dim>
-typename FemProbes<dim>::Point FemProbes<dim>::locate(const Mesh<dim>& mesh,
-                                                      const ProbeSettings<dim>& probe) {
-  try {
-    return {{node_at(mesh, probe.point, probe.where)}, {1.0}};
-  } catch (const ConfigError&) {
-    for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-      const auto shape = shape_at<dim>(mesh, c, probe.point);
-      if (!shape) continue;
-      const auto nodes = mesh.cell(c);
-      return {{nodes.begin(), nodes.end()}, {shape->N, shape->N + nodes.size()}};
-    }
+std::int32_t first_cell_at(const FemSettings<dim>& settings, const Vector<dim>& point) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  double own = none;
+  for (std::int32_t c = 0; c < settings.mesh.num_cells() && own == none; ++c) {
+    if (shape_at<dim>(settings.mesh, c, point)) own = settings.ranks.cell_of_all(c);
   }
-  throw ConfigError(fmt::format("{}: found [{}], allowed: a point inside the mesh", probe.where,
-                                fmt::join(probe.point.data(), probe.point.data() + dim, ", ")));
+  const double first = -settings.ranks.shared().largest(-own);
+  return first == none ? -1 : static_cast<std::int32_t>(first);
 }
 
 template <int dim>
-FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) {
+std::optional<std::int32_t> node_of_probe(const FemSettings<dim>& settings,
+                                          const ProbeSettings<dim>& probe) {
+  try {
+    return node_at(settings.mesh, settings.ranks, probe.point, probe.where);
+  } catch (const ConfigError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+template <int dim>
+typename FemProbes<dim>::Point FemProbes<dim>::locate(const FemSettings<dim>& settings,
+                                                      const ProbeSettings<dim>& probe) {
+  const Mesh<dim>& mesh = settings.mesh;
+  const MeshRanks& ranks = settings.ranks;
+  if (const auto node = node_of_probe(settings, probe)) {
+    const std::int32_t held = ranks.held_node(*node);
+    return held >= 0 && ranks.shared().owns(held) ? Point{{held}, {1.0}} : Point();
+  }
+  const std::int32_t cell = first_cell_at(settings, probe.point);
+  require<ConfigError>(cell >= 0, [&] {
+    return fmt::format("{}: found [{}], allowed: a point inside the mesh", probe.where,
+                       fmt::join(probe.point.data(), probe.point.data() + dim, ", "));
+  });
+  const std::int32_t c = ranks.held_cell(cell);
+  if (c < 0) return {};
+  const auto nodes = mesh.cell(c);
+  const auto shape = shape_at<dim>(mesh, c, probe.point);
+  return {{nodes.begin(), nodes.end()}, {shape->N, shape->N + nodes.size()}};
+}
+
+template <int dim>
+FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) : ranks_(settings.ranks) {
   for (const auto& probe : settings.probes) {
-    points_.push_back(locate(settings.mesh, probe));
+    points_.push_back(locate(settings, probe));
     for (int c = 0; c < dim; ++c) {
       names_.push_back(fmt::format("{}.u{}", probe.name, component_names[c]));
     }
@@ -73,7 +102,9 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) {
   for (int c = 0; c < dim; ++c) names_.push_back(fmt::format("momentum_{}", component_names[c]));
   for (const auto& support : settings.supports) {
     if (!support.report_reaction) continue;
-    reaction_nodes_.push_back(settings.mesh.group_nodes(support.group, support.where));
+    auto nodes = ranks_.group_nodes(settings.mesh, support.group, support.where);
+    std::erase_if(nodes, [&](std::int32_t i) { return !ranks_.shared().owns(i); });
+    reaction_nodes_.push_back(std::move(nodes));
     for (int c = 0; c < dim; ++c) {
       names_.push_back(fmt::format("reaction_{}_{}", support.group, component_names[c]));
     }
@@ -101,16 +132,21 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   Vector<dim> total = Vector<dim>::Zero();
   double kinetic_energy = 0;
   for (std::size_t i = 0; i < momentum.size(); ++i) {
+    if (!ranks_.shared().owns(static_cast<std::int32_t>(i / dim))) continue;
     total[i % dim] += momentum[i];
     kinetic_energy += 0.5 * momentum[i] * state.motion.v[i];
   }
-  result.insert(result.end(), {kinetic_energy, state.elastic_energy, state.external_work});
+  const std::size_t energies = result.size();
+  result.insert(result.end(), {kinetic_energy, 0.0, 0.0});
   add_vector(total);
   for (const auto& nodes : reaction_nodes_) {
     Vector<dim> reaction = Vector<dim>::Zero();
     for (const auto node : nodes) reaction += at(state.reactions, node);
     add_vector(reaction);
   }
+  ranks_.shared().total(result);
+  result[energies + 1] = state.elastic_energy;
+  result[energies + 2] = state.external_work;
   return result;
 }
 

@@ -17,7 +17,9 @@ namespace gabion::fem {
 template <int dim>
 class FemProbes {
  public:
+  /// Refers to the ranks of the settings.
   /// @throws ConfigError  a probe point outside the mesh
+  /// @note Collective.
   explicit FemProbes(const FemSettings<dim>& settings);
 
   const std::vector<std::string>& names() const { return names_; }
@@ -27,14 +29,15 @@ class FemProbes {
 
  private:
   struct Point {
-    std::vector<std::int32_t> nodes;
-    std::vector<double> weights;  // shape functions at the point
+    std::vector<std::int32_t> nodes;  // of this rank; one rank has those of a point
+    std::vector<double> weights;      // shape functions at the point
   };
-  static Point locate(const Mesh<dim>& mesh, const ProbeSettings<dim>& probe);
+  static Point locate(const FemSettings<dim>& settings, const ProbeSettings<dim>& probe);
 
+  const MeshRanks& ranks_;
   std::vector<std::string> names_;
   std::vector<Point> points_;
-  std::vector<std::vector<std::int32_t>> reaction_nodes_;
+  std::vector<std::vector<std::int32_t>> reaction_nodes_;  // that this rank owns
 };
 
 }  // namespace gabion::fem

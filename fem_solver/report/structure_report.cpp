@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/report/structure_report.hpp"
 
+#include <algorithm>
+
 namespace gabion::fem {
 
 template <int dim>
@@ -8,8 +10,12 @@ StructureReport<dim>::StructureReport(const FemSettings<dim>& settings,
                                       const StructureStep<dim>& step,
                                       const std::string& output_folder)
     : settings_(settings), step_(step), probes_(settings) {
+  const SharedNodes& shared = settings.ranks.shared();
+  const auto own = std::ranges::count_if(step.conditions().constrained_dofs(),
+                                         [&](auto dof) { return shared.owns(dof / dim); });
+  num_constrained_ = static_cast<std::int64_t>(shared.total(static_cast<double>(own)));
   if (output_folder.empty()) return;
-  output_.emplace(settings.mesh, output_folder, step.equilibrium().comm());
+  output_.emplace(settings, output_folder);
 }
 
 template <int dim>
@@ -25,11 +31,13 @@ void StructureReport<dim>::write_frame(double time, const StructureState& state)
 template <int dim>
 Json StructureReport<dim>::summary() const {
   const Mesh<dim>& mesh = settings_.mesh;
+  const MeshRanks& ranks = settings_.ranks;
+  const std::int64_t num_nodes = ranks.num_nodes_of_all(mesh);
   Json result = step_.summary();
-  result["nodes"] = mesh.nodes.size();
-  result["unknowns"] = mesh.nodes.size() * dim - step_.conditions().constrained_dofs().size();
-  result["frame_bytes"] = FemOutput<dim>::frame_bytes(mesh);
-  result["cells"] = mesh.num_cells();
+  result["nodes"] = num_nodes;
+  result["unknowns"] = num_nodes * dim - num_constrained_;
+  result["frame_bytes"] = FemOutput<dim>::frame_bytes(settings_);
+  result["cells"] = ranks.num_cells_of_all(mesh);
   result["cell_type"] = name(mesh.cell_type);
   result["material"] = settings_.material.law_name;
   result["analysis"] = settings_.dynamic ? "dynamic" : "static";

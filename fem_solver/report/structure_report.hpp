@@ -33,6 +33,7 @@ class StructureReport {
   const FemSettings<dim>& settings_;
   const StructureStep<dim>& step_;
   FemProbes<dim> probes_;
+  std::int64_t num_constrained_ = 0;  // unknowns of all ranks
   std::optional<FemOutput<dim>> output_;
 };
 

@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <variant>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/ranks/text.hpp"
 
 namespace gabion::fem {
 
@@ -19,8 +22,12 @@ namespace {
 constexpr std::size_t large_dofs = 3000;  // in space
 
 template <int dim>
-CellRange own_cells(const Mesh<dim>& mesh, MPI_Comm comm) {
-  return cells_of_rank(mesh.num_cells(), rank_of(comm), num_ranks(comm));
+CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
+  std::optional<CellIntegrals<dim>> cells;
+  together<ConfigError>(settings.ranks.comm(), [&] {
+    cells.emplace(settings.mesh, settings.material, settings.lumped_mass, settings.ranks);
+  });
+  return std::move(*cells);
 }
 
 }  // namespace
@@ -29,13 +36,17 @@ template <int dim>
 Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
                               const BoundaryConditions<dim>& conditions, MPI_Comm comm)
     : comm_(comm),
-      rank_(rank_of(comm)),
+      ranks_(settings.ranks),
       conditions_(conditions),
-      cells_(settings.mesh, settings.material, own_cells(settings.mesh, comm),
-             settings.lumped_mass),
+      cells_(make_cells(settings)),
       scheme_(settings.time_integration),
+      smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
       num_dofs_(settings.mesh.nodes.size() * dim),
+      num_nodes_of_all_(ranks_.num_nodes_of_all(settings.mesh)),
       constrained_(num_dofs_, 0) {
+  require(ranks_.alone() == (num_ranks(comm) == 1),
+          "fem_solver: found {} ranks for a mesh that is {}", num_ranks(comm),
+          ranks_.alone() ? "whole" : "divided");
   for (const auto dof : conditions.constrained_dofs()) constrained_[dof] = 1;
   std::visit(
       [&](const auto& law) {
@@ -70,28 +81,36 @@ double Equilibrium<dim>::end_acceleration(std::size_t dof, double du) const {
 template <int dim>
 typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const double> du,
                                                                 BlockMatrix<dim>* K) {
-  // One message carries internal forces, inertia, energy and the count of bad cells of all ranks.
-  buffer_.assign(2 * num_dofs_ + 3, 0.0);
+  buffer_.assign(2 * num_dofs_, 0.0);
   const std::span<double> internal(buffer_.data(), num_dofs_);
   const std::span<double> inertia(buffer_.data() + num_dofs_, num_dofs_);
-  const std::span<double, 3> numbers(buffer_.data() + 2 * num_dofs_, 3);
   const StressIntegral stresses = cells_.add_internal(u_trial_, internal, K);
   if (with_inertia_) {
     for (std::size_t i = 0; i < num_dofs_; ++i) {
       a_mean_[i] = scheme_.inertia(end_acceleration(i, du[i]), motion_n_->a[i]);
     }
     cells_.add_mass_times(a_mean_, inertia);
+    shared().sum(internal, inertia, dim);
+  } else {
+    shared().sum(internal, dim);
   }
-  numbers[0] = stresses.energy;
-  if (stresses.inadmissible_cell >= 0) {
-    numbers[1] = 1;
-    numbers[2] = stresses.inadmissible_cell;
-  }
-  sum_over_ranks(comm_, std::span<double>(buffer_));
   std::string fault;
-  if (numbers[1] == 1) fault = fmt::format("det F <= 0 in cell {}", numbers[2]);
-  if (numbers[1] > 1) fault = fmt::format("det F <= 0 on {} ranks", numbers[1]);
-  return {.internal = internal, .inertia = inertia, .energy = numbers[0], .fault = fault};
+  if (const std::int32_t c = stresses.inadmissible_cell; c >= 0) {
+    fault = fmt::format("det F <= 0 in cell {}", ranks_.cell_of_all(c));
+  }
+  return {.internal = internal, .inertia = inertia, .energy = stresses.energy, .fault = fault};
+}
+
+template <int dim>
+std::string Equilibrium<dim>::find_residual(const CellSums& sums, std::span<double> r) const {
+  std::string fault;
+  for (std::size_t i = 0; i < num_dofs_; ++i) {
+    const double internal = sums.internal[i], inertia = sums.inertia[i];
+    r[i] = constrained_[i] ? 0.0 : f_ext_[i] - internal - inertia;
+    if (std::isfinite(internal) && std::isfinite(inertia) && std::isfinite(f_ext_[i])) continue;
+    if (fault.empty()) fault = "force not finite at " + describe_node(i / dim);
+  }
+  return fault;
 }
 
 template <int dim>
@@ -101,23 +120,29 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   for (std::size_t i = 0; i < num_dofs_; ++i) u_trial_[i] = motion_n_->u[i] + du[i];
   if (K) K->set_zero();
   const CellSums sums = sum_cells(du, K);
-  if (!sums.fault.empty()) return {.admissible = false, .reason = sums.fault};
+  const std::string not_finite = find_residual(sums, r);
+  const auto own_square = [this](std::span<const double> a) { return shared().own_dot(a, a); };
+  std::array<double, 7> totals = {sums.energy,
+                                  sums.fault.empty() ? 0.0 : 1.0,
+                                  not_finite.empty() ? 0.0 : 1.0,
+                                  own_square(sums.internal),
+                                  own_square(sums.inertia),
+                                  own_square(f_ext_),
+                                  own_square(r)};
+  shared().total(totals);
+  const auto& [energy, faults, not_finites, internal, inertia, external, residual] = totals;
+  if (faults > 0) return {.admissible = false, .reason = shared().first_text(sums.fault)};
+  if (not_finites > 0) return {.admissible = false, .reason = shared().first_text(not_finite)};
   forces_.internal.assign(sums.internal.begin(), sums.internal.end());
   forces_.inertia.assign(sums.inertia.begin(), sums.inertia.end());
-  forces_.elastic_energy = sums.energy;
-  for (std::size_t i = 0; i < num_dofs_; ++i) {
-    const double internal = sums.internal[i], inertia = sums.inertia[i];
-    r[i] = constrained_[i] ? 0.0 : f_ext_[i] - internal - inertia;
-    if (!std::isfinite(internal) || !std::isfinite(inertia) || !std::isfinite(f_ext_[i])) {
-      return {.admissible = false, .reason = fmt::format("force not finite at node {}", i / dim)};
-    }
-  }
+  forces_.elastic_energy = energy;
   if (K) {
     last_tangent_ = {.u = u_trial_, .dt = dt_, .with_inertia = with_inertia_};
     finish_tangent(dt_, with_inertia_, *K);
   }
   Evaluation result;
-  result.force_scale = std::max({norm_of(sums.internal), norm_of(sums.inertia), norm_of(f_ext_)});
+  result.force_scale = std::sqrt(std::max({internal, inertia, external}));
+  result.residual_norm = std::sqrt(residual);
   return result;
 }
 
@@ -125,7 +150,7 @@ template <int dim>
 void Equilibrium<dim>::finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K) {
   if (with_inertia) cells_.add_mass(scheme_.inertia_slope(dt), K);
   K.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
-              [this](std::int32_t) { return rank_ == 0; });
+              [this](std::int32_t i) { return shared().owns(i); });
 }
 
 template <int dim>
@@ -159,7 +184,7 @@ template <int dim>
 std::vector<double> Equilibrium<dim>::mass_times(std::span<const double> y) const {
   std::vector<double> result(num_dofs_, 0.0);
   cells_.add_mass_times(y, result);
-  sum_over_ranks(comm_, std::span<double>(result));
+  shared().sum(result, dim);
   return result;
 }
 
@@ -168,15 +193,15 @@ std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const doubl
                                                            std::span<const double> f_ext) {
   std::vector<double> r(num_dofs_, 0.0), a(num_dofs_, 0.0);
   const StressIntegral stresses = cells_.add_internal(u, r, nullptr);
-  require<ConvergenceError>(max_over_ranks(comm_, stresses.inadmissible_cell) < 0,
+  require<ConvergenceError>(shared().all(stresses.inadmissible_cell < 0),
                             "initial displacement: det F <= 0 in a cell");
-  sum_over_ranks(comm_, std::span<double>(r));
+  shared().sum(r, dim);
   bool balanced = true;
   for (std::size_t i = 0; i < num_dofs_; ++i) {
     r[i] = constrained_[i] ? 0.0 : f_ext[i] - r[i];
     balanced = balanced && r[i] == 0;
   }
-  if (!balanced) factor_mass()->solve(r, a);
+  if (!shared().all(balanced)) factor_mass()->solver.solve(r, a);
   for (std::size_t i = 0; i < num_dofs_; ++i) {
     if (constrained_[i]) a[i] = 0;
   }
@@ -190,7 +215,7 @@ std::vector<double> Equilibrium<dim>::acceleration_of(std::span<const double> f)
     if (constrained_[i]) r[i] = 0;
   }
   if (!mass_) mass_ = factor_mass();
-  mass_->solve(r, a);
+  mass_->solver.solve(r, a);
   for (std::size_t i = 0; i < num_dofs_; ++i) {
     if (constrained_[i]) a[i] = 0;
   }
@@ -198,22 +223,23 @@ std::vector<double> Equilibrium<dim>::acceleration_of(std::span<const double> f)
 }
 
 template <int dim>
-std::unique_ptr<LinearSolver<dim>> Equilibrium<dim>::factor_mass() const {
-  BlockMatrix<dim> M;
+std::unique_ptr<typename Equilibrium<dim>::Mass> Equilibrium<dim>::factor_mass() const {
+  // The mass matrix is well conditioned: beyond a small factor, iterations to the last digits.
+  const bool large = dim == 3 && std::size_t{dim} * num_nodes_of_all_ > large_dofs;
+  const LinearSolverSettings settings =
+      large ? LinearSolverSettings{.method = "cg", .preconditioner = "jacobi", .tolerance = 1e-14}
+            : LinearSolverSettings{.method = "lu"};
+  auto mass = std::make_unique<Mass>(comm_, settings);
+  BlockMatrix<dim>& M = mass->M;
   cells_.set_pattern(M);
   M.set_zero();
   cells_.add_mass(1, M);
   M.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
-              [this](std::int32_t) { return rank_ == 0; });
-  // The mass matrix is well conditioned: beyond a small factor, iterations to the last digits.
-  const bool large = dim == 3 && num_dofs_ > large_dofs;
-  const LinearSolverSettings settings =
-      large ? LinearSolverSettings{.method = "cg", .preconditioner = "jacobi", .tolerance = 1e-14}
-            : LinearSolverSettings{.method = "lu"};
-  auto solver = std::make_unique<LinearSolver<dim>>(comm_, dim, settings);
-  solver->set_regime({.symmetric = true, .courant = 0}, static_cast<std::int32_t>(num_dofs_ / dim));
-  solver->set_matrix(M);
-  return solver;
+              [this](std::int32_t i) { return shared().owns(i); });
+  mass->solver.set_regime({.symmetric = true, .courant = 0}, num_nodes_of_all_);
+  mass->solver.set_matrix(M, shared());
+  if (ranks_.alone()) M = {};
+  return mass;
 }
 
 template class Equilibrium<2>;

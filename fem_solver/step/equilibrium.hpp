@@ -16,7 +16,7 @@
 
 namespace gabion::fem {
 
-/// Forces of a state, num_nodes x dim each.
+/// Forces of a state, num_nodes x dim of the held nodes each.
 struct NodalForces {
   std::vector<double> internal;  ///< [N]
   std::vector<double> inertia;   ///< [N], averaged and scaled as NewmarkBossak::inertia says
@@ -31,6 +31,9 @@ struct NodalForces {
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
+  /// Refers to the ranks of the settings and to the conditions.
+  /// @throws ConfigError  a cell that is not convex; on all ranks
+  /// @note Collective, as all that sums over cells or nodes.
   Equilibrium(const FemSettings<dim>& settings, const BoundaryConditions<dim>& conditions,
               MPI_Comm comm);
 
@@ -43,7 +46,11 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
-  double increment_scale() const override { return cells_.smallest_cell_size(); }
+  double increment_scale() const override { return smallest_cell_size_; }
+  const SharedNodes& shared() const override { return ranks_.shared(); }
+  std::string describe_node(std::size_t i) const override {
+    return "node " + std::to_string(ranks_.node_of_all(static_cast<std::int32_t>(i)));
+  }
 
   /// Motion at the end of the step. Constrained components follow their prescribed displacement
   /// with backward differences, so that a ramp does not ring.
@@ -59,7 +66,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// M^-1 f, constrained components zero. The factor of M is kept. [unit of f / kg]
   std::vector<double> acceleration_of(std::span<const double> f);
 
-  /// M y, all ranks' cells. [kg x unit of y]
+  /// M y, of all ranks' cells. [kg x unit of y]
   std::vector<double> mass_times(std::span<const double> y) const;
 
   /// -dr/du at this displacement and for this step size.
@@ -73,31 +80,41 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   const CellIntegrals<dim>& cells() const { return cells_; }
   const NewmarkBossak& scheme() const { return scheme_; }
-  std::size_t num_dofs() const { return num_dofs_; }
+  std::size_t num_dofs() const { return num_dofs_; }  ///< of the held nodes
+  std::int32_t num_nodes_of_all() const { return num_nodes_of_all_; }
   bool symmetric() const { return symmetric_; }
   double wave_speed() const { return wave_speed_; }  ///< of P waves [m/s]
-  MPI_Comm comm() const { return comm_; }
 
  private:
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
-  std::unique_ptr<LinearSolver<dim>> factor_mass() const;
 
-  /// What the cells of all ranks give for a trial state.
+  /// What the cells give for a trial state.
   struct CellSums {
-    std::span<const double> internal, inertia;  // num_nodes x dim [N], in buffer_
-    double energy = 0;                          // [J]
-    std::string fault;                          // det F <= 0, and where; empty: nowhere
+    std::span<const double> internal, inertia;  // of all ranks, num_nodes x dim [N], in buffer_
+    double energy = 0;                          // of this rank's cells [J]
+    std::string fault;                          // det F <= 0 in one of them; empty: in none
   };
   /// @pre u_trial_ is the displacement of this increment
   CellSums sum_cells(std::span<const double> du, BlockMatrix<dim>* K);
+  /// @returns where a force of this rank is not finite; empty: nowhere
+  std::string find_residual(const CellSums& sums, std::span<double> r) const;
+
+  struct Mass {
+    Mass(MPI_Comm comm, const LinearSolverSettings& settings) : solver(comm, dim, settings) {}
+    BlockMatrix<dim> M;  // one rank: empty, the solver has a copy
+    LinearSolver<dim> solver;
+  };
+  std::unique_ptr<Mass> factor_mass() const;
 
   MPI_Comm comm_;
-  int rank_ = 0;
+  const MeshRanks& ranks_;
   const BoundaryConditions<dim>& conditions_;
   CellIntegrals<dim> cells_;
   NewmarkBossak scheme_;
+  double smallest_cell_size_ = 0;  // of all cells [m]
   std::size_t num_dofs_ = 0;
+  std::int32_t num_nodes_of_all_ = 0;
   bool symmetric_ = true;
   double wave_speed_ = 0;
   std::vector<char> constrained_;  // by dof
@@ -109,7 +126,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   NodalForces forces_;
   std::vector<double> u_trial_, a_mean_, buffer_;
   TangentPoint last_tangent_;
-  std::unique_ptr<LinearSolver<dim>> mass_;  // after the first acceleration_of()
+  std::unique_ptr<Mass> mass_;  // after the first acceleration_of()
 };
 
 }  // namespace gabion::fem

@@ -3,9 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::fem {
 
@@ -36,74 +42,130 @@ struct CellsOfNodes {
 
 /// What a walk from a node to all that hang together with it finds.
 struct Walk {
-  std::vector<std::int32_t> nodes;  ///< in the order in which they were reached
-  std::int64_t widest = 0;
-  std::int64_t fronts = 0;
+  std::int64_t num_nodes = 0;
+  std::int64_t widest = 0;  ///< front
+  std::int64_t num_fronts = 0;
+  std::int32_t end = 0;  ///< the highest node of the last front
 };
 
 constexpr double slender_share = 0.2;
 
-/// @param reached  of all nodes; those of the walk are marked with `mark`
+/// Walks through the parts of a mesh, front by front on all ranks together. Nodes that ranks share
+/// are reached by all of their holders at once.
 template <int dim>
-Walk walk_from(std::int32_t start, const Mesh<dim>& mesh, const CellsOfNodes<dim>& of_nodes,
-               std::vector<char>& reached, char mark) {
-  Walk walk{.nodes = {start}};
-  reached[start] = mark;
-  for (std::size_t begin = 0; begin < walk.nodes.size();) {
-    const std::size_t end = walk.nodes.size();
-    walk.widest = std::max(walk.widest, static_cast<std::int64_t>(end - begin));
-    ++walk.fronts;
-    for (; begin < end; ++begin) {
-      const std::int32_t i = walk.nodes[begin];
-      for (std::int64_t k = of_nodes.starts[i]; k < of_nodes.starts[i + 1]; ++k)
-        for (const std::int32_t j : mesh.cell(of_nodes.cells[k])) {
-          if (reached[j] == mark) continue;
-          reached[j] = mark;
-          walk.nodes.push_back(j);
-        }
+class Walker {
+ public:
+  Walker(const Mesh<dim>& mesh, const MeshRanks& ranks)
+      : mesh_(mesh), ranks_(ranks), of_nodes_(mesh), reached_(mesh.nodes.size(), 0) {}
+
+  /// One walk through each piece of the mesh, from an end of it.
+  std::vector<Walk> walks() {
+    std::vector<Walk> all;
+    for (std::int32_t start = lowest_unreached(); start >= 0; start = lowest_unreached()) {
+      // The nodes that are reached last lie at an end.
+      const std::int32_t end = walk_from(start, 1).end;
+      all.push_back(walk_from(end, 2));
+    }
+    return all;
+  }
+
+ private:
+  std::int32_t lowest_unreached() {
+    while (next_ < mesh_.num_nodes_total() && reached_[next_] != 0) ++next_;
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const double own = next_ < mesh_.num_nodes_total() ? ranks_.node_of_all(next_) : none;
+    const double lowest = -ranks_.shared().largest(-own);
+    return lowest == none ? -1 : static_cast<std::int32_t>(lowest);
+  }
+
+  /// @param mark  for what it reaches
+  Walk walk_from(std::int32_t start, char mark) {
+    Walk walk;
+    std::vector<std::int32_t> front, last;
+    reach(ranks_.held_node(start), mark, front);
+    for (std::int64_t size = size_of(front); size > 0; size = size_of(front)) {
+      walk.num_nodes += size;
+      walk.widest = std::max(walk.widest, size);
+      ++walk.num_fronts;
+      last = std::exchange(front, {});
+      for (const std::int32_t i : last) {
+        for (std::int64_t k = of_nodes_.starts[i]; k < of_nodes_.starts[i + 1]; ++k)
+          for (const std::int32_t j : mesh_.cell(of_nodes_.cells[k])) reach(j, mark, front);
+      }
+      if (!ranks_.alone()) reach_with_others(mark, front);
+    }
+    double highest = -1;
+    for (const std::int32_t i : last) {
+      highest = std::max(highest, static_cast<double>(ranks_.node_of_all(i)));
+    }
+    walk.end = static_cast<std::int32_t>(ranks_.shared().largest(highest));
+    return walk;
+  }
+
+  void reach(std::int32_t i, char mark, std::vector<std::int32_t>& front) {
+    if (i < 0 || reached_[i] == mark) return;
+    reached_[i] = mark;
+    front.push_back(i);
+  }
+
+  /// Nodes of a front, of all ranks.
+  std::int64_t size_of(const std::vector<std::int32_t>& front) const {
+    const SharedNodes& shared = ranks_.shared();
+    const auto own = std::ranges::count_if(front, [&](std::int32_t i) { return shared.owns(i); });
+    return static_cast<std::int64_t>(shared.total(static_cast<double>(own)));
+  }
+
+  /// Tell the other holders what this rank reached, by the places in the lists of shared nodes.
+  void reach_with_others(char mark, std::vector<std::int32_t>& front) {
+    const SharedNodes& shared = ranks_.shared();
+    Packets out;
+    std::map<int, std::span<const std::int32_t>> shared_with;
+    for (int n = 0; n < shared.num_neighbours(); ++n) {
+      const auto nodes = shared.shared_with(n);
+      shared_with[shared.neighbour(n)] = nodes;
+      for (const std::int32_t i : front) {
+        const auto found = std::ranges::lower_bound(nodes, i);
+        if (found == nodes.end() || *found != i) continue;
+        out[shared.neighbour(n)].put(static_cast<std::int32_t>(found - nodes.begin()));
+      }
+    }
+    for (auto& [rank, packet] : send_packets(ranks_.comm(), out)) {
+      while (!packet.empty()) {
+        reach(shared_with.at(rank)[packet.template take<std::int32_t>()], mark, front);
+      }
     }
   }
-  return walk;
-}
 
-template <int dim>
-std::vector<Walk> walk_through(const Mesh<dim>& mesh) {
-  const CellsOfNodes<dim> of_nodes(mesh);
-  std::vector<char> reached(mesh.nodes.size(), 0);
-  std::vector<Walk> walks;
-  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
-    if (reached[i] != 0) continue;
-    // The node that is reached last lies at an end.
-    const std::int32_t end = walk_from(i, mesh, of_nodes, reached, 1).nodes.back();
-    walks.push_back(walk_from(end, mesh, of_nodes, reached, 2));
-  }
-  return walks;
-}
+  const Mesh<dim>& mesh_;
+  const MeshRanks& ranks_;
+  CellsOfNodes<dim> of_nodes_;
+  std::vector<char> reached_;
+  std::int32_t next_ = 0;
+};
 
 }  // namespace
 
 template <int dim>
-std::int64_t front_width(const Mesh<dim>& mesh) {
+std::int64_t front_width(const Mesh<dim>& mesh, const MeshRanks& ranks) {
   std::int64_t widest = 0;
-  for (const Walk& walk : walk_through(mesh)) widest = std::max(widest, walk.widest);
+  for (const Walk& walk : Walker<dim>(mesh, ranks).walks()) widest = std::max(widest, walk.widest);
   return widest;
 }
 
 template <int dim>
-bool is_slender(const Mesh<dim>& mesh) {
-  const std::vector<Walk> walks = walk_through(mesh);
-  return std::any_of(walks.begin(), walks.end(), [](const Walk& walk) {
-    const auto fronts = static_cast<double>(walk.fronts);
-    return static_cast<double>(walk.nodes.size()) < slender_share * std::pow(fronts, dim);
+bool is_slender(const Mesh<dim>& mesh, const MeshRanks& ranks) {
+  return std::ranges::any_of(Walker<dim>(mesh, ranks).walks(), [](const Walk& walk) {
+    const auto fronts = static_cast<double>(walk.num_fronts);
+    return static_cast<double>(walk.num_nodes) < slender_share * std::pow(fronts, dim);
   });
 }
 
 template <int dim>
 LinearSolverSettings with_kept_factor(LinearSolverSettings settings, const Mesh<dim>& mesh,
-                                      bool dynamic, int num_ranks) {
+                                      const MeshRanks& ranks, bool dynamic) {
   if (settings.method != "auto" || settings.preconditioner != "auto") return settings;
-  const auto num_dofs = static_cast<std::int64_t>(mesh.nodes.size()) * dim;
-  const std::int64_t width = dim == 3 ? front_width(mesh) : 0;
+  const std::int64_t num_dofs = std::int64_t{ranks.num_nodes_of_all(mesh)} * dim;
+  const std::int64_t width = dim == 3 ? front_width(mesh, ranks) : 0;
   const double bytes = factor_bytes * static_cast<double>(num_dofs) * static_cast<double>(width);
   const std::int64_t widest = dynamic ? widest_front_dynamic : widest_front_static;
   const bool direct = width <= widest && bytes <= largest_factor;
@@ -112,16 +174,19 @@ LinearSolverSettings with_kept_factor(LinearSolverSettings settings, const Mesh<
               num_dofs, width, bytes / (1 << 30), direct ? "direct" : "iterations");
   }
   if (!direct) return settings;
-  const bool small = choose_direct_method(dim, num_dofs, num_ranks) == SolutionMethod::lu;
+  const bool small =
+      choose_direct_method(dim, num_dofs, num_ranks(ranks.comm())) == SolutionMethod::lu;
   settings.method = small ? "lu" : "mumps";
   return settings;
 }
 
-template std::int64_t front_width<2>(const Mesh<2>&);
-template std::int64_t front_width<3>(const Mesh<3>&);
-template bool is_slender<2>(const Mesh<2>&);
-template bool is_slender<3>(const Mesh<3>&);
-template LinearSolverSettings with_kept_factor<2>(LinearSolverSettings, const Mesh<2>&, bool, int);
-template LinearSolverSettings with_kept_factor<3>(LinearSolverSettings, const Mesh<3>&, bool, int);
+template std::int64_t front_width<2>(const Mesh<2>&, const MeshRanks&);
+template std::int64_t front_width<3>(const Mesh<3>&, const MeshRanks&);
+template bool is_slender<2>(const Mesh<2>&, const MeshRanks&);
+template bool is_slender<3>(const Mesh<3>&, const MeshRanks&);
+template LinearSolverSettings with_kept_factor<2>(LinearSolverSettings, const Mesh<2>&,
+                                                  const MeshRanks&, bool);
+template LinearSolverSettings with_kept_factor<3>(LinearSolverSettings, const Mesh<3>&,
+                                                  const MeshRanks&, bool);
 
 }  // namespace gabion::fem

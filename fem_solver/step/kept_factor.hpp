@@ -5,26 +5,27 @@
 
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
 
 namespace gabion::fem {
 
 /// Nodes on the widest front with which the mesh can be passed through from one end to the other,
 /// neighbours of the last front being the next: some 3 n^2 in a cube of n^3 nodes, 2 n in a sheet
-/// of n^2. What a sparse factor costs grows with it: numbers with its unknowns, operations with
-/// their square, a row of the matrix.
+/// of n^2. Collective, as all of these. What a sparse factor costs grows with it: numbers with its
+/// unknowns, operations with their square, a row of the matrix.
 template <int dim>
-std::int64_t front_width(const Mesh<dim>& mesh);
+std::int64_t front_width(const Mesh<dim>& mesh, const MeshRanks& ranks = {});
 
 /// Whether the mesh is far from a cube: less than a fifth of as many nodes as a cube that takes as
 /// many fronts.
 template <int dim>
-bool is_slender(const Mesh<dim>& mesh);
+bool is_slender(const Mesh<dim>& mesh, const MeshRanks& ranks = {});
 
 /// The settings for a matrix that serves over iterations and steps: "auto" becomes the direct
 /// method unless its factor in space costs more than Krylov iterations save
 /// (docs/measured/solvers.md), which is sooner in statics than in a dynamic analysis.
 template <int dim>
 LinearSolverSettings with_kept_factor(LinearSolverSettings settings, const Mesh<dim>& mesh,
-                                      bool dynamic, int num_ranks);
+                                      const MeshRanks& ranks, bool dynamic);
 
 }  // namespace gabion::fem

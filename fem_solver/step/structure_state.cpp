@@ -13,29 +13,27 @@ bool StructureMotion::is_still() const {
   return std::all_of(v.begin(), v.end(), zero) && std::all_of(a.begin(), a.end(), zero);
 }
 
-void StructureState::visit_state(StateVisitor& visitor) {
+std::vector<std::pair<std::string, std::vector<double>*>> StructureState::nodal_vectors() {
+  std::vector<std::pair<std::string, std::vector<double>*>> vectors = {
+      {"u", &motion.u},    {"v", &motion.v},  {"a", &motion.a},         {"f_ext", &f_ext},
+      {"f_step", &f_step}, {"f_int", &f_int}, {"reactions", &reactions}};
+  if (tangent) vectors.emplace_back("tangent.u", &tangent->u);
+  return vectors;
+}
+
+void StructureState::visit_state(StateVisitor& visitor, std::vector<std::int64_t>& nodes) {
   visitor.real("time", time);
-  visitor.reals("u", motion.u);
-  visitor.reals("v", motion.v);
-  visitor.reals("a", motion.a);
-  visitor.reals("f_ext", f_ext);
-  visitor.reals("f_step", f_step);
-  visitor.reals("f_int", f_int);
-  visitor.reals("reactions", reactions);
   visitor.flag("balanced", balanced);
   visitor.real("elastic_energy", elastic_energy);
   visitor.real("external_work", external_work);
 
   bool has_tangent = tangent.has_value();
   visitor.flag("has_tangent", has_tangent);
+  if (!has_tangent) tangent.reset();
   if (has_tangent) {
-    TangentPoint point = tangent.value_or(TangentPoint{.u = motion.u});
-    visitor.reals("tangent.u", point.u);
-    visitor.real("tangent.dt", point.dt);
-    visitor.flag("tangent.with_inertia", point.with_inertia);
-    tangent = std::move(point);
-  } else {
-    tangent.reset();
+    if (!tangent) tangent.emplace();
+    visitor.real("tangent.dt", tangent->dt);
+    visitor.flag("tangent.with_inertia", tangent->with_inertia);
   }
 
   std::int64_t method = rescue ? static_cast<std::int64_t>(*rescue) : -1;
@@ -45,6 +43,9 @@ void StructureState::visit_state(StateVisitor& visitor) {
   pause.visit_state(visitor);
   rescue.reset();
   if (method >= 0) rescue = static_cast<SolutionMethod>(method);
+
+  visitor.list("nodes", nodes);
+  for (const auto& [name, values] : nodal_vectors()) visitor.list(name, *values);
 }
 
 }  // namespace gabion::fem

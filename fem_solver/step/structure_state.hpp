@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/mechanics/petsc/krylov_pause.hpp"
@@ -10,15 +13,16 @@
 
 namespace gabion::fem {
 
-/// Motion of all nodes, num_nodes x dim each, replicated on all ranks.
+/// Motion of the nodes that this rank holds, num_nodes x dim each.
 struct StructureMotion {
   std::vector<double> u;  ///< displacement [m]
   std::vector<double> v;  ///< velocity [m/s]
   std::vector<double> a;  ///< acceleration [m/s^2]
-  bool is_still() const;  ///< v and a are zero in every bit
+  bool is_still() const;  ///< v and a of the held nodes are zero in every bit
 };
 
-/// Forces on the nodes that do not follow from their motion, num_nodes x dim each; empty: none.
+/// Forces on the held nodes that do not follow from their motion, num_nodes x dim each; empty:
+/// none.
 struct ExternalForces {
   std::vector<double> end;   ///< of loads and interfaces at the end of the step [N]
   std::vector<double> step;  ///< of interfaces that give the mean force of the step [N]
@@ -33,7 +37,7 @@ struct TangentPoint {
   bool operator==(const TangentPoint&) const = default;
 };
 
-/// Everything that the next step depends on.
+/// Everything that the next step depends on. Numbers and flags are the same on all ranks.
 struct StructureState {
   double time = 0;  ///< [s]
   StructureMotion motion;
@@ -52,8 +56,11 @@ struct StructureState {
   std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
   KrylovPause pause;                     ///< LinearSolver::pause() after the last step
 
-  /// Save or load; the arrays have their sizes already.
-  void visit_state(StateVisitor& visitor);
+  /// Save or load.
+  /// @param nodes  whose the values of nodal_vectors() are, by number in the whole mesh
+  void visit_state(StateVisitor& visitor, std::vector<std::int64_t>& nodes);
+  /// Name and values.
+  std::vector<std::pair<std::string, std::vector<double>*>> nodal_vectors();
 };
 
 }  // namespace gabion::fem

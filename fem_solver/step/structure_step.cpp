@@ -14,12 +14,17 @@ namespace gabion::fem {
 
 namespace {
 
+bool is_zero(double x) {
+  return x == 0;
+}
+
+/// Of the nodes that this rank owns.
 template <int dim>
-std::vector<double> coordinates(const Mesh<dim>& mesh) {
+std::vector<double> coordinates(const FemSettings<dim>& settings) {
   std::vector<double> x;
-  x.reserve(mesh.nodes.size() * dim);
-  for (const Vector<dim>& node : mesh.nodes) x.insert(x.end(), node.begin(), node.end());
-  return x;
+  x.reserve(settings.mesh.nodes.size() * dim);
+  for (const Vector<dim>& node : settings.mesh.nodes) x.insert(x.end(), node.begin(), node.end());
+  return settings.ranks.owned(std::move(x), dim);
 }
 
 template <int dim>
@@ -38,16 +43,17 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
-      slender_(is_slender(settings.mesh)),
+      slender_(is_slender(settings.mesh, settings.ranks)),
+      is_first_(rank_of(comm) == 0),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
       linear_(comm, dim,
-              with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.dynamic,
-                                    num_ranks(comm))),
+              with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.ranks,
+                                    settings.dynamic)),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
-  linear_.set_coordinates(coordinates(settings.mesh));
+  linear_.set_coordinates(coordinates(settings));
 }
 
 template <int dim>
@@ -104,7 +110,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
   state.f_int = equilibrium_.forces().internal;
   state.elastic_energy = equilibrium_.forces().elastic_energy;
   if (!dynamic_) {
-    state.balanced = std::all_of(r.begin(), r.end(), [](double x) { return x == 0; });
+    state.balanced = shared().all(std::ranges::all_of(r, is_zero));
   }
   return state;
 }
@@ -124,8 +130,7 @@ StructureState StructureStep<dim>::initial_state() {
   reference.reactions.assign(u.size(), 0.0);
   StructureState state;
   if (nothing_changes(reference, f, conditions_.displacements(0)) &&
-      std::all_of(reference.f_ext.begin(), reference.f_ext.end(),
-                  [](double x) { return x == 0; })) {
+      shared().all(std::ranges::all_of(reference.f_ext, is_zero))) {
     state = reference;
   } else {
     std::vector<double> du = first_guess(reference, 0);
@@ -153,10 +158,12 @@ template <int dim>
 bool StructureStep<dim>::nothing_changes(const StructureState& state_n, const ExternalForces& f,
                                          std::span<const double> constrained_u) const {
   const auto dofs = conditions_.constrained_dofs();
-  for (std::size_t k = 0; k < dofs.size(); ++k) {
-    if (constrained_u[k] != state_n.motion.u[dofs[k]]) return false;
+  bool same = true;
+  for (std::size_t k = 0; k < dofs.size() && same; ++k) {
+    same = constrained_u[k] == state_n.motion.u[dofs[k]];
   }
-  return state_n.motion.is_still() && f.end == state_n.f_ext && f.step == state_n.f_step;
+  return shared().all(same && state_n.motion.is_still() && f.end == state_n.f_ext &&
+                      f.step == state_n.f_step);
 }
 
 /// Free components go on with their velocity, or stay; constrained ones reach their prescribed
@@ -180,27 +187,27 @@ std::vector<double> StructureStep<dim>::first_guess(const StructureState& state_
 template <int dim>
 bool StructureStep<dim>::prepare_matrix(const StructureState& state_n, double dt,
                                         bool with_inertia) {
-  const double courant =
-      with_inertia ? equilibrium_.wave_speed() * dt / equilibrium_.cells().smallest_cell_size()
-                   : std::numeric_limits<double>::infinity();
+  const double courant = with_inertia
+                             ? equilibrium_.wave_speed() * dt / equilibrium_.increment_scale()
+                             : std::numeric_limits<double>::infinity();
   if (!last_) linear_.begin_step(state_n.pause);
   linear_.set_regime(
       {.symmetric = equilibrium_.symmetric(), .courant = courant, .slender = slender_},
-      K_.num_nodes());
+      equilibrium_.num_nodes_of_all());
   const auto fits = [&](const std::optional<TangentPoint>& point) {
     return point && point->with_inertia == with_inertia && (!with_inertia || point->dt == dt);
   };
   if (!newton_.reuse_matrix) return false;
   if (last_) return fits(held_tangent_);
   if (!fits(state_n.tangent)) return false;
-  if (state_n.tangent == held_tangent_) {
+  if (shared().all(state_n.tangent == held_tangent_)) {
     linear_.set_rescue(state_n.rescue);
     return true;
   }
   const ScopedTimer timer(times_, "restore");
   held_tangent_ = state_n.tangent;
   equilibrium_.assemble_tangent(held_tangent_->u, dt, with_inertia, K_);
-  linear_.set_matrix(K_);
+  linear_.set_matrix(K_, shared());
   linear_.set_rescue(state_n.rescue);
   ++restored_matrices_;
   return true;
@@ -280,15 +287,16 @@ double StructureStep<dim>::work(const StructureState& state_n, const StructureSt
   const double later = 0.5 + equilibrium_.scheme().alpha_f;
   double sum = 0;
   for (std::size_t i = 0; i < du.size(); ++i) {
+    if (!owns(i)) continue;
     sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + trial.f_step[i] +
                     (1 - later) * state_n.reactions[i] + later * trial.reactions[i]);
   }
-  return sum;
+  return shared().total(sum);
 }
 
 template <int dim>
 void StructureStep<dim>::complete(const StructureState& state_n, double dt, StructureState& trial) {
-  if (!dynamic_ || trial.f_step == state_n.f_step) return;
+  if (!dynamic_ || shared().all(trial.f_step == state_n.f_step)) return;
   const ScopedTimer timer(times_, "step_forces");
   const NewmarkBossak& scheme = equilibrium_.scheme();
   std::vector<double> change = trial.f_step;
@@ -300,11 +308,13 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
   }
   // The balance has c times the change of the mean forces, the supports bear it once.
   const std::vector<double> inertia = equilibrium_.mass_times(a);
+  double work = is_first_ ? trial.external_work : 0;
   for (const auto dof : conditions_.constrained_dofs()) {
     const double excess = (scheme.step_force_weight() - 1) * inertia[dof];
     trial.reactions[dof] -= excess;
-    trial.external_work -= 0.5 * excess * (trial.motion.u[dof] - state_n.motion.u[dof]);
+    if (owns(dof)) work -= 0.5 * excess * (trial.motion.u[dof] - state_n.motion.u[dof]);
   }
+  trial.external_work = shared().total(work);
 }
 
 template <int dim>
@@ -323,7 +333,7 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
     return report;
   }
   if (last_ && last_->dt != dt) last_.reset();
-  if (last_ && last_->f == f) {
+  if (last_ && shared().all(last_->f == f)) {
     trial = last_->trial;
     ++repeated_solves_;
     return last_->report;
@@ -352,7 +362,8 @@ void StructureStep<dim>::forget_iterates() {
 
 template <int dim>
 bool StructureStep<dim>::at_rest(const StructureState& state) const {
-  return state.balanced && state.motion.is_still() && conditions_.constant_after(state.time);
+  return shared().all(state.balanced && state.motion.is_still() &&
+                      conditions_.constant_after(state.time));
 }
 
 template <int dim>

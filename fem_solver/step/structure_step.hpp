@@ -47,6 +47,7 @@ class StructureStep {
   void forget_iterates();
 
   /// Nothing moves, and neither loads nor supports will change without the interface's doing.
+  /// @note Collective.
   bool at_rest(const StructureState& state) const;
 
   const Equilibrium<dim>& equilibrium() const { return equilibrium_; }
@@ -62,6 +63,8 @@ class StructureStep {
     StructureState trial;
     StepReport report;
   };
+  const SharedNodes& shared() const { return equilibrium_.shared(); }
+  bool owns(std::size_t dof) const { return shared().owns(static_cast<std::int32_t>(dof / dim)); }
   ExternalForces external_forces(double time, const ExternalForces& f_interface) const;
   std::vector<double> balanced_forces(const StructureState& state_n, const ExternalForces& f) const;
   std::vector<double> start_forces(const StructureState& state_n, bool with_inertia) const;
@@ -83,6 +86,7 @@ class StructureStep {
   bool initial_equilibrium_;
   Vector<dim> initial_velocity_;
   bool slender_;
+  bool is_first_;  // of the ranks
   NewtonSettings newton_;
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;

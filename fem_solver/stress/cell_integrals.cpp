@@ -13,12 +13,6 @@
 
 namespace gabion::fem {
 
-CellRange cells_of_rank(std::int32_t num_cells, int rank, int num_ranks) {
-  const std::int64_t n = num_cells;
-  return {static_cast<std::int32_t>(n * rank / num_ranks),
-          static_cast<std::int32_t>(n * (rank + 1) / num_ranks)};
-}
-
 namespace {
 
 /// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
@@ -35,19 +29,18 @@ int mass_degree(CellType type) {
 
 template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh, const Material<dim>& material,
-                                  CellRange range, bool lumped_mass)
+                                  bool lumped_mass, const MeshRanks& ranks)
     : material_(material),
-      range_(range),
       nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
-      cell_nodes_(mesh.cells.begin() + static_cast<std::ptrdiff_t>(range.first) * nodes_per_cell_,
-                  mesh.cells.begin() + static_cast<std::ptrdiff_t>(range.last) * nodes_per_cell_) {
-  compute_geometry(mesh);
+      num_cells_(mesh.num_cells()),
+      cell_nodes_(mesh.cells) {
+  compute_geometry(mesh, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
 template <int dim>
-void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh) {
+void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
   const auto rule = gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type));
   points_per_cell_ = static_cast<int>(rule.size());
   double smallest_volume = std::numeric_limits<double>::infinity();
@@ -57,7 +50,7 @@ void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh) {
   smallest_cell_size_ = cube_side<dim>(smallest_volume);
   ShapeValues<dim> shape;
   Vector<dim> x[max_cell_nodes];
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[cell(c)[a]];
     for (const auto& q : rule) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
@@ -65,7 +58,7 @@ void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh) {
       require<ConfigError>(jacobian > 0,
                            "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
                            "point; allowed: convex cells of positive volume",
-                           range_.first + c, jacobian);
+                           ranks.cell_of_all(c), jacobian);
       weights_.push_back(q.weight * jacobian);
       gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
     }
@@ -79,11 +72,11 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
   if (lumped) {
     lumped_masses_.assign(mesh.nodes.size(), 0.0);
   } else {
-    cell_masses_.assign(static_cast<std::size_t>(range_.size()) * n * n, 0.0);
+    cell_masses_.assign(static_cast<std::size_t>(num_cells_) * n * n, 0.0);
   }
   ShapeValues<dim> shape;
   Vector<dim> x[max_cell_nodes];
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     for (int a = 0; a < n; ++a) x[a] = mesh.nodes[cell(c)[a]];
     for (const auto& q : rule) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
@@ -149,7 +142,7 @@ StressIntegral CellIntegrals<dim>::integrate(const Law& law, std::span<const dou
   StressUpdate<dim> update;
   Tangent<dim> A;
   double K_cell[nodes * dim * nodes * dim];
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     const std::int32_t* node = cell_nodes_.data() + static_cast<std::size_t>(c) * nodes;
     Vector<dim> u_cell[nodes], f_cell[nodes];
     for (int a = 0; a < nodes; ++a) {
@@ -162,7 +155,7 @@ StressIntegral CellIntegrals<dim>::integrate(const Law& law, std::span<const dou
       const Vector<dim>* dN = gradients_.data() + point * nodes;
       const double w = weights_[point];
       if (!law.update(displacement_gradient<nodes>(dN, u_cell), virgin, update, K ? &A : nullptr)) {
-        result.inadmissible_cell = range_.first + c;
+        result.inadmissible_cell = c;
         return result;
       }
       result.energy += w * update.energy;
@@ -202,7 +195,7 @@ void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<dou
   }
   if (cell_masses_.empty()) return;
   const int n = nodes_per_cell_;
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     const auto node = cell(c);
     const double* M = cell_masses_.data() + static_cast<std::size_t>(c) * n * n;
     for (int i = 0; i < n; ++i) {
@@ -226,7 +219,7 @@ void CellIntegrals<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
   if (cell_masses_.empty()) return;
   const int n = nodes_per_cell_;
   std::vector<double> K_cell(static_cast<std::size_t>(n * dim) * n * dim, 0.0);
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     const double* M = cell_masses_.data() + static_cast<std::size_t>(c) * n * n;
     for (int a = 0; a < n; ++a) {
       for (int b = 0; b < n; ++b) {
@@ -242,7 +235,7 @@ void CellIntegrals<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
 
 template <int dim>
 void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
-  std::vector<std::int32_t> offsets(static_cast<std::size_t>(range_.size()) + 1);
+  std::vector<std::int32_t> offsets(static_cast<std::size_t>(num_cells_) + 1);
   for (std::size_t c = 0; c < offsets.size(); ++c) {
     offsets[c] = static_cast<std::int32_t>(c) * nodes_per_cell_;
   }
@@ -252,10 +245,10 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
 template <int dim>
 std::vector<double> CellIntegrals<dim>::cell_stresses(std::span<const double> u) const {
   constexpr int size = symmetric_size<dim>;
-  std::vector<double> result(static_cast<std::size_t>(range_.size()) * size, 0.0);
+  std::vector<double> result(static_cast<std::size_t>(num_cells_) * size, 0.0);
   const MaterialState<dim> virgin;
   StressUpdate<dim> update;
-  for (std::int32_t c = 0; c < range_.size(); ++c) {
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
     Symmetric<dim> mean = Symmetric<dim>::Zero();
     double volume = 0;
     for (int q = 0; q < points_per_cell_; ++q) {

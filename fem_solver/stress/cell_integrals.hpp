@@ -8,33 +8,25 @@
 #include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
 
 namespace gabion::fem {
 
-/// Cells of one rank, a contiguous range of the mesh: [first, last).
-struct CellRange {
-  std::int32_t first = 0;
-  std::int32_t last = 0;
-  std::int32_t size() const { return last - first; }
-};
-
-/// Share of `rank` when num_cells are split over num_ranks as evenly as possible.
-CellRange cells_of_rank(std::int32_t num_cells, int rank, int num_ranks);
-
 /// What the integration of the stresses found.
 struct StressIntegral {
-  std::int32_t inadmissible_cell = -1;  ///< cell with det F <= 0, -1 = none
-  double energy = 0;                    ///< elastic energy of this rank's cells [J]
+  std::int32_t inadmissible_cell = -1;  ///< cell of the mesh with det F <= 0, -1 = none
+  double energy = 0;                    ///< elastic energy [J]
 };
 
-/// Integrals over a rank's cells in the reference configuration. Gradients, weights and masses are
-/// computed once.
+/// Integrals over the cells of a mesh, or a rank's part of one, in the reference configuration:
+/// sums over the cells of this rank alone. Gradients, weights and masses are computed once.
 template <int dim>
 class CellIntegrals {
  public:
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point
-  CellIntegrals(const Mesh<dim>& mesh, const Material<dim>& material, CellRange range,
-                bool lumped_mass);
+  /// @param ranks  for the number of the cell in the message
+  CellIntegrals(const Mesh<dim>& mesh, const Material<dim>& material, bool lumped_mass,
+                const MeshRanks& ranks = {});
 
   /// f_int,a = sum_q w_q P(H_q) dN_a/dX, H = sum_a u_a (x) dN_a/dX, and on demand
   /// K_ab = sum_q w_q dN_a/dX . dP/dH . dN_b/dX.
@@ -49,14 +41,15 @@ class CellIntegrals {
   /// K += scale M
   void add_mass(double scale, BlockMatrix<dim>& K) const;
 
-  /// Pattern of this rank's cells.
+  /// Pattern of the cells.
   void set_pattern(BlockMatrix<dim>& K) const;
 
-  /// Cauchy stress of each cell, mean over its quadrature points, range.size() x
+  /// Cauchy stress of each cell, mean over its quadrature points, num_cells x
   /// symmetric_size<dim> [Pa]. @pre det F > 0 everywhere
   std::vector<double> cell_stresses(std::span<const double> u) const;
 
-  double smallest_cell_size() const { return smallest_cell_size_; }  ///< V^(1/dim) [m]
+  /// V^(1/dim) [m]; infinite without cells.
+  double smallest_cell_size() const { return smallest_cell_size_; }
 
  private:
   template <int nodes, class Law>
@@ -64,7 +57,7 @@ class CellIntegrals {
                            BlockMatrix<dim>* K) const;
   template <int nodes>
   Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_cell) const;
-  void compute_geometry(const Mesh<dim>& mesh);
+  void compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks);
   void compute_mass(const Mesh<dim>& mesh, bool lumped);
   std::span<const std::int32_t> cell(std::int32_t c) const {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
@@ -72,11 +65,11 @@ class CellIntegrals {
   }
 
   Material<dim> material_;
-  CellRange range_;
   int nodes_per_cell_ = 0;
   std::int32_t num_nodes_ = 0;
+  std::int32_t num_cells_ = 0;
   int points_per_cell_ = 0;
-  std::vector<std::int32_t> cell_nodes_;  // of the rank's cells
+  std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<Vector<dim>> gradients_;    // cells x points x nodes
   std::vector<double> weights_;           // cells x points [m^dim]
   std::vector<double> cell_masses_;       // cells x nodes x nodes [kg]; empty when lumped

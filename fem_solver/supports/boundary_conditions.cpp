@@ -5,10 +5,12 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/ranks/text.hpp"
 
 namespace gabion::fem {
 
@@ -20,27 +22,43 @@ constexpr int free_dof = -2, fixed_dof = -1;
 }  // namespace
 
 template <int dim>
-std::int32_t node_at(const Mesh<dim>& mesh, const Vector<dim>& point, const std::string& where) {
-  Vector<dim> low = mesh.nodes.front(), high = low;
-  std::int32_t best = 0;
-  double best_distance = std::numeric_limits<double>::infinity();
+std::int32_t node_at(const Mesh<dim>& mesh, const MeshRanks& ranks, const Vector<dim>& point,
+                     const std::string& where) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
+  std::int32_t nearest = -1;
+  double own_distance = infinity;
   for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
     const Vector<dim>& x = mesh.nodes[i];
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
     const double distance = (x - point).norm();
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = i;
+    if (distance < own_distance) {
+      own_distance = distance;
+      nearest = i;
     }
   }
+  const SharedNodes& shared = ranks.shared();
+  for (int d = 0; d < dim; ++d) {
+    low[d] = -shared.largest(-low[d]);
+    high[d] = shared.largest(high[d]);
+  }
+  const double distance = -shared.largest(-own_distance);
+  const bool is_nearest = nearest >= 0 && own_distance == distance;
   const double allowed = 1e-6 * (high - low).norm();
-  if (best_distance <= allowed) return best;
-  const Vector<dim>& x = mesh.nodes[best];
+  if (distance <= allowed) {
+    const double own = is_nearest ? ranks.node_of_all(nearest) : infinity;
+    return static_cast<std::int32_t>(-shared.largest(-own));
+  }
+  std::string place;
+  if (is_nearest) {
+    const Vector<dim>& x = mesh.nodes[nearest];
+    place = fmt::format("{}", fmt::join(x.data(), x.data() + dim, ", "));
+  }
   throw ConfigError(
       fmt::format("{}: no node at [{}]; the nearest is [{}], {:.3g} m away (allowed: {:.3g} m)",
                   where, fmt::join(point.data(), point.data() + dim, ", "),
-                  fmt::join(x.data(), x.data() + dim, ", "), best_distance, allowed));
+                  shared.first_text(place), distance, allowed));
 }
 
 namespace {
@@ -77,43 +95,53 @@ std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::in
 
 template <int dim>
 BoundaryConditions<dim>::BoundaryConditions(const FemSettings<dim>& settings) {
-  collect_constraints(settings);
+  std::vector<int> owner;
+  together<ConfigError>(settings.ranks.comm(), [&] { owner = find_owners(settings); });
+  collect_constraints(owner);
   collect_loads(settings);
 }
 
 template <int dim>
-void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, std::int32_t node,
-                                             int component, int function,
-                                             const std::string& where) {
+void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, const Constraint& constraint,
+                                             const MeshRanks& ranks, const std::string& where) {
+  const auto& [node, component, function] = constraint;
   int& current = owner[static_cast<std::size_t>(node) * dim + component];
   if (current == free_dof || (current == fixed_dof && function == fixed_dof)) {
     current = function;
     return;
   }
-  throw ConfigError(fmt::format(
-      "{}: component {} of node {} is already {} by another entry; allowed: one "
-      "condition a component",
-      where, component_names[component], node, current == fixed_dof ? "fixed" : "prescribed"));
+  throw ConfigError(
+      fmt::format("{}: component {} of node {} is already {} by another entry; allowed: one "
+                  "condition a component",
+                  where, component_names[component], ranks.node_of_all(node),
+                  current == fixed_dof ? "fixed" : "prescribed"));
 }
 
+/// What rules each degree of freedom.
 template <int dim>
-void BoundaryConditions<dim>::collect_constraints(const FemSettings<dim>& settings) {
-  const Mesh<dim>& mesh = settings.mesh;
-  std::vector<int> owner(mesh.nodes.size() * dim, free_dof);
+std::vector<int> BoundaryConditions<dim>::find_owners(const FemSettings<dim>& settings) {
+  const MeshRanks& ranks = settings.ranks;
+  std::vector<int> owner(settings.mesh.nodes.size() * dim, free_dof);
   for (const auto& support : settings.supports) {
-    for (const auto node : mesh.group_nodes(support.group, support.where)) {
+    for (const auto node : ranks.group_nodes(settings.mesh, support.group, support.where)) {
       for (const int c : support.components)
-        add_constraint(owner, node, c, fixed_dof, support.where);
+        add_constraint(owner, {node, c, fixed_dof}, ranks, support.where);
     }
   }
   for (const auto& prescribed : settings.prescribed) {
     const int function = static_cast<int>(functions_.size());
     functions_.push_back(prescribed.displacement);
-    for (const auto node : mesh.group_nodes(prescribed.group, prescribed.where)) {
-      add_constraint(owner, node, prescribed.component, function, prescribed.where);
+    for (const auto node : ranks.group_nodes(settings.mesh, prescribed.group, prescribed.where)) {
+      add_constraint(owner, {node, prescribed.component, function}, ranks, prescribed.where);
     }
   }
-  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
+  return owner;
+}
+
+template <int dim>
+void BoundaryConditions<dim>::collect_constraints(const std::vector<int>& owner) {
+  const auto num_nodes = static_cast<std::int32_t>(owner.size() / dim);
+  for (std::int32_t i = 0; i < num_nodes; ++i) {
     Matrix<dim> projector = Matrix<dim>::Identity();
     for (int c = 0; c < dim; ++c) {
       const int function = owner[static_cast<std::size_t>(i) * dim + c];
@@ -128,23 +156,38 @@ void BoundaryConditions<dim>::collect_constraints(const FemSettings<dim>& settin
   }
 }
 
+namespace {
+
+/// Held nodes that a load acts on; all of them share it.
+template <int dim>
+std::vector<std::int32_t> loaded_nodes(const FemSettings<dim>& settings,
+                                       const LoadSettings<dim>& load) {
+  const MeshRanks& ranks = settings.ranks;
+  if (!load.point) return ranks.group_nodes(settings.mesh, load.group, load.where);
+  const std::int32_t held = ranks.held_node(node_at(settings.mesh, ranks, *load.point, load.where));
+  return held < 0 ? std::vector<std::int32_t>() : std::vector{held};
+}
+
+}  // namespace
+
 template <int dim>
 void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
+  const SharedNodes& shared = settings.ranks.shared();
   for (const auto& load : settings.loads) {
-    const auto nodes = load.point
-                           ? std::vector<std::int32_t>{node_at(mesh, *load.point, load.where)}
-                           : mesh.group_nodes(load.group, load.where);
-    const Vector<dim> share = load.force / static_cast<double>(nodes.size());
+    const auto nodes = loaded_nodes(settings, load);
+    const auto own = std::ranges::count_if(nodes, [&](auto node) { return shared.owns(node); });
+    const Vector<dim> share = load.force / shared.total(static_cast<double>(own));
     loads_.push_back({.nodes = nodes,
                       .forces = std::vector<Vector<dim>>(nodes.size(), share),
                       .factor = load.factor});
   }
   for (const auto& traction : settings.tractions) {
-    const auto weights = facet_weights(
+    auto weights = facet_weights(
         mesh, std::span<const std::int32_t>(mesh.facets(traction.group, traction.where)));
+    shared.sum(weights, 1);
     Load load{.nodes = {}, .forces = {}, .factor = traction.factor};
-    for (const auto node : mesh.group_nodes(traction.group, traction.where)) {
+    for (const auto node : settings.ranks.group_nodes(mesh, traction.group, traction.where)) {
       load.nodes.push_back(node);
       load.forces.push_back(weights[node] * traction.traction);
     }
@@ -184,8 +227,10 @@ bool BoundaryConditions<dim>::constant_after(double time) const {
   return true;
 }
 
-template std::int32_t node_at<2>(const Mesh<2>&, const Vector<2>&, const std::string&);
-template std::int32_t node_at<3>(const Mesh<3>&, const Vector<3>&, const std::string&);
+template std::int32_t node_at<2>(const Mesh<2>&, const MeshRanks&, const Vector<2>&,
+                                 const std::string&);
+template std::int32_t node_at<3>(const Mesh<3>&, const MeshRanks&, const Vector<3>&,
+                                 const std::string&);
 template std::vector<double> facet_weights<2>(const Mesh<2>&, std::span<const std::int32_t>);
 template std::vector<double> facet_weights<3>(const Mesh<3>&, std::span<const std::int32_t>);
 template class BoundaryConditions<2>;

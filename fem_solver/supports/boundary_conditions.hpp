@@ -11,21 +11,24 @@
 
 namespace gabion::fem {
 
-/// Node of a mesh at this position.
+/// Node of a mesh at this position, by its number in the whole.
 /// @throws ConfigError  no node within 1e-6 of the mesh's extent; names the nearest one
+/// @note Collective.
 template <int dim>
-std::int32_t node_at(const Mesh<dim>& mesh, const Vector<dim>& point, const std::string& where);
+std::int32_t node_at(const Mesh<dim>& mesh, const MeshRanks& ranks, const Vector<dim>& point,
+                     const std::string& where);
 
 /// Consistent nodal parts of a unit density: integral of N_a over the facets, num_nodes.
 template <int dim>
 std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::int32_t> facets);
 
-/// Supports, prescribed displacements and loads of a structure.
+/// Supports, prescribed displacements and loads of a structure, at the nodes that this rank holds.
 template <int dim>
 class BoundaryConditions {
  public:
   /// @throws ConfigError  missing group (with those that exist), a component constrained by both a
   ///                      support and a prescribed displacement, or by two prescribed ones
+  /// @note Collective.
   explicit BoundaryConditions(const FemSettings<dim>& settings);
 
   /// Nodes with at least one constrained component, ascending, and the projectors onto their free
@@ -50,9 +53,14 @@ class BoundaryConditions {
     std::vector<Vector<dim>> forces;  // [N] at factor 1
     TimeFunction factor;
   };
-  void add_constraint(std::vector<int>& owner, std::int32_t node, int component, int function,
-                      const std::string& where);
-  void collect_constraints(const FemSettings<dim>& settings);
+  struct Constraint {
+    std::int32_t node;
+    int component, function;
+  };
+  static void add_constraint(std::vector<int>& owner, const Constraint& constraint,
+                             const MeshRanks& ranks, const std::string& where);
+  std::vector<int> find_owners(const FemSettings<dim>& settings);
+  void collect_constraints(const std::vector<int>& owner);
   void collect_loads(const FemSettings<dim>& settings);
 
   std::vector<std::int32_t> nodes_;

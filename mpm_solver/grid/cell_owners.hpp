@@ -3,8 +3,8 @@
 
 #include <mpi.h>
 
+#include "common/mechanics/ranks/partition.hpp"
 #include "mpm_solver/grid/basis.hpp"
-#include "mpm_solver/points/partition.hpp"
 
 namespace gabion::mpm {
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <utility>
 
+#include "common/mechanics/output/numbered_rows.hpp"
 #include "mpm_solver/points/flat.hpp"
-#include "mpm_solver/ranks/point_rows.hpp"
 
 namespace gabion::mpm {
 
@@ -79,7 +79,7 @@ MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder) : comm_(comm
 template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   if (!series_) return;
-  const PointRows rows(comm_, points);
+  const NumberedRows rows(comm_, points.id, points.body_ids.back());
   std::vector<OutputField> fields = frame_fields(points);
   for (OutputField& field : fields) {
     field.make = [own = std::move(field.make), &rows, width = field.components] {

@@ -117,7 +117,7 @@ KeyTable mesh_keys() {
 }
 
 template <int dim>
-std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in) {
+std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in) {
   if (in.has("file") == in.has("box")) {
     in.fail("file", fmt::format("found {}, allowed: exactly one of \"file\" and \"box\"",
                                 in.has("file") ? "both \"file\" and \"box\"" : "neither"));
@@ -127,8 +127,13 @@ std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, Conf
     in.finish();
     return read_box<dim>(box);
   }
-  const std::string file = in.text("file");
+  std::string file = in.text("file");
   in.finish();
+  return file;
+}
+
+template <int dim>
+Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file) {
   try {
     Mesh<dim> mesh = read_gmsh<dim>(scene.path(file));
     mesh.file = file;
@@ -136,6 +141,13 @@ std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, Conf
   } catch (const ConfigError& error) {
     in.fail("file", error.what());
   }
+}
+
+template <int dim>
+std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in) {
+  const auto source = read_box_or_file<dim>(in);
+  if (const auto* box = std::get_if<BoxShape<dim>>(&source)) return *box;
+  return read_mesh_file<dim>(scene, in, std::get<std::string>(source));
 }
 
 template <int dim>
@@ -165,6 +177,10 @@ template double cell_volume<2>(CellType, std::span<const Vector<2>>);
 template double cell_volume<3>(CellType, std::span<const Vector<3>>);
 template double cell_volume(const Mesh<2>&, std::int32_t);
 template double cell_volume(const Mesh<3>&, std::int32_t);
+template std::variant<BoxShape<2>, std::string> read_box_or_file<2>(ConfigReader);
+template std::variant<BoxShape<3>, std::string> read_box_or_file<3>(ConfigReader);
+template Mesh<2> read_mesh_file(const Scene&, const ConfigReader&, const std::string&);
+template Mesh<3> read_mesh_file(const Scene&, const ConfigReader&, const std::string&);
 template std::variant<BoxShape<2>, Mesh<2>> read_box_or_mesh(const Scene&, ConfigReader);
 template std::variant<BoxShape<3>, Mesh<3>> read_box_or_mesh(const Scene&, ConfigReader);
 template Mesh<2> read_mesh(const Scene&, ConfigReader);

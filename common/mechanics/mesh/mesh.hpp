@@ -73,13 +73,17 @@ struct BoxShape {
   bool alternate = false;  ///< see `box_mesh`
 };
 
+/// @throws ConfigError  type not of this dimension, high <= low, less than one cell, too many
+template <int dim>
+void check_box(const BoxShape<dim>& box);
+
 /// Mesh of a box. Nodes and cells run along x first, then y, then z; the
 /// triangles or tetrahedra of one rectangle or brick follow each other. Sides are the facet groups
 /// left, right, bottom, top (3D also front, back: y is up in 2D, z is up in 3D; left/right = x,
 /// front/back = y in 3D). tri3: each rectangle is cut along one diagonal, `alternate` flips it like
 /// a chess board. tet4: six tetrahedra a brick; with `alternate` five, mirrored from brick to
 /// brick.
-/// @throws ConfigError  type not of this dimension, high <= low, less than one cell
+/// @throws ConfigError  as check_box()
 template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
                    const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
@@ -102,6 +106,12 @@ Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
 /// The same, a box not yet as a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
+/// The same, the file not yet opened.
+template <int dim>
+std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in);
+/// Read what read_box_or_file() named. @param in  as there, for errors
+template <int dim>
+Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file);
 KeyTable mesh_keys();
 
 /// Warn when the file of a mesh with one material has several groups of cells: they look like

@@ -50,4 +50,18 @@ std::vector<Value> gather(MPI_Comm comm, std::span<const Value> own) {
   return gather(comm, own, counts);
 }
 
+/// The same on all ranks.
+template <class Value>
+std::vector<Value> gather_on_all(MPI_Comm comm, std::span<const Value> own) {
+  const int count = static_cast<int>(own.size());
+  std::vector<int> counts(num_ranks(comm), count);
+  if (num_ranks(comm) == 1) return {own.begin(), own.end()};
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  const std::vector<int> starts = starts_of(counts);
+  std::vector<Value> all(starts.back());
+  MPI_Allgatherv(own.data(), count, mpi_type<Value>(), all.data(), counts.data(), starts.data(),
+                 mpi_type<Value>(), comm);
+  return all;
+}
+
 }  // namespace gabion

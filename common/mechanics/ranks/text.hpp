@@ -23,18 +23,19 @@ inline std::string first_text(MPI_Comm comm, std::string text) {
   return text;
 }
 
-/// Do the work, which is not collective. @throws Error  on all ranks what it threw on the lowest
+/// Do the work, which is not collective. @throws Failure  on all ranks what it threw on the lowest
 /// one. @note Collective.
-inline void together(MPI_Comm comm, const std::function<void()>& work) {
+template <class Failure = Error>
+void together(MPI_Comm comm, const std::function<void()>& work) {
   if (num_ranks(comm) == 1) return work();
   std::string problem;
   try {
     work();
-  } catch (const Error& error) {
+  } catch (const Failure& error) {
     problem = error.what();
   }
   problem = first_text(comm, problem);
-  if (!problem.empty()) throw Error(problem);
+  if (!problem.empty()) throw Failure(problem);
 }
 
 }  // namespace gabion

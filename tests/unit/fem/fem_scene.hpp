@@ -12,21 +12,22 @@
 
 namespace gabion::test {
 
-/// Settings from the text of a fem.json.
+/// Settings from the text of a fem.json, with the part of the mesh of this rank.
 template <int dim>
-fem::FemSettings<dim> fem_settings(const Json& json) {
+fem::FemSettings<dim> fem_settings(const Json& json, MPI_Comm on = MPI_COMM_NULL) {
   const TemporaryScene folder("fem.json", json);
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("fem.json", fem::fem_keys());
   fem::read_dimension(in);
-  auto settings = fem::read_fem_settings<dim>(scene, in);
+  auto settings = fem::read_fem_settings<dim>(scene, in, on);
   in.finish();
   return settings;
 }
 
 template <int dim>
-std::unique_ptr<fem::FemSolver<dim>> fem_solver(const Json& json, MPI_Comm on = comm()) {
-  return std::make_unique<fem::FemSolver<dim>>(on, fem_settings<dim>(json), "");
+std::unique_ptr<fem::FemSolver<dim>> fem_solver(const Json& json, MPI_Comm on = comm(),
+                                                const std::string& folder = "") {
+  return std::make_unique<fem::FemSolver<dim>>(on, fem_settings<dim>(json, on), folder);
 }
 
 inline Json box_2d(std::vector<double> high, std::vector<int> cells,

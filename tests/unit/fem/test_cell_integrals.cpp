@@ -47,7 +47,7 @@ fem::FemSettings<dim> distorted_box(const std::string& type, const std::string& 
 
 template <int dim>
 fem::CellIntegrals<dim> integrals_of(const fem::FemSettings<dim>& s, bool lumped = false) {
-  return fem::CellIntegrals<dim>(s.mesh, s.material, {0, s.mesh.num_cells()}, lumped);
+  return fem::CellIntegrals<dim>(s.mesh, s.material, lumped);
 }
 
 template <int dim>
@@ -200,17 +200,6 @@ TEST(CellIntegrals, inverted_state_is_reported) {
   const auto result =
       integrals_of(settings).add_internal(affine(settings.mesh, G), std::span<double>(f), nullptr);
   EXPECT_EQ(result.inadmissible_cell, 0);
-}
-
-TEST(CellRange, ranks_share_all_cells) {
-  int next = 0;
-  for (int r = 0; r < 3; ++r) {
-    const auto range = fem::cells_of_rank(10, r, 3);
-    EXPECT_EQ(range.first, next);
-    EXPECT_NEAR(range.size(), 10.0 / 3, 1);
-    next = range.last;
-  }
-  EXPECT_EQ(next, 10);
 }
 
 }  // namespace

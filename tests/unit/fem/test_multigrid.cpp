@@ -19,7 +19,7 @@ Json box(std::vector<double> high, std::vector<int> cells) {
 
 /// A cantilever 1 x 1 x 4 m with n cells across, held at its foot.
 FemSettings<3> cantilever(int n) {
-  return fem_settings<3>(box({1, 1, 4}, {n, n, 4 * n}));
+  return fem_settings<3>(box({1, 1, 4}, {n, n, 4 * n}), comm());
 }
 
 /// The static tangent of a structure at rest and a solver for it.
@@ -39,7 +39,7 @@ struct Beam {
     std::vector<double> at(x.size(), 0.0);
     for (std::size_t i = 0; i < at.size(); i += 3) at[i] = shear * x[i + 2];
     equilibrium.assemble_tangent(at, dt, dt > 0, K);
-    solver.set_matrix(K);
+    solver.set_matrix(K, equilibrium.shared());
   }
   /// Bend it by the same force on every free node. @returns iterations
   int bend() {
@@ -48,6 +48,8 @@ struct Beam {
     u.assign(b.size(), 0.0);
     return solver.solve(b, u);
   }
+
+  std::vector<double> own_x() const { return settings.ranks.owned(x, 3); }
 
   FemSettings<3> settings;
   fem::BoundaryConditions<3> conditions;
@@ -65,7 +67,7 @@ TEST(Multigrid, solves_a_beam_in_iterations_that_do_not_grow_with_its_size) {
   std::vector<int> iterations;
   for (const int n : {4, 8}) {
     Beam beam(cantilever(n), multigrid());
-    beam.solver.set_coordinates(beam.x);
+    beam.solver.set_coordinates(beam.own_x());
     iterations.push_back(beam.bend());
     Beam direct(cantilever(n), {.method = "mumps"});
     direct.bend();
@@ -83,14 +85,14 @@ TEST(Multigrid, solves_a_beam_in_iterations_that_do_not_grow_with_its_size) {
 
 TEST(Multigrid, needs_the_rigid_motions) {
   Beam with(cantilever(6), multigrid()), without(cantilever(6), multigrid());
-  with.solver.set_coordinates(with.x);
+  with.solver.set_coordinates(with.own_x());
   EXPECT_GT(without.bend(), 1.5 * with.bend());
 }
 
 TEST(Multigrid, same_bits_again) {
   Beam first(cantilever(5), multigrid()), second(cantilever(5), multigrid());
   for (Beam* beam : {&first, &second}) {
-    beam->solver.set_coordinates(beam->x);
+    beam->solver.set_coordinates(beam->own_x());
     beam->bend();
   }
   EXPECT_EQ(first.u, second.u);
@@ -98,7 +100,7 @@ TEST(Multigrid, same_bits_again) {
 
 TEST(Multigrid, stays_for_neighbouring_matrices_of_a_step) {
   Beam beam(cantilever(6), multigrid());
-  beam.solver.set_coordinates(beam.x);
+  beam.solver.set_coordinates(beam.own_x());
   const int fresh = beam.bend();
   beam.assemble(1e-3);
   EXPECT_LE(beam.bend(), fresh + 2);
@@ -112,7 +114,7 @@ TEST(Multigrid, stays_for_neighbouring_matrices_of_a_step) {
 
 TEST(Multigrid, goes_when_iterations_grow) {
   Beam beam(cantilever(6), multigrid());
-  beam.solver.set_coordinates(beam.x);
+  beam.solver.set_coordinates(beam.own_x());
   beam.bend();
   const double dt = 6.0 / 6 / beam.equilibrium.wave_speed();  // of a wave through 6 cells
   beam.assemble(0, dt);
@@ -129,7 +131,7 @@ TEST(Multigrid, goes_when_iterations_grow) {
 
 TEST(Multigrid, has_other_levels_for_other_values) {
   Beam beam(cantilever(8), multigrid());
-  beam.solver.set_coordinates(beam.x);
+  beam.solver.set_coordinates(beam.own_x());
   beam.bend();
   for (const double cells : {0.1, 3.0, 100.0}) {
     beam.solver.begin_step({});
@@ -142,7 +144,7 @@ TEST(Multigrid, has_other_levels_for_other_values) {
 TEST(KeptFactor, front_is_as_wide_as_known) {
   // Bricks reach neighbours over corners: from the corner of a cube of n^3 nodes the last front is
   // three faces; in a bar it is a cross section, the first front all else of the first brick.
-  EXPECT_EQ(fem::front_width(cantilever(1).mesh), 7);
+  EXPECT_EQ(fem::front_width(fem_settings<3>(box({1, 1, 4}, {1, 1, 4})).mesh), 7);
   EXPECT_EQ(fem::front_width(fem_settings<3>(box({5, 5, 5}, {5, 5, 5})).mesh), 3 * 36 - 3 * 6 + 1);
   EXPECT_EQ(fem::front_width(fem_settings<3>(box({9, 1, 9}, {9, 1, 9})).mesh), 2 * 19);
 }
@@ -150,7 +152,7 @@ TEST(KeptFactor, front_is_as_wide_as_known) {
 TEST(KeptFactor, thin_walls_are_direct_and_large_blocks_are_not) {
   const auto method = [](std::vector<int> cells, bool dynamic) {
     const std::vector<double> size{1.0 * cells[0], 1.0 * cells[1], 1.0 * cells[2]};
-    return fem::with_kept_factor<3>({}, fem_settings<3>(box(size, cells)).mesh, dynamic, 1).method;
+    return fem::with_kept_factor<3>({}, fem_settings<3>(box(size, cells)).mesh, {}, dynamic).method;
   };
   for (const bool dynamic : {false, true}) {
     EXPECT_EQ(method({120, 2, 120}, dynamic), "mumps");  // 131,769 unknowns
@@ -174,9 +176,9 @@ TEST(KeptFactor, walls_and_bars_are_slender) {
 }
 
 TEST(KeptFactor, asked_for_is_kept) {
-  const auto mesh = cantilever(1).mesh;
-  EXPECT_EQ(fem::with_kept_factor<3>({.method = "cg"}, mesh, true, 1).method, "cg");
-  EXPECT_EQ(fem::with_kept_factor<3>({.preconditioner = "multigrid"}, mesh, true, 1).method,
+  const auto mesh = fem_settings<3>(box({1, 1, 4}, {1, 1, 4})).mesh;
+  EXPECT_EQ(fem::with_kept_factor<3>({.method = "cg"}, mesh, {}, true).method, "cg");
+  EXPECT_EQ(fem::with_kept_factor<3>({.preconditioner = "multigrid"}, mesh, {}, true).method,
             "auto");
 }
 

@@ -49,7 +49,7 @@ struct SoilPatch {
   mpm::MaterialPoints<dim> points;
   mpm::PointWeights<dim> weights;
   mpm::GridNodes<dim> nodes;
-  mpm::Partition<dim> whole;  ///< one rank has all
+  Partition<dim> whole;  ///< one rank has all
   Random random;
 
   explicit SoilPatch(CellType type, int cells = 3, mpm::Basis basis = mpm::Basis::linear)

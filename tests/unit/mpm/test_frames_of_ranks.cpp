@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "common/hdf5/hdf5_reader.hpp"
+#include "common/mechanics/output/numbered_rows.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 #include "common/mechanics/ranks/share.hpp"
-#include "mpm_solver/ranks/point_rows.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 
 namespace gabion::test {
@@ -17,18 +17,17 @@ namespace {
 /// Points of ten chunks of a file, scattered over the ranks; some have left.
 TEST(FramesOfRanks, rows_are_ordered_by_id_and_shared_evenly) {
   constexpr std::int64_t num_ids = 10 * 4096 + 100;
-  mpm::MaterialPoints<2> points;
-  points.body_ids = {0, num_ids};
+  std::vector<std::int64_t> ids;
   std::vector<double> own, expected;
   for (std::int64_t id = 0; id < num_ids; ++id) {
     if (id % 7 == 3) continue;
     const auto value = static_cast<double>(id);
     expected.insert(expected.end(), {value, -value});
     if ((id * id / 13) % size() != rank()) continue;
-    points.id.push_back(id);
+    ids.push_back(id);
     own.insert(own.end(), {value, -value});
   }
-  const mpm::PointRows rows(comm(), points);
+  const NumberedRows rows(comm(), ids, num_ids);
   const std::vector<double> share = rows.gather_rows(own, 2);
   const auto mean = static_cast<double>(expected.size()) / size();
   EXPECT_LT(static_cast<double>(share.size()), 1.5 * mean);

@@ -109,7 +109,7 @@ TEST(Migration, moved_points_keep_all_fields) {
   for (const double shift : {0.3, -1.0}) {
     std::vector<mpm::AxisPlane> planes;
     for (int k = 1; k < size(); ++k) planes.push_back({0, shift < 0 ? 10 : shift * k});
-    const mpm::Partition<2> partition(planes);
+    const Partition<2> partition(planes);
     mpm::migrate<2>({comm(), grid, partition}, points, surfaces);
   }
   EXPECT_EQ(points.size(), rank() == 0 ? alone->points().size() : 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/points/partition.hpp"
+#include "common/mechanics/ranks/partition.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "common/mechanics/ranks/sum.hpp"
 
-namespace gabion::mpm {
+namespace gabion {
 
 namespace {
 
@@ -162,4 +162,4 @@ Partition<dim> bisect(MPI_Comm comm, int num_parts, std::span<const Vector<dim>>
 template Partition<2> bisect<2>(MPI_Comm, int, std::span<const Vector<2>>);
 template Partition<3> bisect<3>(MPI_Comm, int, std::span<const Vector<3>>);
 
-}  // namespace gabion::mpm
+}  // namespace gabion

@@ -9,7 +9,7 @@
 
 #include "common/mechanics/tensor.hpp"
 
-namespace gabion::mpm {
+namespace gabion {
 
 /// A plane across one axis.
 struct AxisPlane {
@@ -63,4 +63,4 @@ class Partition {
 template <int dim>
 Partition<dim> bisect(MPI_Comm comm, int num_parts, std::span<const Vector<dim>> places);
 
-}  // namespace gabion::mpm
+}  // namespace gabion

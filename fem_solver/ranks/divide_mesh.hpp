@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include "common/mechanics/mesh/mesh.hpp"
+#include "common/settings/config_reader.hpp"
+#include "common/settings/scene.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
+
+namespace gabion::fem {
+
+/// This rank's part of a mesh: space is parted by planes so that the ranks have equal numbers of
+/// cells (bisect). Of a box each rank makes its own bricks alone; a file is read by the first rank,
+/// which sends the parts one after the other.
+/// @param      fem    reader of fem.json; its "mesh" is read
+/// @param[out] ranks  how the part lies in the whole
+/// @throws ConfigError  as read_mesh(); on all ranks
+/// @note Collective.
+template <int dim>
+Mesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm, MeshRanks& ranks);
+
+}  // namespace gabion::fem

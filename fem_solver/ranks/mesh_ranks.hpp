@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mechanics/mesh/mesh_part.hpp"
+#include "common/mechanics/petsc/shared_nodes.hpp"
+
+namespace gabion::fem {
+
+/// How the part of a mesh that this rank has lies in the whole: each cell is one rank's, which
+/// holds the nodes that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of
+/// the part, the same bits on each holder. On one rank the part is the whole.
+class MeshRanks {
+ public:
+  /// One rank, which has all.
+  MeshRanks() = default;
+  /// @param facets   those of the part, see Mesh::facet_groups; the same names on all ranks
+  /// @note Collective.
+  MeshRanks(MPI_Comm comm, PartNumbers numbers, const FacetGroups& facets);
+
+  bool alone() const { return shared_.alone(); }
+  MPI_Comm comm() const { return comm_; }
+  const SharedNodes& shared() const { return shared_; }
+
+  /// Number of a node or cell of the part in the whole.
+  std::int32_t node_of_all(std::int32_t i) const { return alone() ? i : numbers_.nodes[i]; }
+  std::int32_t cell_of_all(std::int32_t c) const { return alone() ? c : numbers_.cells[c]; }
+  /// Numbers in the whole of the held nodes, ascending.
+  template <int dim>
+  std::vector<std::int32_t> held_nodes(const Mesh<dim>& part) const {
+    if (!alone()) return numbers_.nodes;
+    std::vector<std::int32_t> nodes(part.nodes.size());
+    std::iota(nodes.begin(), nodes.end(), 0);
+    return nodes;
+  }
+  /// Node of the part with this number in the whole, -1: not held.
+  std::int32_t held_node(std::int32_t node_of_all) const;
+  /// Cell of the part with this number in the whole, -1: another rank's.
+  std::int32_t held_cell(std::int32_t cell_of_all) const;
+  /// Numbers in the whole of the nodes that this rank owns, ascending. @param num_nodes  held
+  std::vector<std::int64_t> owned_nodes(std::int32_t num_nodes) const;
+  /// Numbers in the whole of the cells of the part, ascending.
+  std::vector<std::int64_t> own_cells(std::int32_t num_cells) const;
+  /// Of the nodes that this rank owns, in their order. @param values  of the held ones
+  template <class Value>
+  std::vector<Value> owned(std::vector<Value> values, int width) const {
+    if (alone()) return values;
+    std::vector<Value> own;
+    own.reserve(shared_.owned().size() * width);
+    for (const std::int32_t i : shared_.owned()) {
+      const auto first = values.begin() + static_cast<std::ptrdiff_t>(i) * width;
+      own.insert(own.end(), first, first + width);
+    }
+    return own;
+  }
+
+  template <int dim>
+  std::int32_t num_nodes_of_all(const Mesh<dim>& part) const {
+    return alone() ? part.num_nodes_total() : numbers_.num_nodes;
+  }
+  template <int dim>
+  std::int32_t num_cells_of_all(const Mesh<dim>& part) const {
+    return alone() ? part.num_cells() : numbers_.num_cells;
+  }
+
+  /// Held nodes of a facet group, ascending, whichever rank has its facets.
+  /// @throws ConfigError  see Mesh::group_nodes
+  template <int dim>
+  std::vector<std::int32_t> group_nodes(const Mesh<dim>& part, const std::string& group,
+                                        const std::string& where) const {
+    const auto found = group_nodes_.find(group);
+    return found == group_nodes_.end() ? part.group_nodes(group, where) : found->second;
+  }
+  /// By the part's facets of a group: they ascend as the facets do in the whole. @pre not alone
+  std::span<const std::int64_t> facet_numbers(const std::string& group) const {
+    return numbers_.facets.at(group);
+  }
+
+ private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  PartNumbers numbers_;
+  SharedNodes shared_;
+  std::map<std::string, std::vector<std::int32_t>> group_nodes_;  // one rank: none
+};
+
+}  // namespace gabion::fem
