@@ -87,7 +87,7 @@ void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
     };
   }
   const auto x = flat(points.x);
-  const Values x_of_rows = rows.gather_rows({x.begin(), x.end()}, dim);
+  const Values x_of_rows = rows.gather_rows(Values(x.begin(), x.end()), dim);
   series_->write({.time = time, .dim = dim, .coordinates = x_of_rows, .fields = std::move(fields)});
 }
 
