@@ -20,7 +20,7 @@ namespace {
 constexpr int slice_milliseconds = 100;
 constexpr double health_check_period = 0.05;  // [s]
 constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
-constexpr double last_words_wait = 0.3;       // [s] for what a coupler said before it went
+constexpr int last_words_milliseconds = 300;  // for what a coupler said before it went
 
 std::string random_text() {
   std::random_device device;
@@ -129,8 +129,11 @@ Message Connection::await_answer_to_hello() {
   std::string hint = "is it running there?";
   const Stopwatch waited;
   while (waited.seconds() <= settings_.connect_deadline) {
-    if (const auto frames = socket_->receive(slice_milliseconds)) return decode(std::span(*frames));
-    interrupt::check();
+    // A launcher that saw another process fail sends the signal before the coupler can explain.
+    const bool interrupted = interrupt::requested() != 0;
+    const int patience = interrupted ? last_words_milliseconds : slice_milliseconds;
+    if (const auto frames = socket_->receive(patience)) return decode(std::span(*frames));
+    if (interrupted) interrupt::check();
     if (const auto refusal = socket_->refusal()) {
       hint = refusal->reason;
       if (refusal->is_final) {
@@ -220,7 +223,7 @@ std::optional<Connection::Request> Connection::look_after_coupler(bool was_silen
 /// it asked, nobody awaits.
 std::optional<Connection::Request> Connection::last_words() {
   const Stopwatch waited;
-  while (waited.seconds() < last_words_wait) {
+  while (1000 * waited.seconds() < last_words_milliseconds) {
     auto request = receive_request(20);
     if (request && request->message.type == "finish") return request;
   }

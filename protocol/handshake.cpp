@@ -173,6 +173,11 @@ Message refusal(const std::vector<Mismatch>& mismatches) {
   return out;
 }
 
+std::string sender_of(const Message& message) {
+  const auto name = message.fields.find("participant");
+  return name != message.fields.end() && name->is_string() ? name->get<std::string>() : "";
+}
+
 Hello read_hello(const Message& message) {
   Hello hello;
   hello.protocol = message.text("protocol");

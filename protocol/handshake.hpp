@@ -90,6 +90,8 @@ Message refusal(const std::vector<Mismatch>& mismatches);
 ///                        vertices which do not exist, ...
 Hello read_hello(const Message& message);
 Welcome read_welcome(const Message& message);
+/// The participant that a hello or an abort before it names; empty: none.
+std::string sender_of(const Message& message);
 
 /// The major of "major.minor".
 /// @throws ProtocolError  no version

@@ -14,6 +14,7 @@ namespace gabion {
 namespace {
 
 constexpr double awaited_log_period = 3;  // [s]
+constexpr double late_hello_wait = 1;     // [s] as long as a launcher waits before it ends the rest
 
 /// Disagreements that are seen before the hello is read in full.
 std::vector<Mismatch> compare_versions(const Message& hello) {
@@ -34,13 +35,14 @@ std::string claimed_name(const Message& hello) {
 }
 
 /// Ends the wait when one that is awaited says that it cannot begin. Others are not heard.
-void require_beginning(const Message& abort, const std::vector<std::string>& awaited) {
+/// @param awaited  loses its name
+void require_beginning(const Message& abort, std::vector<std::string>& awaited) {
   const auto text = [&abort](const char* key) {
     const auto field = abort.fields.find(key);
     return field != abort.fields.end() && field->is_string() ? field->get<std::string>() : "";
   };
-  const std::string name = text("participant");
-  if (std::find(awaited.begin(), awaited.end(), name) == awaited.end()) return;
+  const std::string name = sender_of(abort);
+  if (std::erase(awaited, name) == 0) return;
   throw ConfigError(fmt::format("participant \"{}\" ({}) cannot begin: {}", name, text("program"),
                                 text("reason")));
 }
@@ -96,44 +98,46 @@ Server::Server(const ServerSettings& settings)
 
 std::map<std::string, std::unique_ptr<Solver>> Server::wait_for(
     const std::vector<Expected>& participants, const Json& run) {
-  return switchboard_.guarded([&] {
-    std::map<std::string, std::unique_ptr<Solver>> solvers;
-    const Stopwatch waited;
-    Stopwatch since_log;
-    const auto not_here = [&] {
-      std::vector<std::string> awaited;
-      for (const Expected& expected : participants) {
-        if (!solvers.contains(expected.name)) awaited.push_back(expected.name);
-      }
-      return awaited;
-    };
-    while (solvers.size() < participants.size()) {
-      if (const auto arrival = switchboard_.next_arrival()) {
-        if (arrival->hello.type == "abort") {
-          require_beginning(arrival->hello, not_here());
-          continue;
-        }
-        if (auto solver = greet(*arrival, participants, run)) {
-          names_.push_back(static_cast<RemoteSolver&>(*solver).name());
-          solvers[names_.back()] = std::move(solver);
-        }
+  std::vector<std::string> awaited;
+  for (const Expected& expected : participants) awaited.push_back(expected.name);
+  try {
+    return switchboard_.guarded([&] { return greet_all(participants, run, awaited); });
+  } catch (const Error& problem) {
+    switchboard_.turn_away(problem.what(), awaited, late_hello_wait);
+    throw;
+  }
+}
+
+/// @param awaited  loses the name of each that came
+std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
+    const std::vector<Expected>& participants, const Json& run, std::vector<std::string>& awaited) {
+  std::map<std::string, std::unique_ptr<Solver>> solvers;
+  const Stopwatch waited;
+  Stopwatch since_log;
+  while (!awaited.empty()) {
+    if (const auto arrival = switchboard_.next_arrival()) {
+      if (arrival->hello.type == "abort") {
+        require_beginning(arrival->hello, awaited);
         continue;
       }
-      const std::vector<std::string> awaited = not_here();
-      require<ProtocolError>(
-          waited.seconds() <= switchboard_.deadlines().connect,
-          "participants {} did not connect to {} within {:.1f} s (limit {} s, {})", awaited,
-          endpoint(), waited.seconds(), switchboard_.deadlines().connect,
-          deadline_option("connect_deadline"));
-      if (since_log.seconds() > awaited_log_period) {
-        since_log = Stopwatch();
-        log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
-                  waited.seconds());
-      }
+      std::erase(awaited, sender_of(arrival->hello));
+      auto solver = greet(*arrival, participants, run);
+      names_.push_back(static_cast<RemoteSolver&>(*solver).name());
+      solvers[names_.back()] = std::move(solver);
+      continue;
     }
-    switchboard_.set_phase("coupling");
-    return solvers;
-  });
+    require<ProtocolError>(waited.seconds() <= switchboard_.deadlines().connect,
+                           "participants {} did not connect to {} within {:.1f} s (limit {} s, {})",
+                           awaited, endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+                           deadline_option("connect_deadline"));
+    if (since_log.seconds() > awaited_log_period) {
+      since_log = Stopwatch();
+      log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
+                waited.seconds());
+    }
+  }
+  switchboard_.set_phase("coupling");
+  return solvers;
 }
 
 std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,

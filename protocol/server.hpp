@@ -45,7 +45,8 @@ class Server {
   /// The actual endpoint, such as "tcp://127.0.0.1:40321".
   const std::string& endpoint() const { return switchboard_.endpoint(); }
 
-  /// Wait until all these participants are here. Logs every few seconds who is awaited.
+  /// Wait until all these participants are here. Logs every few seconds who is awaited. Where one
+  /// does not fit or cannot begin, those that come up to a second later are told.
   /// @param run  settings of the run for the participants: end time, dt, folders, ...
   /// @return     name -> RemoteSolver; must not outlive the server
   /// @throws ProtocolError  a participant does not fit (both values are named), or is late, or lost
@@ -69,6 +70,9 @@ class Server {
   void set_phase(const std::string& phase) { switchboard_.set_phase(phase); }
 
  private:
+  std::map<std::string, std::unique_ptr<Solver>> greet_all(
+      const std::vector<Expected>& participants, const Json& run,
+      std::vector<std::string>& awaited);
   std::unique_ptr<Solver> greet(const Switchboard::Arrival& arrival,
                                 const std::vector<Expected>& participants, const Json& run);
 

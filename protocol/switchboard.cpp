@@ -182,6 +182,25 @@ void Switchboard::abort(const std::string& reason) {
   }
 }
 
+void Switchboard::turn_away(const std::string& reason, std::vector<std::string> names,
+                            double seconds) {
+  const Message message = new_message("abort", {{"reason", reason}});
+  const Stopwatch waited;
+  for (;;) {
+    for (const Arrival& late : arrivals_) {
+      std::erase(names, sender_of(late.hello));
+      if (late.hello.type == "hello") answer(late.route, message);
+    }
+    arrivals_.clear();
+    if (names.empty() || waited.seconds() > seconds || interrupt::requested() != 0) return;
+    try {
+      pump(slice_milliseconds);
+    } catch (const ProtocolError& problem) {
+      log::debug("after the failure: {}", problem.what());
+    }
+  }
+}
+
 void Switchboard::set_phase(const std::string& phase) {
   const std::lock_guard lock(socket_mutex_);
   phase_ = phase;

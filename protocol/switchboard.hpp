@@ -79,6 +79,9 @@ class Switchboard {
 
   /// Latch a failure, tell it to all participants.
   void abort(const std::string& reason);
+  /// Tell those of these names that say hello so late why there is no run; for at most so long [s],
+  /// or until a signal comes.
+  void turn_away(const std::string& reason, std::vector<std::string> names, double seconds);
   /// Run `action`; when it throws, abort with the text of the exception.
   template <class Action>
   auto guarded(Action action);

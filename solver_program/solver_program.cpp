@@ -128,7 +128,7 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   std::unique_ptr<Solver> solver;
   try {
     solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
-  } catch (const ConfigError& problem) {
+  } catch (const std::exception& problem) {
     if (run.session.is_root()) decline(run, endpoint, problem.what());
     throw;
   }

@@ -151,6 +151,11 @@ class Contact {
   virtual bool is_step_force() const { return false; }
   /// A step force: add F - F_o, its change since the step before, to a nodal field [N].
   virtual void add_step_force_change(std::span<double>) const {}
+  /// Of the accepted state: the step force on these material points of this rank [N].
+  virtual Vector<dim> step_force_on(std::span<const std::int64_t> ids) const {
+    static_cast<void>(ids);
+    return Vector<dim>::Zero();
+  }
   /// How far a material point of this rank may move in the step, beyond twice the way that
   /// fastest_about would take it, before begin_step has not looked far enough ahead [m]; infinite:
   /// the method does not look ahead.

@@ -50,6 +50,7 @@ class FacetContact final : public Contact<dim> {
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
   bool is_step_force() const override { return true; }
   void add_step_force_change(std::span<double> f) const override;
+  Vector<dim> step_force_on(std::span<const std::int64_t> ids) const override;
 
   void begin_substeps() override;
   void set_share(double share) override;

@@ -180,6 +180,17 @@ void FacetContact<dim>::accept() {
 }
 
 template <int dim>
+Vector<dim> FacetContact<dim>::step_force_on(std::span<const std::int64_t> ids) const {
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (const std::int64_t id : ids) {
+    const auto found = memory_.find(id);
+    if (found == memory_.end()) continue;
+    for (const Memory& memory : found->second) sum += memory.force;
+  }
+  return sum;
+}
+
+template <int dim>
 void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
   const auto put_memory = [&packet](const std::vector<Memory>& touches) {
     packet.put(std::ssize(touches));

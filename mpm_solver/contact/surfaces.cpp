@@ -205,6 +205,13 @@ ContactEnergy Surfaces<dim>::energy() const {
 }
 
 template <int dim>
+Vector<dim> Surfaces<dim>::step_force_on(std::span<const std::int64_t> ids) const {
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (const auto& contact : contacts_) sum += contact->step_force_on(ids);
+  return sum;
+}
+
+template <int dim>
 ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoints<dim>& points,
                                          double reach) const {
   ContactFields<dim> fields = contacts_[contact]->fields(points, reach);

@@ -52,6 +52,8 @@ class Surfaces {
   double approach_step(double dt, double margin) const;
   /// Sums over the contacts.
   ContactEnergy energy() const;
+  /// The same of Contact::step_force_on, of this rank.
+  Vector<dim> step_force_on(std::span<const std::int64_t> ids) const;
   /// Contact::fields of all ranks.
   ContactFields<dim> fields(std::size_t contact, const MaterialPoints<dim>& points,
                             double reach) const;

@@ -82,7 +82,8 @@ class Ledger {
   /// Points were taken out of the accepted state; they keep what they had, as if it were still
   /// here.
   /// @param points   without them
-  /// @param inertia  sum of their m a, of all ranks [N]
+  /// @param inertia  sum of their m a without their contact forces that are constant in a step, of
+  ///                 all ranks [N]
   void remove(const MaterialPoints<dim>& points, const Vector<dim>& inertia);
   /// What they took along; front has no meaning.
   const PointTotals<dim>& removed() const { return removed_; }

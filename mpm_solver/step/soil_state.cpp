@@ -224,7 +224,12 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& 
     }
   }
   std::vector<Vector<dim>> inertia(1, Vector<dim>::Zero());
-  for (const std::int32_t p : outside) inertia[0] += points.m[p] * points.a[p];
+  std::vector<std::int64_t> ids;
+  for (const std::int32_t p : outside) {
+    inertia[0] += points.m[p] * points.a[p];
+    ids.push_back(points.id[p]);
+  }
+  inertia[0] -= surfaces.step_force_on(ids);  // the scheme does not ask for it again
   sum_over_ranks<dim>(model.comm, std::span<Vector<dim>>(inertia));
   remove_points(outside, points);
   ledger.remove(points, inertia[0]);

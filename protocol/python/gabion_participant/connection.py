@@ -174,12 +174,15 @@ class Connection:
     def _await_answer(self) -> Message:
         end = time.monotonic() + self.settings.connect_deadline
         while time.monotonic() <= end:
-            frames = self._receive(SLICE)
+            # A launcher that saw another process fail sends the signal before the coupler can explain.
+            interrupted = interrupt.requested()
+            frames = self._receive(int(1000 * LAST_WORDS) if interrupted else SLICE)
             message = decode(frames) if frames else None
             if message and message.type != "alive":
                 self._monitor.close()
                 return message
-            interrupt.check()
+            if interrupted:
+                interrupt.check()
             try:
                 self._monitor.check()
             except ProtocolError as refusal:

@@ -290,6 +290,19 @@ TEST(Handshake, who_cannot_begin_ends_the_wait_with_its_reason) {
             "participant \"soil\" (mpm_solver) cannot begin: mpm.json: at /gravity: found 9.81");
 }
 
+TEST(Handshake, who_comes_after_the_failure_is_told_why) {
+  Switchboard board("tcp://127.0.0.1:*", patient_settings().deadlines);
+  RawParticipant stranger(board.endpoint(), "stranger");
+  stranger.send_frames({R"({"type":"hello","sequence":1})"});
+  RawParticipant late(board.endpoint(), "late");
+  late.send(to_message(good_hello("structure")));
+  board.abort("participant \"soil\" cannot begin");
+  board.turn_away("participant \"soil\" cannot begin", {"structure"}, 50);
+  const Message answer = late.receive();
+  ASSERT_EQ(answer.type, "abort");
+  EXPECT_EQ(answer.text("reason"), "participant \"soil\" cannot begin");
+}
+
 TEST(Handshake, strangers_that_cannot_begin_are_not_heard) {
   Server server(patient_settings());
   RawParticipant stranger(server.endpoint(), "stranger");
