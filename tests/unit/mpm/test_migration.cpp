@@ -107,7 +107,7 @@ TEST(Migration, moved_points_keep_all_fields) {
   const std::vector<mpm::RigidWallSettings<2>> no_walls;
   mpm::Surfaces<2> surfaces(comm(), no_interfaces, no_walls);
   for (const double shift : {0.3, -1.0}) {
-    std::vector<mpm::AxisPlane> planes;
+    std::vector<AxisPlane> planes;
     for (int k = 1; k < size(); ++k) planes.push_back({0, shift < 0 ? 10 : shift * k});
     const Partition<2> partition(planes);
     mpm::migrate<2>({comm(), grid, partition}, points, surfaces);
