@@ -32,9 +32,9 @@ double volumetric_strain(const Law&, const MaterialState<dim>& state) {
   if constexpr (has_small_strain<Law, dim>) {
     return trace<dim>(state.e);
   } else {
-    double strain = hencky_strain(determinant_minus_one<dim>(in_plane<dim>(state.e)));
-    if constexpr (dim == 2) strain += hencky_strain(state.e[2]);
-    return strain + state.gap;
+    double change = determinant_minus_one<dim>(in_plane<dim>(state.e));  // det b - 1
+    if constexpr (dim == 2) change += state.e[2] + change * state.e[2];
+    return hencky_strain(change) + state.gap;
   }
 }
 
@@ -62,14 +62,18 @@ class GroupVolumes {
         sums_(static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), {}) {}
 
   void add(std::int32_t body, std::int32_t p, double theta) {
-    Sums& sums = sums_.at(group_of(body, p));
     const double V = points_.V0[p] * points_.J[p];
     const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
-    sums[0] += V * (1 + smaller);
-    sums[1] -= V * smaller;
+    if (const std::int64_t group = group_of(body, p); group != last_) {
+      last_ = group;
+      last_sums_ = &sums_.at(group);
+    }
+    (*last_sums_)[0] += V * (1 + smaller);
+    (*last_sums_)[1] -= V * smaller;
   }
   /// Groups with points of this rank in cells of others: the owner adds up and answers.
   void sum() {
+    last_ = -1;
     if (num_ranks(owners_.comm) == 1) {
       join_parts();
       return;
@@ -87,9 +91,13 @@ class GroupVolumes {
     }
   }
   /// ln (sum V / sum V exp(-theta)) of the point's group.
-  double strain(std::int32_t body, std::int32_t p) const {
-    const Sums& sums = sums_[group_of(body, p)];
-    return std::log1p(sums[1] / sums[0]);
+  double strain(std::int32_t body, std::int32_t p) {
+    if (const std::int64_t group = group_of(body, p); group != last_) {
+      last_ = group;
+      const Sums& sums = sums_[group];
+      last_strain_ = std::log1p(sums[1] / sums[0]);
+    }
+    return last_strain_;
   }
 
  private:
@@ -164,6 +172,10 @@ class GroupVolumes {
   int num_parts_;  // of a cell
   using Sums = std::array<double, 2>;
   SparseList<Sums> sums_;  // of each group: V free of stress, and how much V exceeds it
+  // Of the group that was asked for last: points of one group follow one another.
+  std::int64_t last_ = -1;
+  Sums* last_sums_ = nullptr;
+  double last_strain_ = 0;
 };
 
 // Change the volume of one point by the strain d. Returns the elastic energy it loses.
