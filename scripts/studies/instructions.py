@@ -72,14 +72,15 @@ def inclusive(listing: str, function: str) -> int:
     return max((int(number.replace(",", "")) for number in found), default=0)
 
 
-def solve(folder: Path, settings: dict, command: list, environment: dict[str, str] | None = None) -> str:
-    """Run the soil alone with its results in folder/out; returns what it says on its error output.
+def solve(folder: Path, settings: dict, command: list, environment: dict[str, str] | None = None,
+          file: str = "mpm.json") -> str:
+    """Run a solver alone with its results in folder/out; returns what it says on its error output.
 
-    command: the solver, with what stands before it and options of its own.
+    command: the solver, with what stands before it and options of its own; file: that of its settings.
     """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    (folder / "mpm.json").write_text(json.dumps(settings), encoding="utf-8")
+    (folder / file).write_text(json.dumps(settings), encoding="utf-8")
     done = subprocess.run([*command, folder, "--output", folder / "out"], env=os.environ | (environment or {}),
                           capture_output=True, text=True, check=False)
     if done.returncode != 0:

@@ -71,12 +71,18 @@ def settings_of(soil: Soil, end: float) -> dict:
     return settings
 
 
+THREADS = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
+
+
+def mpirun(ranks: int) -> list[str]:
+    return ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", *["--allow-run-as-root"] * (os.geteuid() == 0),
+            "-n", str(ranks)]
+
+
 def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
     """Run on so many ranks, from the last checkpoint of other results if given; returns the results."""
-    command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", *["--allow-run-as-root"] * (os.geteuid() == 0),
-               "-n", str(ranks), SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
-    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
-    solve(folder, settings, command, threads)
+    command = [*mpirun(ranks), SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
+    solve(folder, settings, command, THREADS)
     return folder / "out"
 
 

@@ -128,6 +128,7 @@ class Generations:
 
     def __init__(self, model: Model, socket: Connection, ancestor: int) -> None:
         self.model, self.socket, self.ancestor = model, socket, ancestor
+        self.predecessor = ancestor  # of this process, the accepted state before it
 
     def serve(self) -> None:
         """Never returns."""
@@ -142,8 +143,10 @@ class Generations:
 
     def in_child(self, solve: Callable[[], None]) -> None:
         """The child solves and awaits its verdict. This process waits for that; it ends when the child is accepted."""
-        while os.getppid() != self.ancestor:  # the predecessor is still ending
-            os.sched_yield()
+        while (parent := os.getppid()) != self.ancestor:
+            if parent != self.predecessor:  # the ancestor has been killed
+                os._exit(1)
+            os.sched_yield()  # the predecessor is still ending
         die_with_parent()
         sys.stdout.flush()
         sys.stderr.flush()
@@ -163,6 +166,7 @@ class Generations:
         if self.socket.recv()["order"] != "accept":
             os._exit(0)
         LIBC.prctl(PR_SET_PDEATHSIG, 0)
+        self.predecessor = parent
         os.write(writing, b"a")
         os.close(writing)
         self.socket.send({"probes": self.model.probe_values()})
