@@ -173,9 +173,9 @@ Message refusal(const std::vector<Mismatch>& mismatches) {
   return out;
 }
 
-std::string sender_of(const Message& message) {
-  const auto name = message.fields.find("participant");
-  return name != message.fields.end() && name->is_string() ? name->get<std::string>() : "";
+std::string text_or_empty(const Message& message, const char* key) {
+  const auto field = message.fields.find(key);
+  return field != message.fields.end() && field->is_string() ? field->get<std::string>() : "";
 }
 
 Hello read_hello(const Message& message) {

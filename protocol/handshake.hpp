@@ -90,8 +90,8 @@ Message refusal(const std::vector<Mismatch>& mismatches);
 ///                        vertices which do not exist, ...
 Hello read_hello(const Message& message);
 Welcome read_welcome(const Message& message);
-/// The participant that a hello or an abort before it names; empty: none.
-std::string sender_of(const Message& message);
+/// A field of a hello, or of an abort before it, which may not be complete; empty: no such text.
+std::string text_or_empty(const Message& message, const char* key);
 
 /// The major of "major.minor".
 /// @throws ProtocolError  no version

@@ -37,14 +37,10 @@ std::string claimed_name(const Message& hello) {
 /// Ends the wait when one that is awaited says that it cannot begin. Others are not heard.
 /// @param awaited  loses its name
 void require_beginning(const Message& abort, std::vector<std::string>& awaited) {
-  const auto text = [&abort](const char* key) {
-    const auto field = abort.fields.find(key);
-    return field != abort.fields.end() && field->is_string() ? field->get<std::string>() : "";
-  };
-  const std::string name = sender_of(abort);
+  const std::string name = text_or_empty(abort, "participant");
   if (std::erase(awaited, name) == 0) return;
-  throw ConfigError(fmt::format("participant \"{}\" ({}) cannot begin: {}", name, text("program"),
-                                text("reason")));
+  throw ConfigError(fmt::format("participant \"{}\" ({}) cannot begin: {}", name,
+                                text_or_empty(abort, "program"), text_or_empty(abort, "reason")));
 }
 
 std::string names_of(const std::vector<Expected>& participants) {
@@ -120,7 +116,7 @@ std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
         require_beginning(arrival->hello, awaited);
         continue;
       }
-      std::erase(awaited, sender_of(arrival->hello));
+      std::erase(awaited, text_or_empty(arrival->hello, "participant"));
       auto solver = greet(*arrival, participants, run);
       names_.push_back(static_cast<RemoteSolver&>(*solver).name());
       solvers[names_.back()] = std::move(solver);

@@ -188,7 +188,7 @@ void Switchboard::turn_away(const std::string& reason, std::vector<std::string> 
   const Stopwatch waited;
   for (;;) {
     for (const Arrival& late : arrivals_) {
-      std::erase(names, sender_of(late.hello));
+      std::erase(names, text_or_empty(late.hello, "participant"));
       if (late.hello.type == "hello") answer(late.route, message);
     }
     arrivals_.clear();

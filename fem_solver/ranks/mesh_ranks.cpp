@@ -2,7 +2,6 @@
 #include "fem_solver/ranks/mesh_ranks.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace gabion::fem {
@@ -57,9 +56,8 @@ std::vector<std::int64_t> MeshRanks::owned_nodes(std::int32_t num_nodes) const {
 }
 
 std::vector<std::int64_t> MeshRanks::own_cells(std::int32_t num_cells) const {
-  std::vector<std::int64_t> cells(num_cells);
-  std::iota(cells.begin(), cells.end(), 0);
-  for (std::int64_t& c : cells) c = cell_of_all(static_cast<std::int32_t>(c));
+  std::vector<std::int64_t> cells;
+  for (std::int32_t c = 0; c < num_cells; ++c) cells.push_back(cell_of_all(c));
   return cells;
 }
 

@@ -143,8 +143,8 @@ class Generations:
 
     def in_child(self, solve: Callable[[], None]) -> None:
         """The child solves and awaits its verdict. This process waits for that; it ends when the child is accepted."""
-        while (parent := os.getppid()) != self.ancestor:
-            if parent != self.predecessor:  # the ancestor has been killed
+        while (above := os.getppid()) != self.ancestor:
+            if above != self.predecessor:  # the ancestor has been killed
                 os._exit(1)
             os.sched_yield()  # the predecessor is still ending
         die_with_parent()
