@@ -4,27 +4,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <numeric>
-
 #include "coupler/acceleration/quasi_newton.hpp"
 #include "coupler/acceleration/relaxation.hpp"
-#include "coupler/acceleration/residual_jacobian.hpp"
 #include "coupler/acceleration/scaled_fields.hpp"
 
 namespace gabion {
 
 namespace {
 
-const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn", "mvqn_residual"};
+const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn"};
 
-std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings, Eigen::Index size) {
+std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings,
+                                          const std::vector<Eigen::Index>& fields) {
   if (settings.method == "constant") return std::make_unique<Constant>(settings.relaxation);
   if (settings.method == "aitken") return std::make_unique<Aitken>(settings.relaxation);
   if (settings.method == "iqn_ils" || settings.method == "mvqn") {
-    return std::make_unique<QuasiNewton>(settings);
-  }
-  if (settings.method == "mvqn_residual") {
-    return std::make_unique<ResidualJacobian>(settings, size);
+    return std::make_unique<QuasiNewton>(settings, fields.size());
   }
   throw ConfigError(fmt::format("acceleration: found \"{}\", allowed: {}", settings.method,
                                 fmt::join(methods, ", ")));
@@ -40,8 +35,7 @@ KeyTable acceleration_keys() {
       "How the next guess of the displacement follows from the answers to the last ones.",
       {key::choice("method", methods,
                    "`constant` and `aitken` relax; `iqn_ils` and `mvqn` are one method: least "
-                   "squares over columns of this step and of earlier ones; `mvqn_residual`: "
-                   "dense Jacobian, for comparison, at most 2000 unknowns.")
+                   "squares over columns of this step and of earlier ones.")
            .or_else(defaults.method),
        key::number("relaxation", "", "omega: constant factor, or that of the very first step.")
            .in({.low = 0, .high = 2, .low_open = true, .allowed = "a number > 0 and <= 2"})
@@ -56,10 +50,6 @@ KeyTable acceleration_keys() {
           .in(at_least(1))
           .or_else(defaults.max_columns)
           .when("method", with_columns),
-      key::integer("max_columns", "Columns of this step.")
-          .in(at_least(1))
-          .or_else(15)
-          .when("method", {"mvqn_residual"}),
       key::number("damping", "", "beta: factor of the part of the residual that no column covers.")
           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number > 0 and <= 1"})
           .or_else(defaults.damping)
@@ -78,7 +68,6 @@ AccelerationSettings read_acceleration_settings(ConfigReader in) {
     s.max_columns = in.integer("max_columns");
     s.damping = in.number("damping");
   }
-  if (s.method == "mvqn_residual") s.max_columns = in.integer("max_columns");
   in.finish();
   return s;
 }
@@ -89,8 +78,7 @@ const std::vector<std::string>& acceleration_methods() {
 
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
                                                 const std::vector<Eigen::Index>& fields) {
-  const Eigen::Index size = std::accumulate(fields.begin(), fields.end(), Eigen::Index{0});
-  auto method = make_method(settings, size);
+  auto method = make_method(settings, fields);
   if (fields.size() == 1) return method;
   return std::make_unique<ScaledFields>(std::move(method), fields);
 }

@@ -14,11 +14,11 @@ namespace gabion {
 
 /// The "coupling/acceleration" object of coupler.json.
 struct AccelerationSettings {
-  std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn | mvqn_residual
+  std::string method = "mvqn";  ///< constant | aitken | iqn_ils | mvqn
   double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
   Filter filter;                ///< which columns are dropped as dependent
   int history = 2;              ///< accepted steps whose columns are kept, >= 0
-  int max_columns = 200;        ///< of all steps together, >= 1; mvqn_residual: of this step
+  int max_columns = 200;        ///< of all steps together, >= 1
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
 KeyTable acceleration_keys();
@@ -63,7 +63,6 @@ const std::vector<std::string>& acceleration_methods();
 
 /// @param fields  sizes of the fields that x consists of, one after the other; with more than one,
 ///                they are weighted (ScaledFields)
-/// @throws ConfigError  mvqn_residual with too many unknowns for its dense matrix
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
                                                 const std::vector<Eigen::Index>& fields);
 

@@ -5,6 +5,13 @@
 
 namespace gabion {
 
+void DrivenParticipant::tell_force_kinds() {
+  if (!solver_.takes_force_kinds()) return;
+  ForceKinds kinds;
+  for (const InterfaceMesh& mesh : meshes_) kinds[mesh.name] = ForceKind::step_mean;
+  solver_.set_force_kinds(kinds);
+}
+
 InterfaceValues DrivenParticipant::random_values() {
   InterfaceValues values;
   std::uniform_real_distribution<double> spread(-settings_.amplitude, settings_.amplitude);
@@ -56,6 +63,7 @@ void DrivenParticipant::end_step(const StepRequest& done) {
 
 void DrivenParticipant::load(const State& state, const Place& place) {
   solver_.load_state(state);
+  tell_force_kinds();
   step_ = place.step;
   time_ = place.time;
 }

@@ -19,6 +19,9 @@ class DrivenParticipant {
   DrivenParticipant(Solver& solver, const CheckSettings& settings)
       : solver_(solver), settings_(settings), meshes_(solver.interfaces()) {}
 
+  /// Tell a structure that asks for kinds of force that all of them are means of a step: the kind
+  /// that needs the force of the step before, which then belongs to the accepted state.
+  void tell_force_kinds();
   /// The same ones in every check, others at every call.
   InterfaceValues random_values();
 

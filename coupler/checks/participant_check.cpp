@@ -27,6 +27,10 @@ class ParticipantCheck {
 
   std::vector<CheckRow> run() {
     try {
+      if (participant_.solver().takes_force_kinds()) {
+        table_.expect_done("forces that are means of a step, from here on",
+                           [this] { participant_.tell_force_kinds(); });
+      }
       table_.expect_done("output at time 0", [this] { participant_.write_output(); });
       try_first_step();
       try_smaller_steps();

@@ -43,10 +43,10 @@ std::string gauss_seidel(double m) {
 }
 
 void affine() {
-  fmt::print("m,gauss_seidel,aitken,iqn_ils,mvqn,mvqn_residual\n");
+  fmt::print("m,gauss_seidel,aitken,iqn_ils,mvqn\n");
   for (const double m : {0.5, 2.0, 10.0, 50.0}) {
     fmt::print("{},{}", m, gauss_seidel(m));
-    for (const std::string method : {"aitken", "iqn_ils", "mvqn", "mvqn_residual"}) {
+    for (const std::string method : {"aitken", "iqn_ils", "mvqn"}) {
       AccelerationSettings s;
       s.method = method;
       s.relaxation = 0.1;
@@ -97,11 +97,6 @@ void tube() {
     run.predictor = order;
     print_tube(fmt::format("mvqn history {} predictor {}", history, order), run);
   }
-  run.acceleration.method = "mvqn_residual";
-  run.acceleration.relaxation = 0.125;
-  run.acceleration.max_columns = 15;
-  run.predictor = 0;
-  print_tube("mvqn_residual", run);
 }
 
 /// @param steps  of each run; 0: one second

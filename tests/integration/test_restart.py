@@ -229,7 +229,7 @@ class Coupled(RestartCase):
         self.assertEqual(manifest["bytes"], {path.stem: path.stat().st_size for path in checkpoint.glob("*.h5")})
 
     def test_other_methods_in_contact(self) -> None:
-        for method in ("iqn_ils", "mvqn_residual", "aitken"):
+        for method in ("iqn_ils", "aitken"):
             with self.subTest(method):
                 files = meeting()
                 files["coupler"]["coupling"]["acceleration"] = {"method": method}

@@ -117,7 +117,7 @@ TEST(CouplerConfig, mistakes_are_named_with_their_place) {
                  "/coupling/acceleration/filter/limit", "unknown key");
   expect_refused("/coupling/acceleration", {{"filter", 1}}, "/coupling/acceleration/filter",
                  "a number >= 0 and < 1");
-  expect_refused("/coupling/acceleration", {{"method", "mvqn_residual"}, {"filter", 0.1}},
+  expect_refused("/coupling/acceleration", {{"method", "aitken"}, {"filter", 0.1}},
                  "/coupling/acceleration/filter", "unknown key");
   expect_refused("/coupling/step_control", {{"few", 5}, {"many", 5}}, "/coupling/step_control/many",
                  "more than few = 5");

@@ -28,10 +28,18 @@ enum class Habit {
   new_detail,        ///< reports a number that the first step did not
   text_detail,       ///< reports a text
   keeps_no_state,
+  good_with_kinds,  ///< takes forces that are means of a step
+  moves_old_force,  ///< the force of the step before is that of the last solution
+  loses_old_force,  ///< the state lacks the force of the step before
   dies
 };
 
-/// c du/dt = f at every vertex.
+bool asks_for_kinds(Habit habit) {
+  return habit == Habit::moves_old_force || habit == Habit::loses_old_force ||
+         habit == Habit::good_with_kinds;
+}
+
+/// c du/dt = f at every vertex, f at the end of the step. Of a mean force F it is 2 F - F_o.
 class Dashpot : public Solver {
  public:
   explicit Dashpot(Habit habit, bool rests = false) : habit_(habit), rests_(rests) {}
@@ -51,8 +59,11 @@ class Dashpot : public Solver {
     const std::vector<double>& force = received.at("wall");
     const double dt = habit_ == Habit::ignores_dt ? 1 : request.dt;
     for (std::size_t i = 0; i < 4; ++i) {
-      trial_[i] += dt * (habit_ == Habit::ignores_values ? 1 : force[i]) / 3;
+      const double at_end = means_ ? 2 * force[i] - old_force_[i] : force[i];
+      trial_[i] += dt * (habit_ == Habit::ignores_values ? 1 : at_end) / 3;
     }
+    force_ = force;
+    if (habit_ == Habit::moves_old_force) old_force_ = force;
     if (habit_ == Habit::warm_start || habit_ == Habit::never_cold) {
       trial_[0] += 1e-16 * noise_++;
     }
@@ -60,7 +71,10 @@ class Dashpot : public Solver {
     return {};
   }
   AcceptReport accept_step(const StepRequest& request, bool solved) override {
-    if (solved && habit_ != Habit::forgets_accept) accepted_ = start_ = trial_;
+    if (solved && habit_ != Habit::forgets_accept) {
+      accepted_ = start_ = trial_;
+      if (means_) old_force_ = force_;
+    }
     probe_ = accepted_[0];
     noise_ = 0;
     AcceptReport report;
@@ -78,17 +92,23 @@ class Dashpot : public Solver {
     if (habit_ == Habit::spoilt_by_output && start_[0] != 0) start_[0] += 1;
   }
   std::vector<double> probes() const override { return {probe_}; }
+  bool takes_force_kinds() const override { return asks_for_kinds(habit_); }
+  void set_force_kinds(const ForceKinds& kinds) override {
+    means_ = kinds.at("wall") == ForceKind::step_mean;
+  }
   bool keeps_state() const override { return habit_ != Habit::keeps_no_state; }
   State save_state() override {
     State state;
     state.reals["u"] = last_save_ = habit_ == Habit::saves_trial ? trial_ : accepted_;
     if (habit_ == Habit::saves_too_little) state.reals["u"][3] = 0;
+    if (habit_ != Habit::loses_old_force) state.reals["old_force"] = old_force_;
     return state;
   }
   void load_state(const State& state) override {
     if (habit_ == Habit::forgets_load) return;
     accepted_ = habit_ == Habit::keeps_last_save ? last_save_ : state.reals.at("u");
     start_ = trial_ = accepted_;
+    if (state.reals.contains("old_force")) old_force_ = state.reals.at("old_force");
     if (habit_ != Habit::spoils_probes) probe_ = accepted_[0];
   }
   Json summary() const override { return Json::object(); }
@@ -98,6 +118,8 @@ class Dashpot : public Solver {
   bool rests_;
   std::vector<double> accepted_ = std::vector<double>(4, 0.0);
   std::vector<double> start_ = accepted_, trial_ = accepted_, last_save_;
+  std::vector<double> force_ = accepted_, old_force_ = accepted_;
+  bool means_ = false;
   double probe_ = 0;
   double dt_ = 0.1;
   int count_ = 0, noise_ = 0;
@@ -145,6 +167,8 @@ TEST(ParticipantCheck, bad_habits_are_found) {
       {Habit::saves_trial, rejected_save},
       {Habit::new_detail, details},
       {Habit::text_detail, details},
+      {Habit::moves_old_force, "the same request again"},
+      {Habit::loses_old_force, restart},
       {Habit::dies, "it stays"}};
   for (const auto& [habit, what] : cases) {
     const auto rows = check(habit);
@@ -152,6 +176,14 @@ TEST(ParticipantCheck, bad_habits_are_found) {
     EXPECT_EQ(row(rows, what).outcome, CheckRow::Outcome::failed) << table_text(rows);
   }
   EXPECT_EQ(row(check(Habit::keeps_rejected), "the same request again").outcome,
+            CheckRow::Outcome::passed);
+}
+
+TEST(ParticipantCheck, a_structure_that_asks_for_kinds_of_force_gets_means) {
+  const auto rows = check(Habit::good_with_kinds);
+  EXPECT_TRUE(all_passed(rows)) << table_text(rows);
+  EXPECT_EQ(rows.front().what, "forces that are means of a step, from here on");
+  EXPECT_EQ(row(check(Habit::loses_old_force), "the same request again").outcome,
             CheckRow::Outcome::passed);
 }
 
