@@ -39,24 +39,32 @@ class Plan:
 
 @dataclass(frozen=True)
 class Deposit:
-    """Fields over the cells of a plan. depth: volume of soil over the area of the cell [m]; speed: largest |v| [m/s]."""
+    """Fields over the cells of a plan.
+
+    depth: mass over the density at rest and the area of the cell [m]; opened: what the present volume is more than that,
+    as depth [m], below 0 where soil is compressed; speed: largest |v| [m/s].
+    """
 
     plan: Plan
     time: float
     depth: np.ndarray
+    opened: np.ndarray
     max_depth: np.ndarray  # over all frames up to `time`
     max_speed: np.ndarray
 
 
-def _volumes(frame: Frame, series: Series) -> np.ndarray:
-    if "volume" not in frame.fields:
-        raise ResultsError(f"{series.path}: its points have no volume")
-    return frame.fields["volume"]
+def _volumes(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
+    """Of each point: mass over density at rest, and present volume [m^3]."""
+    for name in ("volume", "volume_ratio"):
+        if name not in frame.fields:
+            raise ResultsError(f"{series.path}: its points have no {name}")
+    volume = frame.fields["volume"]
+    return volume / frame.fields["volume_ratio"], volume
 
 
 def _extents(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper corners in the plan of the cubes (2D: squares) that the points stand for."""
-    half = 0.5 * _volumes(frame, series) ** (1 / (len(axes) + 1))
+    """Lower and upper corners in the plan of the cubes (2D: squares) that the points at rest stand for."""
+    half = 0.5 * _volumes(frame, series)[0] ** (1 / (len(axes) + 1))
     centres = frame.points[:, axes]
     return centres - half[:, None], centres + half[:, None]
 
@@ -64,15 +72,19 @@ def _extents(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.nd
 def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | None) -> Plan:
     """Cells that hold all soil of the frames 0 to `last`; their corners are multiples of the cell [m].
 
-    cell: None: two mean points of the first frame wide.
+    cell: None: two mean points of the first frame with soil wide.
     """
     corners = []
     for k in range(last + 1):
         frame = series.frame(k)
-        if not k and cell is None:
-            cell = 2 * float(np.mean(_volumes(frame, series))) ** (1 / (len(axes) + 1))
+        if not len(frame.points):
+            continue
+        if cell is None:
+            cell = 2 * float(np.mean(_volumes(frame, series)[0])) ** (1 / (len(axes) + 1))
         low, high = _extents(frame, axes, series)
         corners += [low.min(axis=0), high.max(axis=0)]
+    if not corners:
+        raise ResultsError(f"{series.path}: its frames have no material points")
     first = np.floor(np.min(corners, axis=0) / cell + ROUND_OFF)
     shape = np.maximum(1, np.ceil(np.max(corners, axis=0) / cell - ROUND_OFF) - first)
     if np.prod(shape) > MAX_CELLS:
@@ -104,31 +116,44 @@ def _shares(low: np.ndarray, high: np.ndarray, plan: Plan) -> Iterator[Shares]:
         yield Shares(inside, tuple(cells[inside].T), share)
 
 
-def depth_and_speed(frame: Frame, plan: Plan, series: Series) -> tuple[np.ndarray, np.ndarray]:
-    """Depth and largest speed over each cell."""
-    depth, speed = np.zeros(plan.shape), np.zeros(plan.shape)
+@dataclass(frozen=True)
+class Heap:
+    """Depth at rest, what is opened [m] and largest speed [m/s] over each cell at one instant."""
+
+    depth: np.ndarray
+    opened: np.ndarray
+    speed: np.ndarray
+
+
+def heap_of(frame: Frame, plan: Plan, series: Series) -> Heap:
+    heap = Heap(*(np.zeros(plan.shape) for _ in range(3)))
+    if not len(frame.points):
+        return heap
     low, high = _extents(frame, plan.axes, series)
-    volumes, speeds = _volumes(frame, series), np.linalg.norm(frame.fields["velocity"], axis=1)
+    at_rest, volumes = _volumes(frame, series)
+    speeds = np.linalg.norm(frame.fields["velocity"], axis=1)
     for part in _shares(low, high, plan):
-        np.add.at(depth, part.cells, volumes[part.points] * part.share / plan.area)
-        np.maximum.at(speed, part.cells, speeds[part.points])
-    return depth, speed
+        share = part.share / plan.area
+        np.add.at(heap.depth, part.cells, at_rest[part.points] * share)
+        np.add.at(heap.opened, part.cells, (volumes - at_rest)[part.points] * share)
+        np.maximum.at(heap.speed, part.cells, speeds[part.points])
+    return heap
 
 
 def find_deposit(results: Results, time: float | None = None, cell: float | None = None) -> Deposit:
-    """At the frame nearest to a time [s]; None: at the last one."""
-    series = results.soil
-    if series is None:
-        raise ResultsError(f"{results.folder}: has no mpm/soil.xdmf")
-    last = len(series) - 1 if time is None else series.nearest(time)
+    """At the frame nearest to a time [s]; None: at the last one.
+
+    @raises ResultsError  no frames, a time beyond them, too many cells
+    """
+    series = results.frames_of_soil()
+    last = len(series) - 1 if time is None else series.nearest_within(time)
     up = up_axis(results.dim, results.gravity)
     plan = make_plan(series, tuple(axis for axis in range(results.dim) if axis != up), last, cell)
     max_depth, max_speed = np.zeros(plan.shape), np.zeros(plan.shape)
-    depth = max_depth
     for k in range(last + 1):
-        depth, speed = depth_and_speed(series.frame(k), plan, series)
-        max_depth, max_speed = np.maximum(max_depth, depth), np.maximum(max_speed, speed)
-    return Deposit(plan, float(series.times[last]), depth, max_depth, max_speed)
+        heap = heap_of(series.frame(k), plan, series)
+        max_depth, max_speed = np.maximum(max_depth, heap.depth), np.maximum(max_speed, heap.speed)
+    return Deposit(plan, float(series.times[last]), heap.depth, heap.opened, max_depth, max_speed)
 
 
 def _write_raster(path: Path, plan: Plan, values: np.ndarray, origin: np.ndarray) -> None:
@@ -141,11 +166,11 @@ def _write_raster(path: Path, plan: Plan, values: np.ndarray, origin: np.ndarray
 
 
 def write_tables(deposit: Deposit, out: Path, origin: tuple[float, ...] = (0.0, 0.0)) -> list[Path]:
-    """Rasters depth.asc, max_depth.asc, max_speed.asc; in 2D the columns of deposit.csv.
+    """Rasters depth.asc, opened.asc, max_depth.asc, max_speed.asc; in 2D the columns of deposit.csv.
 
     origin: added to the coordinates [m].
     """
-    fields = {"depth": deposit.depth, "max_depth": deposit.max_depth, "max_speed": deposit.max_speed}
+    fields = {"depth": deposit.depth, "opened": deposit.opened, "max_depth": deposit.max_depth, "max_speed": deposit.max_speed}
     out.mkdir(parents=True, exist_ok=True)
     plan = deposit.plan
     if len(plan.axes) == 2:

@@ -100,6 +100,17 @@ class Series:
     def nearest(self, time: float) -> int:
         return int(np.argmin(np.abs(self.times - time)))
 
+    def nearest_within(self, time: float) -> int:
+        """The same, for a time from the first to the last frame, to the digits in which a title shows it.
+
+        @raises ResultsError  another time
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        if not min(first, float(f"{first:.3g}")) <= time <= max(last, float(f"{last:.3g}")):
+            raise ResultsError(f"--time: found {time:g}, allowed: {first:g} to {last:g} s, the times of the first and the "
+                               "last frame")
+        return self.nearest(time)
+
     def grid(self, index: int) -> ElementTree.Element:
         """The XML of a frame."""
         return self._grids[index]

@@ -16,7 +16,7 @@ class Wall:
     nodes: np.ndarray
     cells: np.ndarray
     groups: dict[str, np.ndarray]
-    crest: np.ndarray  # place in the middle of the top [m]
+    crest: np.ndarray  # place [m] in the middle of the top: across exactly, along at the station nearest to it
 
 
 LEAST_THROUGH = 2  # cells through the thickness
@@ -92,5 +92,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     sides = [number[0], number[-1], number[:, 0], number[:, -1]]
     groups = {"foot": np.vstack([quads(number[:, :, 0]), *(quads(side[:, :2]) for side in sides)]),
               "faces": np.vstack([quads(number[:, :, -1]), *(quads(side[:, 1:]) for side in sides)])}
-    crest = nodes[len(places) // 2, through // 2, -1]
+    way = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    middle = int(np.argmin(np.abs(way - way[-1] / 2)))
+    crest = nodes[middle, [through // 2, (through + 1) // 2], -1].mean(axis=0)
     return Wall(nodes.reshape(-1, 3), cells, groups, crest)

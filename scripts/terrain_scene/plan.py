@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,13 @@ from .raster import Raster, TerrainError, read_raster
 SOIL = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 5e6, "poisson_ratio": 0.3, "friction_angle": 33}
 CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poisson_ratio": 0.2}
 GRAVITY = 9.81
+
+# Keys of the objects of the file.
+PLAN = ("slope", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "time")
+SLIDE = ("polygon", "depth", "top", "material")
+BARRIER = ("line", "height", "thickness", "material", "friction")
+GAUGE = ("name", "line", "height")
+TIME = ("end", "dt")
 
 
 @dataclass
@@ -59,11 +67,19 @@ class Plan:
 
 
 class Reader:
-    """An object of the file: each key is asked for by name, what nobody asked for is refused."""
+    """An object of the file: each key is asked for by name, other ones are refused.
 
-    def __init__(self, values: object, where: str):
+    @raises TerrainError  it is no object or has a key that is not one of `keys`
+    """
+
+    def __init__(self, values: object, where: str, keys: tuple[str, ...]):
         if not isinstance(values, dict):
             raise TerrainError(f"{where}: found {values!r}, allowed: an object")
+        for key in values:
+            if key not in keys:
+                near = get_close_matches(key.lower(), keys, 1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                raise TerrainError(f"{where}/{key}: unknown, allowed: {', '.join(keys)}{hint}")
         self.values, self.where = dict(values), where
 
     def fail(self, key: str, allowed: str) -> TerrainError:
@@ -75,7 +91,6 @@ class Reader:
         real = isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
         if not real or not (value > 0 or (at_least_zero and value == 0)):
             raise self.fail(key, "a number >= 0" if at_least_zero else "a number > 0")
-        del self.values[key]
         return float(value)
 
     def rows(self, key: str, at_least: int) -> np.ndarray:
@@ -85,14 +100,12 @@ class Reader:
             raise self.fail(key, f"at least {at_least} rows [x, y]") from error
         if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < at_least or not np.isfinite(rows).all():
             raise self.fail(key, f"at least {at_least} rows [x, y]")
-        del self.values[key]
         return rows
 
     def text(self, key: str, allowed: str) -> str:
         value = self.values.get(key)
         if not isinstance(value, str) or not value:
             raise self.fail(key, allowed)
-        del self.values[key]
         return value
 
     def raster(self, key: str, folder: Path) -> Raster:
@@ -102,20 +115,15 @@ class Reader:
         except TerrainError as error:
             raise TerrainError(f"{self.where}/{key}: {error}") from error
 
-    def children(self, key: str) -> "list[Reader]":
+    def children(self, key: str, keys: tuple[str, ...]) -> "list[Reader]":
         """Of a list of objects; none where the key is missing."""
         values = self.values.get(key, [])
         if not isinstance(values, list):
             raise self.fail(key, "a list of objects")
-        self.values.pop(key, None)
-        return [Reader(value, f"{self.where}/{key}/{k}") for k, value in enumerate(values)]
+        return [Reader(value, f"{self.where}/{key}/{k}", keys) for k, value in enumerate(values)]
 
-    def child(self, key: str) -> "Reader":
-        return Reader(self.values.pop(key, None), f"{self.where}/{key}")
-
-    def finish(self) -> None:
-        if self.values:
-            raise TerrainError(f"{self.where}: unknown: {', '.join(self.values)}")
+    def child(self, key: str, keys: tuple[str, ...]) -> "Reader":
+        return Reader(self.values.get(key), f"{self.where}/{key}", keys)
 
 
 def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
@@ -131,35 +139,30 @@ def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
         depth = reader.number("depth")
         if polygon is None:
             raise TerrainError(f"{reader.where}: a depth that is a number needs a polygon")
-    slide = Slide(polygon, depth, top, material_of(reader, SOIL, notes))
-    reader.finish()
-    return slide
+    return Slide(polygon, depth, top, material_of(reader, SOIL, notes))
 
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
         material = reader.values["material"]
-        reader.child("material").number("density")  # the programs check the rest
+        # The programs check the rest.
+        Reader(material, f"{reader.where}/material", tuple(material) if isinstance(material, dict) else ()).number("density")
         return material
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 
 
 def read_barrier(reader: Reader, friction: float, notes: list[str]) -> Barrier:
-    barrier = Barrier(reader.rows("line", 2), reader.number("height"), reader.number("thickness"),
-                      material_of(reader, CONCRETE, notes),
-                      reader.number("friction", True) if "friction" in reader.values else friction)
-    reader.finish()
-    return barrier
+    return Barrier(reader.rows("line", 2), reader.number("height"), reader.number("thickness"),
+                   material_of(reader, CONCRETE, notes),
+                   reader.number("friction", True) if "friction" in reader.values else friction)
 
 
 def read_gauge(reader: Reader) -> Gauge:
     line = reader.rows("line", 2)
     if len(line) != 2:
         raise TerrainError(f"{reader.where}/line: found {len(line)} rows, allowed: 2, the ends of a straight line")
-    gauge = Gauge(reader.text("name", "a name"), line, reader.number("height"))
-    reader.finish()
-    return gauge
+    return Gauge(reader.text("name", "a name"), line, reader.number("height"))
 
 
 def read_plan(path: Path) -> Plan:
@@ -168,18 +171,33 @@ def read_plan(path: Path) -> Plan:
         values = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise TerrainError(f"{path}: {error}") from error
-    reader = Reader(values, str(path))
+    reader = Reader(values, str(path), PLAN)
     slope = reader.raster("slope", path.parent)
     notes: list[str] = []
     corners = reader.rows("area", 2)
     if len(corners) != 2 or not (corners[0] < corners[1]).all():
         raise TerrainError(f"{path}/area: found {corners.tolist()}, allowed: two corners, the lower one first")
     friction = reader.number("friction", at_least_zero=True)
-    barrier = read_barrier(reader.child("barrier"), friction, notes) if "barrier" in reader.values else None
-    time = reader.child("time")
+    barrier = read_barrier(reader.child("barrier", BARRIER), friction, notes) if "barrier" in reader.values else None
+    time = reader.child("time", TIME)
     plan = Plan(slope, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"), friction,
-                read_slide(reader.child("slide"), path.parent, notes), barrier, time.number("end"), time.number("dt"),
-                [read_gauge(each) for each in reader.children("gauges")], notes)
-    time.finish()
-    reader.finish()
+                read_slide(reader.child("slide", SLIDE), path.parent, notes), barrier, time.number("end"), time.number("dt"),
+                [read_gauge(each) for each in reader.children("gauges", GAUGE)], notes)
+    if barrier is not None:
+        require_in_area(plan, barrier.line, f"{path}/barrier/line")
+    for k, gauge in enumerate(plan.gauges):
+        require_in_area(plan, gauge.line, f"{path}/gauges/{k}/line")
     return plan
+
+
+def require_in_area(plan: Plan, rows: np.ndarray, where: str) -> None:
+    """rows: places on the map, n x 2. @raises TerrainError"""
+    high = plan.low + plan.cell_size * np.ceil((plan.high - plan.low) / plan.cell_size - 1e-9)
+    outside = ((rows < plan.low) | (rows > high)).any(axis=1)
+    if not outside.any():
+        return
+    x, y = rows[outside][0]
+    degrees = (np.abs(rows) <= 360).all() and not (np.abs(plan.low) <= 360).all()
+    raise TerrainError(f"{where}: found ({x:.9g}, {y:.9g}) outside the area, allowed: from ({plan.low[0]:.9g}, "
+                       f"{plan.low[1]:.9g}) to ({high[0]:.9g}, {high[1]:.9g}), in metres, as the rasters"
+                       + ("; the numbers look like degrees" if degrees else ""))

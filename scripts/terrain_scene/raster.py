@@ -68,11 +68,34 @@ class Raster:
                            f"({at_x:.9g}, {at_y:.9g})")
 
 
+FARTHEST = 1e5  # [m]: no height or depth on Earth is larger
+DIGITS = 1e-5  # relative, of a number for no data: files of single precision and rounded texts differ in the last ones
+
+
+def without_data(values: np.ndarray, number: float | None) -> np.ndarray:
+    """nan where a value is the number for no data (None: there is none), which other programs write with fewer digits."""
+    if number is None or np.isnan(number):
+        return values
+    same = (values == number) | (np.abs(values - number) <= DIGITS * abs(number))
+    return np.where(same, np.nan, values)
+
+
+def checked(raster: Raster) -> Raster:
+    """@raises TerrainError  a value that is no height or depth, such as a number for no data that the file does not name"""
+    wrong = np.argwhere(np.abs(raster.values) > FARTHEST)
+    if len(wrong):
+        row, column = wrong[0]
+        raise TerrainError(f"{raster.path}: found {raster.values[row, column]:g} in {raster.place(row, column)} and "
+                           f"{len(wrong) - 1} other values beyond {FARTHEST:g} m, allowed: metres; if it stands for no data, "
+                           "name it in the file (NODATA_value)")
+    return raster
+
+
 HEADER = {"ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "nodata_value"}
 
 
 def read_ascii(path: Path) -> Raster:
-    """An ESRI ASCII grid, its corner or the centre of its first cell given."""
+    """An ESRI ASCII grid, its corner or the centre of its first cell given. @raises TerrainError"""
     try:
         lines = path.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -112,8 +135,8 @@ def read_ascii(path: Path) -> Raster:
             values[n] = float(word)
         except ValueError as error:
             raise TerrainError(f"{path}: line {k + 1}: found \"{word}\", expected a number") from error
-    values[values == head.get("nodata_value", -9999)] = np.nan
-    return Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1])
+    values = without_data(values, head.get("nodata_value", -9999))
+    return checked(Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1]))
 
 
 def read_geotiff(path: Path) -> Raster:
@@ -133,11 +156,12 @@ def read_geotiff(path: Path) -> Raster:
         raise TerrainError(f"{path}: found the transform {data.GetGeoTransform()}, allowed: square cells along the axes, "
                            "north up")
     band = data.GetRasterBand(1)
-    values = np.asarray(band.ReadAsArray(), dtype=float)
-    if band.GetNoDataValue() is not None:
-        values[values == band.GetNoDataValue()] = np.nan
+    values = without_data(np.array(band.ReadAsArray(), dtype=float), band.GetNoDataValue())
+    # The number for no data is one of the stored values, before the band's scale and offset.
+    scale, offset = band.GetScale(), band.GetOffset()
+    values = values * (1.0 if scale is None else scale) + (0.0 if offset is None else offset)
     rows = values.shape[0]
-    return Raster(path, left + width / 2, top - (rows - 0.5) * width, width, values[::-1])
+    return checked(Raster(path, left + width / 2, top - (rows - 0.5) * width, width, values[::-1]))
 
 
 def read_raster(path: Path) -> Raster:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.path import Path as Polygon
 
 from .barrier import Wall, build_wall
+from .depths import Mass, below_top, of_raster
 from .gauges import gauge_settings
 from .plan import GRAVITY, Plan
 from .raster import Raster, TerrainError
-from .slope import THINNEST, Columns, Depth, Slope, lay_columns, write_hexahedra, write_ply
+from .slope import THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
 
 MANY_CELLS = 2_000_000
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
@@ -47,38 +47,33 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
     return np.array([*plan.low, bottom]), Slope(h, z - bottom)
 
 
-def depth_function(plan: Plan, origin: np.ndarray, slope: Slope) -> Depth:
-    """Depth of the mass over local places; a raster without data there has no mass there."""
+def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
+    """The mass in local coordinates."""
     slide = plan.slide
-    polygon = None if slide.polygon is None else Polygon(slide.polygon - origin[:2])
+    polygon = None if slide.polygon is None else slide.polygon - origin[:2]
+    if slide.top is not None:
+        return Mass(of_raster(below_top(slide.top, plan.slope), origin), 0.0, polygon)
+    if isinstance(slide.depth, Raster):
+        return Mass(of_raster(slide.depth, origin), 0.0, polygon)
+    return Mass(None, slide.depth, polygon)
 
-    def depth(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        world = x + origin[0], y + origin[1]
-        if slide.top is not None:
-            values = slide.top.at(*world) - origin[2] - slope.at(x, y)
-        elif isinstance(slide.depth, float):
-            values = np.full(x.shape, slide.depth)
-        else:
-            values = slide.depth.at(*world)
-        values = np.where(np.isnan(values), 0, np.maximum(values, 0))
-        if polygon is not None:
-            places = np.column_stack([x.ravel(), y.ravel()])
-            values = np.where(polygon.contains_points(places).reshape(x.shape), values, 0)
-        return values
 
-    return depth
+def around(place: np.ndarray) -> str:
+    return f"({place[0]:.9g}, {place[1]:.9g})"
 
 
 def make(plan: Plan) -> Made:
     """@raises TerrainError"""
     origin, slope = sample_slope(plan)
-    columns = lay_columns(slope, depth_function(plan, origin, slope))
+    columns = lay_columns(slope, mass_of(plan, origin))
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
-        (west, south), (east, north) = plan.low, plan.high
+        polygon = plan.slide.polygon
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
-                           f"the area from ({west:.9g}, {south:.9g}) to ({east:.9g}, {north:.9g})"
-                           + (f"; {raster.path}: {raster.reach()}" if raster else ""))
+                           f"the area from {around(plan.low)} to {around(plan.high)}"
+                           + (f"; {raster.path}: {raster.reach()}" if raster else "")
+                           + ("" if polygon is None else f"; the polygon from {around(polygon.min(axis=0))} to "
+                              f"{around(polygon.max(axis=0))}"))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():

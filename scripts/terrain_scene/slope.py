@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The slope on the lattice of the grid, and the soil on it as columns; all in local coordinates [m]."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from .depths import Mass
 from .raster import TerrainError
 
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
-SAMPLES = 8  # of a column along each side, for its mean depth
+MOST_CELLS = 4_000_000  # of the mass
+NUDGE = 1e-6  # of a cell: how far inside its corners the depth is looked up
 
 
 @dataclass
@@ -28,7 +29,11 @@ class Slope:
     def require_inside(self, places: np.ndarray, where: str) -> None:
         """places: any shape x 2. @raises TerrainError"""
         if (places < 0).any() or (places > self.size()).any():
-            raise TerrainError(f"{where}: found a part outside the area, allowed: the area of the grid")
+            flat = places.reshape(-1, 2)
+            x, y = flat[((flat < 0) | (flat > self.size())).any(axis=1)][0]
+            wide, long = self.size()
+            raise TerrainError(f"{where}: found a part outside the area, at ({x:.9g}, {y:.9g}) m from its south-west "
+                               f"corner, allowed: (0, 0) to ({wide:g}, {long:g}) m")
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         rows, columns = self.z.shape
@@ -97,47 +102,57 @@ class Columns:
     depth: np.ndarray  # mean of each cell of the lattice [m], before thin ones are left out
 
 
-Depth = Callable[[np.ndarray, np.ndarray], np.ndarray]  # of the soil at places, 0: none [m]
+def corner_depths(mass: Mass, slope: Slope, within: np.ndarray) -> np.ndarray:
+    """Depths just inside the four corners of cells of the lattice, n x 4 [m]; within: row and column of each, n x 2."""
+    inside = np.array([(NUDGE, NUDGE), (NUDGE, 1 - NUDGE), (1 - NUDGE, 1 - NUDGE), (1 - NUDGE, NUDGE)])
+    places = (within[:, None, :] + inside) * slope.spacing
+    return mass.at(places[..., 1], places[..., 0])
 
 
-def mean_depths(slope: Slope, depth: Depth) -> tuple[np.ndarray, np.ndarray]:
-    """Mean of each cell of the lattice, and whether soil covers all of it."""
-    rows, columns = slope.z.shape[0] - 1, slope.z.shape[1] - 1
-    x = (np.arange(columns * SAMPLES) + 0.5) * slope.spacing / SAMPLES
-    y = (np.arange(rows * SAMPLES) + 0.5) * slope.spacing / SAMPLES
-    samples = depth(*np.meshgrid(x, y)).reshape(rows, SAMPLES, columns, SAMPLES)
-    return samples.mean(axis=(1, 3)), (samples > 0).all(axis=(1, 3))
+def count_layers(high: np.ndarray, within: np.ndarray, h: float) -> np.ndarray:
+    """Layers of at most a cell in each column. @raises TerrainError  more cells than a scene can have"""
+    layers = np.maximum(1, np.ceil(high.max(axis=1) / h - 1e-9))
+    if layers.sum() > MOST_CELLS:
+        k = int(np.argmax(layers))
+        x, y = (within[k][::-1] + 0.5) * h
+        raise TerrainError(f"slide: found a mass of {layers.sum():.3g} cells, the deepest column {high[k].max():.6g} m at "
+                           f"({x:g}, {y:g}) of the area, allowed: {MOST_CELLS} cells")
+    return layers.astype(int)
 
 
-def lay_columns(slope: Slope, depth: Depth) -> Columns:
+def lay_columns(slope: Slope, mass: Mass) -> Columns:
     """A column a cell of the lattice, cut into layers of at most a cell: its volume is that of the soil above the cell.
 
     The bottom is the slope. The top follows the soil where it covers the cell, and is parallel to the slope at its rim.
+
+    @raises TerrainError  more cells than a scene can have
     """
     h = slope.spacing
-    mean, covered = mean_depths(slope, depth)
     rows, columns = slope.z.shape
-    grid = np.meshgrid(np.arange(columns) * h, np.arange(rows) * h)
-    at_nodes = depth(*grid)
+    mean, covered = mass.means(h, (rows - 1, columns - 1))
+    thinnest = THINNEST * h * (1 - 1e-9)
+    within = np.argwhere(mean >= thinnest)
+    filled = mean[mean >= thinnest].sum() * h * h
+    if not len(within):
+        return Columns(np.empty((0, 3)), np.empty((0, 8), dtype=int), mass.asked(), 0.0, mean)
+    means = mean[within[:, 0], within[:, 1]]
+    high = corner_depths(mass, slope, within)
+    # A bilinear top has the mean of its corners: scaled, it has the volume of the soil.
+    whole = covered[within[:, 0], within[:, 1]] & (high.min(axis=1) >= thinnest)
+    high = np.where(whole[:, None], high * (means / np.where(whole, high.mean(axis=1), 1))[:, None], means[:, None])
+    layers = count_layers(high, within, h)
     nodes: list[np.ndarray] = []
     cells: list[np.ndarray] = []
-    for j, i in np.argwhere(mean >= THINNEST * h):
+    first = 0
+    for (j, i), top, count in zip(within, high, layers):
         corners = np.array([(j, i), (j, i + 1), (j + 1, i + 1), (j + 1, i)])
-        bottom = slope.z[corners[:, 0], corners[:, 1]]
-        high = at_nodes[corners[:, 0], corners[:, 1]]
-        # A bilinear top has the mean of its corners: scaled, it has the volume of the soil.
-        whole = covered[j, i] and high.min() >= THINNEST * h
-        high = high * (mean[j, i] / high.mean()) if whole else np.full(4, mean[j, i])
-        layers = max(1, int(np.ceil(high.max() / h - 1e-9)))
-        first = len(nodes)
-        for k in range(layers + 1):
-            for corner in range(4):
-                nodes.append(np.array([corners[corner, 1] * h, corners[corner, 0] * h,
-                                       bottom[corner] + high[corner] * k / layers]))
-        for k in range(layers):
-            cells.append(first + 4 * k + np.arange(8))
-    filled = mean[mean >= THINNEST * h].sum() * h * h
-    return Columns(np.array(nodes), np.array(cells), float(mean.sum() * h * h), float(filled), mean)
+        ground = np.column_stack([corners[:, ::-1] * h, slope.z[corners[:, 0], corners[:, 1]]])
+        rise = np.zeros((count + 1, 4, 3))
+        rise[..., 2] = top * np.arange(count + 1)[:, None] / count
+        nodes.append((ground + rise).reshape(-1, 3))
+        cells.append(first + 4 * np.arange(count)[:, None] + np.arange(8))
+        first += 4 * (count + 1)
+    return Columns(np.concatenate(nodes), np.concatenate(cells), mass.asked(), float(filled), mean)
 
 
 def write_hexahedra(nodes: np.ndarray, cells: np.ndarray, path: Path, groups: dict[str, np.ndarray] | None = None) -> None:

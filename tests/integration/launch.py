@@ -137,14 +137,15 @@ class Ended:
 class Launch:
     """One mpirun line under way."""
 
-    def __init__(self, command: list[str], folder: Path) -> None:
+    def __init__(self, command: list[str], folder: Path, working: Path | None = None) -> None:
+        """folder: of what it prints; working: where it runs, None: here."""
         self.mark = uuid.uuid4().hex
         self.text_file = folder / f"printed_{self.mark}.txt"
         environment = {**os.environ, **ONE_THREAD, MARK: self.mark}
         self.start = time.monotonic()
         with self.text_file.open("w", encoding="utf-8") as out:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT,
-                                            env=environment, start_new_session=True)
+                                            env=environment, cwd=working, start_new_session=True)
 
     def text(self) -> str:
         return self.text_file.read_text(encoding="utf-8", errors="replace")

@@ -7,6 +7,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import types
@@ -19,6 +20,7 @@ from script_case import ScriptCase
 
 from made_up_results import write_space_results
 from terrain_scene.barrier import build_wall
+from terrain_scene.depths import CellDepths, Mass
 from terrain_scene.raster import TerrainError, read_raster
 from terrain_scene.slope import Columns, Slope, lay_columns, write_ply
 
@@ -95,6 +97,16 @@ class Rasters(TerrainCase):
         with self.assertRaisesRegex(TerrainError, "the raster reaches"):
             raster.needed_at(np.array([WEST + 0.9]), np.array([SOUTH + 2.0]))
 
+    def test_numbers_for_no_data_may_differ_in_the_last_digits(self) -> None:
+        head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value "
+        for number, stored in (("-3.40282e+38", "-3.4028234663852886e+38"), ("-3.4028234663852886e+38", "-3.40282e+38"),
+                               ("-9999", "-9999.0"), ("-9999.0", "-9999"), ("0", "0"), ("nan", "nan")):
+            raster = read_raster(self.write("a.asc", f"{head}{number}\n1 2\n{stored} 4\n"))
+            self.assertEqual(np.isnan(raster.values).tolist(), [[True, False], [False, False]])
+        for stored in ("-3.40282e+38", "inf", "1e9"):
+            with self.assertRaisesRegex(TerrainError, "in row 2, column 1 .*NODATA_value"):
+                read_raster(self.write("a.asc", f"{head}-9999\n1 2\n{stored} 4\n"))
+
     def test_broken_files(self) -> None:
         for text, words in (("ncols 2\nnrows 2\ncellsize 1\n1 2 3 4", "exactly one of xllcorner"),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2 3 4", "cellsize"),
@@ -112,7 +124,8 @@ class Rasters(TerrainCase):
         with mock.patch.dict(sys.modules, {"osgeo": None}), self.assertRaisesRegex(TerrainError, "python3-gdal"):
             read_raster(path)
         values = np.arange(12.0).reshape(3, 4)
-        band = mock.Mock(ReadAsArray=lambda: values[::-1], GetNoDataValue=lambda: 5.0)
+        band = mock.Mock(ReadAsArray=lambda: values[::-1], GetNoDataValue=lambda: 5.0,
+                         GetScale=lambda: None, GetOffset=lambda: None)
         data = mock.Mock(GetRasterBand=lambda _: band)
         osgeo = types.SimpleNamespace(gdal=mock.Mock(Open=lambda _: data))
         with mock.patch.dict(sys.modules, {"osgeo": osgeo}):
@@ -121,16 +134,20 @@ class Rasters(TerrainCase):
             text = read_raster(self.raster("a.asc", np.where(values == 5, -9999, values)))
             self.assertEqual((tiff.x, tiff.y, tiff.spacing), (text.x, text.y, text.spacing))
             np.testing.assert_array_equal(tiff.values, text.values)
+            band.GetScale, band.GetOffset = lambda: 0.5, lambda: 100.0
+            np.testing.assert_array_equal(read_raster(path).values, 0.5 * text.values + 100)
             data.GetGeoTransform = lambda: (WEST, 2.0, 0.1, SOUTH + 6, 0.0, -2.0)
             with self.assertRaisesRegex(TerrainError, "square cells along the axes"):
                 read_raster(path)
 
 
 def dome(cells: int) -> Columns:
-    """Soil with the depth 2 (1 - r^2), r < 1, on an inclined plane: volume pi."""
+    """Soil with the depth 2 (1 - r^2), r < 1, on an inclined plane, from a raster of 480 x 480 means: volume pi."""
     x = np.linspace(0, 3, cells + 1)
     slope = Slope(3 / cells, 1 + 0.5 * x[None, :] - 0.2 * x[:, None])
-    return lay_columns(slope, lambda x, y: np.maximum(0, 2 * (1 - (x - 1.5) ** 2 - (y - 1.5) ** 2)))
+    fine = (np.arange(480) + 0.5) * 3 / 480
+    values = np.maximum(0, 2 * (1 - (fine[None, :] - 1.5) ** 2 - (fine[:, None] - 1.5) ** 2))
+    return lay_columns(slope, Mass(CellDepths(np.zeros(2), 3 / 480, values), 0.0, None))
 
 
 class Shapes(TerrainCase):
@@ -150,9 +167,39 @@ class Shapes(TerrainCase):
 
     def test_a_polygon_that_cuts_cells_keeps_its_volume(self) -> None:
         slope = Slope(1.0, np.zeros((9, 9)))
-        made = lay_columns(slope, lambda x, y: 2.0 * ((x > 1.5) & (x < 5.25) & (y > 2) & (y < 6)))
+        polygon = np.array([(1.5, 2), (5.25, 2), (5.25, 6), (1.5, 6)])
+        made = lay_columns(slope, Mass(None, 2.0, polygon))
         self.assertAlmostEqual(made.filled, 2 * 3.75 * 4, delta=1e-12)
+        self.assertAlmostEqual(made.asked, made.filled, delta=1e-12)
         self.assertAlmostEqual(volume(made.nodes, made.cells), made.filled, delta=1e-12)
+
+    def test_a_raster_keeps_its_volume_on_any_cells(self) -> None:
+        """Ragged rims, gaps, cells larger or smaller than those of the grid, shifted against them, a single cell."""
+        random = np.random.default_rng(3)
+        ragged = random.uniform(1, 3, (7, 5)) * (random.uniform(size=(7, 5)) > 0.3)
+        for values in (ragged, np.full((1, 1), 2.0), np.full((2, 2), 2.0), np.pad(np.full((2, 3), 2.0), 1)):
+            for spacing in (0.37, 1.0, 5.0):
+                corner = np.array([3.21, 2.5])
+                size = int(np.ceil((corner + spacing * np.array(values.shape[::-1])).max())) + 2
+                mass = Mass(CellDepths(corner, spacing, values), 0.0, None)
+                means, covered = mass.means(1.0, (size, size))
+                self.assertAlmostEqual(means.sum(), values.sum() * spacing**2, delta=1e-9 * values.sum() * spacing**2)
+                self.assertAlmostEqual(mass.asked(), values.sum() * spacing**2, delta=1e-12)
+                self.assertTrue((means[covered] > 0).all())
+
+    def test_depth_inside_a_raster_is_bilinear(self) -> None:
+        x = np.arange(6) + 0.5
+        mass = CellDepths(np.zeros(2), 1.0, 2 + 0.25 * x[None, :] + 0.5 * x[:, None])
+        at = np.array([1.0, 2.2, 3.7, 4.99]), np.array([1.5, 3.3, 2.0, 4.4])  # not in the cells of the rim
+        np.testing.assert_allclose(mass.at(*at), 2 + 0.25 * at[0] + 0.5 * at[1], rtol=1e-12)
+        np.testing.assert_array_equal(mass.at(np.array([-0.1, 6.1, 3.0]), np.array([3.0, 3.0, 6.01])), 0)
+
+    def test_masses_beyond_measure_are_refused(self) -> None:
+        slope = Slope(1.0, np.zeros((9, 9)))
+        with self.assertRaisesRegex(TerrainError, "deepest column 1e[+]09 m at .3.5, 4.5. of the area"):
+            values = np.zeros((8, 8))
+            values[4, 3] = 1e9
+            lay_columns(slope, Mass(CellDepths(np.zeros(2), 1.0, values), 0.0, None))
 
     def test_facets_look_up_and_lie_on_the_slope(self) -> None:
         random = np.random.default_rng(1)
@@ -177,6 +224,10 @@ class Shapes(TerrainCase):
         self.assertAlmostEqual(below.max(), 1.0)
         self.assertAlmostEqual(below.min(), -3.0, delta=0.3 * 0.25)  # on the lower side, which the crest does not follow
         self.assertAlmostEqual(wall.crest[2], 0.3 * 2.5 + 3)
+        odd = build_wall(slope, line[:2], 3.0, 1.2)  # three cells across
+        self.assertLess(np.linalg.norm(odd.crest[:2] - line[:2].mean(axis=0)), 0.5)
+        across = np.array([-0.5, 3.0]) / np.linalg.norm([-0.5, 3.0])
+        self.assertLess(abs((odd.crest[:2] - line[0]) @ across), 1e-12)
         foot, faces = (set(wall.groups[name].ravel()) for name in ("foot", "faces"))
         self.assertLess(np.abs(below[sorted(foot & faces)]).max(), 1e-12)  # they meet at the ground
         # Faces and foot are closed: the volume by the divergence theorem is thickness x length x height.
@@ -216,9 +267,18 @@ class Scenes(TerrainCase):
         gap = float(checked.split("terrain: smallest gap to the soil ")[1].split()[0])
         self.assertLess(abs(gap), 1e-6)  # it rests on the plane
 
+    def test_a_raster_of_depths_beside_gaps_counts_whole_cells(self) -> None:
+        inner = np.full((4, 4), 2.0)
+        for name, values, corner in (("gaps.asc", np.pad(inner, 2, constant_values=-9999), 3),
+                                     ("cropped.asc", inner, 7), ("zeros.asc", np.pad(inner, 2), 3)):
+            self.raster(name, values, f"xllcorner {WEST + corner}\nyllcorner {SOUTH + corner}\n")
+            self.assertIn("128 m^3 in the plan, 128 m^3 (+0.00 %)", self.make(barrier=None, slide={"depth": name}))
+            shutil.rmtree(self.folder / "scene")
+
     def test_soil_alone_between_two_rasters(self) -> None:
         self.of_function("top.asc", lambda x, y: plane(x, y) + 2 * (abs(x - WEST - 9) < 3) * (abs(y - SOUTH - 10) < 3))
-        self.make(barrier=None, slide={"top": "top.asc"})
+        said = self.make(barrier=None, slide={"top": "top.asc"})
+        self.assertIn("48 m^3 in the plan, 48 m^3 (+0.00 %)", said)  # 3 x 2 cells of 2 m, 2 m deep
         self.assertFalse((self.folder / "scene" / "coupler.json").exists())
         self.assertIn("basis: gimp", self.check("mpm_solver"))
 
@@ -237,19 +297,21 @@ class Scenes(TerrainCase):
         for words, change in (("/gauges/0/name: found nothing", {"line": line, "height": 3}),
                               ("/gauges/0/line: found 3 rows", {"name": "a", "line": [*line, line[0]], "height": 3}),
                               ("gauge a: line: found no length", {"name": "a", "line": line[:1] * 2, "height": 3}),
-                              ("gauge a: line: found a part outside", {"name": "a", "line": [line[0], [WEST, SOUTH]],
+                              ("/gauges/0/line: found (500000, 5200000) outside", {"name": "a", "line": [line[0], [WEST, SOUTH]],
                                                                        "height": 3}),
                               ("/gauges/0/height: found 0", {"name": "a", "line": line, "height": 0})):
             self.refused(words, gauges=[change])
         self.refused("/gauges: found 3, allowed: a list of objects", gauges=3)
 
     def test_plans_that_cannot_be(self) -> None:
-        self.refused("unknown: depht", slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
+        self.refused("plan.json/slide/depht: unknown", "did you mean depth?", slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
+        self.refused("plan.json/cellsize: unknown", "did you mean cell_size?", cellsize=1)
+        self.refused("plan.json/time/End: unknown", "did you mean end?", time={"End": 1, "dt": 0.1})
         self.refused("exactly one of depth", slide={"polygon": [[0, 0], [1, 0], [0, 1]]})
         self.refused("found no mass", slide={"depth": 1, "polygon": [[0, 0], [1, 0], [0, 1]]})
         self.refused("/cell_size: found 0", cell_size=0)
         self.refused("two corners", area=[[1, 1], [0, 2]])
-        self.refused("the raster reaches", area=[[WEST, SOUTH], [WEST + 10, SOUTH + 10]])
+        self.refused("the raster reaches", barrier=None, area=[[WEST, SOUTH], [WEST + 10, SOUTH + 10]])
         self.refused("mass at the rim", slide={"depth": 1, "polygon": [[WEST + x, SOUTH + y] for x, y in
                                                                        ((2, 6), (9, 6), (9, 12), (2, 12))]})
 
@@ -263,7 +325,10 @@ class Scenes(TerrainCase):
         self.refused("cell_size: found 0.001 m", "24000 x 18000 cells", cell_size=1e-3)
         self.refused("/cell_size: found inf", cell_size=float("inf"))
         line = [[SOUTH + 6, WEST + 20], [SOUTH + 14, WEST + 20]]  # axes in the wrong order: very long to the grid
-        self.refused("barrier/line: found a part outside", barrier={"line": line, "height": 2, "thickness": 0.5})
+        self.refused("barrier/line: found (", "outside the area, allowed: from (500002, 5200002) to (500026, 5200020)",
+                     barrier={"line": line, "height": 2, "thickness": 0.5})
+        self.refused("found (9.51, 46.88) outside", "look like degrees",
+                     barrier={"line": [[9.51, 46.88], [9.52, 46.88]], "height": 2, "thickness": 0.5})
         line = [[WEST + 20, SOUTH + 6], [WEST + 20, SOUTH + 14]]
         self.refused("barrier: found height 2 m and thickness 0.0001 m", "cells, allowed: 500000",
                      barrier={"line": line, "height": 2, "thickness": 1e-4})
@@ -295,6 +360,14 @@ class Scenes(TerrainCase):
         self.assertEqual(ended.returncode, 0, ended.stderr)
         table = np.genfromtxt(self.folder / "world.csv", delimiter=",", names=True)
         self.assertTrue((np.abs(table["x"] - WEST) < 10).all() and (np.abs(table["z"] - 700) < 10).all())
+        # A run of the soil alone keeps its settings beside the frames' folder.
+        settings.rename(results / "resolved_config.json")
+        again = self.python_script("terrain", "--world", results, self.folder / "again.csv", "--time", 0)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual((self.folder / "again.csv").read_text(), (self.folder / "world.csv").read_text())
+        late = self.python_script("terrain", "--world", results, self.folder / "late.csv", "--time", 99)
+        self.assertEqual(late.returncode, 2)
+        self.assertIn("--time: found 99, allowed: 0 to", late.stderr)
 
 
 if __name__ == "__main__":
