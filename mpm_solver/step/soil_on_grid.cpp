@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
@@ -49,8 +50,13 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
                             PhaseTimes& times)
     : model_(model), points_(state.points), ranks_(state.ranks), times_(times) {
   const MpmSettings<dim>& settings = model_.settings;
+  std::set<std::string> said;
   for (const Phase& phase : settings.phases) {
     walls_of_phases_.emplace_back(model_.grid, phase.walls);
+    walls_of_phases_.back().require_agreement(phase.start, phase.until);
+    for (const std::string& warning : walls_of_phases_.back().corner_warnings()) {
+      if (said.insert(warning).second) log::warn("{}", warning);
+    }
   }
   if (settings.quadrature == Quadrature::cells) {
     quadrature_.emplace(model_.grid);
