@@ -157,10 +157,10 @@ std::vector<std::string> WallConditions<dim>::corner_warnings() const {
                                    ? fmt::format("{:.3g}", corner.largest)
                                    : fmt::format("{:.3g} to {:.3g}", corner.least, corner.largest);
     warnings.push_back(fmt::format(
-        "{}: {} by {} degrees at {} grid nodes, the first at ({:.6g}): soil cannot slide across "
+        "{}: {} {} {} degrees at {} grid nodes, the first at ({:.6g}): soil cannot slide across "
         "this corner; within one group a bend below {} degrees is none, and one of \"rigid_walls\" "
         "holds at no corner",
-        wall.where, what, angles, corner.num_nodes,
+        wall.where, what, bends ? "by" : "at", angles, corner.num_nodes,
         fmt::join(corner.place.data(), corner.place.data() + dim, ", "), corner_angle));
   }
   return warnings;

