@@ -34,7 +34,10 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
         return std::find(sides.begin(), sides.end(), each.group) != sides.end();
       });
   if (wall == phase.walls.end()) return fmt::format("side \"{}\" (no wall)", sides.front());
-  return fmt::format("side \"{}\" ({} wall)", wall->group, wall->fixed ? "fixed" : "slip");
+  return fmt::format("side \"{}\" ({})", wall->group,
+                     wall->fixed ? "fixed wall"
+                                 : "slip wall; where it bends away from the soil, more facets "
+                                   "have to round it off");
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {
