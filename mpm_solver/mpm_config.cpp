@@ -281,7 +281,10 @@ void read_solvers(ConfigReader& in, MpmSettings<dim>& settings) {
   const bool stressed = std::any_of(stresses.begin(), stresses.end(),
                                     [](const auto& stress) { return stress.has_value(); });
   if (implicit) {
-    settings.newton = read_newton_settings(in.object("newton"));
+    ConfigReader newton = in.object("newton");
+    const bool limited = newton.has("max_iterations");
+    settings.newton = read_newton_settings(std::move(newton));
+    if (limited) settings.iterations_without_inertia = settings.newton.max_iterations;
   } else if (in.has("newton")) {
     in.fail("newton", reason);
   }

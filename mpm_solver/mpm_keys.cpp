@@ -117,13 +117,24 @@ std::vector<Key> model_keys() {
           key::object("small_cuts", small_cut_keys(), "Against small cuts.").or_empty()};
 }
 
+KeyTable soil_newton_keys() {
+  const MpmSettings<2> defaults;
+  KeyTable table = newton_keys(defaults.newton);
+  for (Key& key : table.keys) {
+    if (key.name != "max_iterations") continue;
+    key.sentence += fmt::format(" Where it is not given, steps without inertia may take {}.",
+                                defaults.iterations_without_inertia);
+  }
+  return table;
+}
+
 std::vector<Key> surface_and_solver_keys() {
   return {key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
           key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
           key::objects("probes", probe_keys(), "Reported places.").or_empty(),
           key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
               .or_empty(),
-          key::object("newton", newton_keys(MpmSettings<2>{}.newton), "Newton's method.")
+          key::object("newton", soil_newton_keys(), "Newton's method.")
               .or_empty()
               .only("where a phase is implicit"),
           key::object("linear_solver", linear_solver_keys(), "Linear systems.")

@@ -10,6 +10,11 @@ namespace gabion::mpm {
 
 namespace {
 
+// Coefficient of friction of facets that stick. Where soil comes off, the tangential traction then
+// goes to nothing with the pressure; without a bound it would jump, and soil without cohesion would
+// have no state of balance on either side of the jump.
+constexpr double sticking = 100;
+
 // The keys of the method boundary_points.
 template <int dim>
 BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSettings<dim>& shared,
@@ -66,6 +71,9 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
   }
   if (in.choice("method") == "facets") {
     boundary.method = read_facets(in, boundary.mode);
+    if (boundary.mode == ContactMode::contact && boundary.friction < 0) {
+      boundary.friction = sticking;
+    }
   } else {
     boundary.method = read_boundary_points<dim>(in, boundary, penalty_unit);
   }

@@ -42,7 +42,10 @@ std::vector<Key> boundary_keys() {
           .in(positive())
           .or_computed("10; 0.5 with `boundary_points`")
           .without("penalty"),
-      key::number("friction", "", "Coefficient of friction; none: it sticks.")
+      key::number(
+          "friction", "",
+          "Coefficient of friction; none: it sticks, `facets` with a coefficient of 100, so "
+          "that nothing jumps where soil comes off.")
           .in(non_negative())
           .or_none()
           .when("mode", {"contact"}),

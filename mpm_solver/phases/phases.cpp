@@ -77,8 +77,9 @@ KeyTable wall_keys() {
       "A wall along facets of the grid; a group once. Where walls meet, fixed ones come first.",
       {key::text("group", "Facet group of the grid."),
        key::choice("condition", {"fixed", "slip", "outflow"},
-                   "`fixed` holds all components, `slip` the normal one, in tension too; "
-                   "`outflow` holds nothing, and points that leave there are taken out."),
+                   "`fixed` holds all components, `slip` the normal one, in tension too, with one "
+                   "mean normal a node where its group bends by less than 20 degrees; `outflow` "
+                   "holds nothing, and points that leave there are taken out."),
        key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none()}};
 }
 

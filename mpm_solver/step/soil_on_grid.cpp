@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
@@ -33,7 +34,10 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
         return std::find(sides.begin(), sides.end(), each.group) != sides.end();
       });
   if (wall == phase.walls.end()) return fmt::format("side \"{}\" (no wall)", sides.front());
-  return fmt::format("side \"{}\" ({} wall)", wall->group, wall->fixed ? "fixed" : "slip");
+  return fmt::format("side \"{}\" ({})", wall->group,
+                     wall->fixed ? "fixed wall"
+                                 : "slip wall; where it bends away from the soil, more facets "
+                                   "have to round it off");
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {
@@ -49,8 +53,13 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
                             PhaseTimes& times)
     : model_(model), points_(state.points), ranks_(state.ranks), times_(times) {
   const MpmSettings<dim>& settings = model_.settings;
+  std::set<std::string> said;
   for (const Phase& phase : settings.phases) {
     walls_of_phases_.emplace_back(model_.grid, phase.walls);
+    walls_of_phases_.back().require_agreement(phase.start, phase.until);
+    for (const std::string& warning : walls_of_phases_.back().corner_warnings()) {
+      if (said.insert(warning).second) log::warn("{}", warning);
+    }
   }
   if (settings.quadrature == Quadrature::cells) {
     quadrature_.emplace(model_.grid);

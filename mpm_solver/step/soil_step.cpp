@@ -200,6 +200,7 @@ NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begin
   }
   equilibrium_->begin_solution();
   NewtonSettings settings = model_.settings.newton;
+  if (!with_inertia_) settings.max_iterations = model_.settings.iterations_without_inertia;
   double& tolerance = settings.residual_tolerance;
   if (request.iteration > 0) {
     tolerance = std::min(tolerance, std::max(coupled_share * tolerance, likely_round_off));

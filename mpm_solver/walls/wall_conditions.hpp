@@ -8,13 +8,14 @@
 
 #include "mpm_solver/grid/grid_nodes.hpp"
 #include "mpm_solver/walls/wall_motion.hpp"
+#include "mpm_solver/walls/wall_pieces.hpp"
 
 namespace gabion::mpm {
 
 /// A rigid wall along facets of the background grid.
 struct WallSettings {
   std::string group;  ///< facet group of the grid
-  bool fixed = true;  ///< all components; otherwise slip: the normal component only
+  bool fixed = true;  ///< all components; otherwise slip: the normal one of each smooth piece
   std::string where;  ///< file and pointer, for messages
   WallMotion motion;  ///< prescribed; the facets stay where the grid has them
 };
@@ -25,16 +26,29 @@ template <int dim>
 class WallConditions {
  public:
   /// Where walls meet, fixed ones come first, then those listed first: a later wall adds only the
-  /// directions that are still free.
+  /// directions that are still free. Pieces of slip walls that lie within flush_angle of each other
+  /// hold one direction, their mean by area, which counts for the wall listed first.
   WallConditions(const BackgroundGrid<dim>& grid, const std::vector<WallSettings>& walls);
+
+  /// Slip walls or pieces of them within flush_angle are one plane [deg].
+  static constexpr double flush_angle = 1;
+  /// Slip walls that meet, or bend, from corner_angle or flush_angle up to this are named by
+  /// corner_warnings() [deg].
+  static constexpr double steep_angle = 50;
+
+  /// A sentence for each wall that has nodes where soil may be meant to slide round a corner, and
+  /// for each pair of walls that has.
+  std::vector<std::string> corner_warnings() const;
+  /// Look at all motions from one time to another [s], infinite: for ever.
+  /// @throws ConfigError  walls that share a node move it to different places; names both
+  void require_agreement(double start, double end);
 
   /// Whether a wall holds this node of the grid.
   bool holds(std::int32_t grid_node) const;
 
   /// Take the motion of the walls from time to time + dt.
-  /// @throws ConfigError  walls that share a node move it to different places; names both
   void begin_step(double time, double dt);
-  /// Whether any wall moves in the step under way.
+  /// Whether a wall moves in the step under way.
   bool move() const { return move_; }
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
@@ -71,15 +85,35 @@ class WallConditions {
     std::size_t node = 0;
     Hold hold;
   };
+  struct SlipPiece {
+    std::size_t node = 0;
+    std::int32_t wall = 0;
+    Vector<dim> n;
+    Vector<dim> area;
+  };
+  struct Corner {  // the nodes where two slip walls, or two pieces of one, hold two directions
+    std::int32_t walls[2];
+    std::int64_t num_nodes = 0;
+    double least = 0, largest = 0;            // angle between the directions [deg]
+    Vector<dim> place = Vector<dim>::Zero();  // of the first node [m]
+  };
 
   std::size_t index_of(std::int32_t grid_node) const;
+  void add_fixed_walls(const BackgroundGrid<dim>& grid);
+  void add_slip_walls(const BackgroundGrid<dim>& grid);
+  void add_pieces(const BackgroundGrid<dim>& grid, std::span<SlipPiece> at_node);
+  void note_corner(const SlipPiece& a, const SlipPiece& b, const Vector<dim>& place);
   void add(std::size_t k, const Hold& hold);
-  void require_agreement(const Repetition& repetition, double tolerance) const;
+  bool any_moves() const;
+  double take_steps(double time, double dt);
+  void move_nodes();
+  void require_agreement(const Repetition& repetition, double tolerance, double time) const;
   static void set_shares(Node& node);
 
   std::vector<WallSettings> walls_;
   std::vector<Node> nodes_;  // ascending grid nodes
   std::vector<Repetition> repetitions_;
+  std::vector<Corner> corners_;
   bool move_ = false;
   std::vector<Vector<dim>> steps_;     // displacement of each wall in the step
   std::vector<std::size_t> selected_;  // active ones of nodes_

@@ -52,6 +52,7 @@ TEST(MpmConfig, keys_of_contact_by_facets) {
   interface["mode"] = "fixed";
   expect_refused(json, {"/interfaces/0/mode", "fixed", "facets", "allowed: contact, slip"});
   interface["mode"] = "contact";
+  EXPECT_EQ(settings.interfaces.at(0).friction, 100);  // it sticks
   interface["tangential_factor"] = 0;
   expect_refused(json, {"/interfaces/0/tangential_factor"});
   interface.erase("tangential_factor");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "mpm_solver/contact/rigid_motion.hpp"
 #include "tests/support/expect_error.hpp"
@@ -177,6 +178,33 @@ TEST(RigidWalls, a_block_at_rest_comes_to_lie_on_one) {
       EXPECT_NEAR(probe(*solver, "bed.fy"), -weight, 2e-5 * weight) << friction << ' ' << n;
       EXPECT_NEAR(probe(*solver, "bed.fx"), 0, 2e-5 * weight) << friction << ' ' << n;
     }
+  }
+}
+
+/// Sand that collapses on a floor and along a side to which it sticks: it comes off the side, and
+/// without a bound on the tangential traction there no step of any size would have a solution.
+TEST(RigidWalls, sand_comes_off_walls_without_friction_coefficient) {
+  constexpr double h = 0.005;
+  Json sand = elastic_soil("mohr_coulomb", 840e3, 0.3, 2650);
+  sand["friction_angle"] = 19.8;
+  const auto rough = [&](const std::string& name, const Json& line) {
+    return Json{{"name", name}, {"surface", {{"polyline", line}, {"spacing", h / 2}}}};
+  };
+  for (const auto& [columns, layers] : {std::pair{8, 4}, {12, 12}}) {
+    const double top = (layers + 4) * h;
+    const auto solver = mpm_solver<2>(
+        {{"dimension", 2},
+         {"grid", box({-2 * h, -2 * h}, {24 * h, top}, {26, layers + 6}, "quad4")},
+         {"gravity", {0, -9.81}},
+         {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}},
+         {"bodies",
+          {body("soil", box({0, 0}, {columns * h, layers * h}, {columns, layers}, "quad4"), 4,
+                sand)}},
+         {"rigid_walls",
+          {rough("floor", {{30 * h, 0}, {-2 * h, 0}}), rough("side", {{0, -2 * h}, {0, top}})}}});
+    ASSERT_NO_THROW(run_steps(*solver, 1e-3, 20)) << layers;
+    EXPECT_LT(probe(*solver, "floor.fy"), 0);
+    EXPECT_GT(probe(*solver, "momentum_x"), 0);
   }
 }
 

@@ -167,13 +167,22 @@ TEST(MovingWall, shaken_foot_gives_all_the_energy) {
 TEST(MovingWall, contradicting_walls_are_refused) {
   Json json = bar();
   json["walls"] = {wall("bottom", "fixed"), moving_wall("right", "slip", {0.01, 0})};
-  const auto solver = make_mpm(json);
-  InterfaceValues sent;
-  expect_error<ConfigError>(
-      [&] {
-        solver->solve_step({1, 0, 0, 0.1}, {}, sent);
-      },
-      {"/walls/1/group", "\"right\"", "\"bottom\"", "grid node"});
+  expect_error<ConfigError>([&] { make_mpm(json); },
+                            {"/walls/1/group", "\"right\"", "\"bottom\"", "grid node"});
+}
+
+/// The set-up finds what is wrong in a later phase only, or from a row of a table on.
+TEST(MovingWall, contradictions_of_a_later_phase_are_refused_at_once) {
+  Json json = bar();
+  json["walls"] = {wall("bottom", "fixed")};
+  json["phases"] = {{{"until", 1}}, {{"walls", {wall("bottom", "fixed"), wall("right", "slip")}}}};
+  Json& motion = json["phases"][1]["walls"][1]["motion"];
+  // Along the wall it may move, before the phase too.
+  motion = {{"table", {{0, 0, 0}, {0.5, 0.1, 0}, {1, 0.1, 0}, {2, 0.1, 3}, {3, 0.1, 0}}}};
+  EXPECT_NO_THROW(make_mpm(json));
+  motion["table"].push_back({4, 0.1001, 0});
+  expect_error<ConfigError>([&] { make_mpm(json); }, {"/phases/1/walls/1/group", "\"right\"",
+                                                      "\"bottom\"", "grid node", "from 3 s on"});
 }
 
 }  // namespace

@@ -109,6 +109,7 @@ TEST(Facets, a_bar_that_hits_a_wall) {
 struct Slide {
   double speed = 0, lowest = 0;
   double pitch = 0;           // mean over time [rad]
+  double largest_pitch = 0;   // [rad]
   double pull = 0, push = 0;  // impulses on the plane, along it and into it
 };
 Slide slide(double mu, double above, double wall_height) {
@@ -136,6 +137,7 @@ Slide slide(double mu, double above, double wall_height) {
     const double tail = probe(*solver, "tail.uy"), nose = probe(*solver, "nose.uy");
     found.lowest = std::max(found.lowest, -0.5 * (tail + nose));
     found.pitch += (nose - tail) / 0.46 / 400;
+    found.largest_pitch = std::max(found.largest_pitch, std::abs(nose - tail) / 0.46);
     found.pull += 5e-4 * probe(*solver, "incline.fx");
     found.push -= 5e-4 * probe(*solver, "incline.fy");
   }
@@ -167,6 +169,7 @@ TEST(Facets, block_on_an_incline) {
                 .unit = "m/s"});
       }
       EXPECT_LT(std::abs(found.pitch), 1e-3) << mu << " " << wall_height;
+      EXPECT_LT(found.largest_pitch, 2e-3) << mu << " " << wall_height;
     }
   }
 }

@@ -211,7 +211,6 @@ Json sand_on_a_floor(double slope) {
       {"grid", box({-0.2, -0.2}, {2.2, 1.8}, {24, 20}, "quad4")},
       {"gravity", {0, -10}},
       {"gravity_ramp", {{"duration", 1}}},
-      {"newton", {{"max_iterations", 60}}},
       {"bodies", {body("sand", box({0, 0}, {2, 0.4}, {20, 4}, "quad4"), 4, sand)}},
       {"rigid_walls",
        {{{"name", "floor"},
