@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "mpm_solver/mpm_config.hpp"
+
+namespace gabion::mpm {
+
+/// Log what a body does under its own weight (log_own_weight), and which bodies start free of
+/// stress under weight that is there from the start: what lies on a bed swings about its rest.
+template <int dim>
+void log_soil_at_rest(const MpmSettings<dim>& settings);
+
+/// Why initial stress cannot be in balance, empty where nothing is found: of two bodies with
+/// initial stress, one on top of the other, the vertical stresses differ where they meet. Says the
+/// `surface` of the lower one with which they would not.
+/// @param gravity  at the start [m/s^2]
+template <int dim>
+std::string stress_jump_text(const MpmSettings<dim>& settings, const Vector<dim>& gravity);
+
+}  // namespace gabion::mpm
