@@ -24,7 +24,7 @@ NodeSet node_set(std::span<const std::int32_t> nodes) {
   NodeSet set;
   set.fill(std::numeric_limits<std::int32_t>::max());
   std::copy(nodes.begin(), nodes.end(), set.begin());
-  std::sort(set.begin(), set.begin() + nodes.size());
+  std::sort(set.begin(), set.end());
   return set;
 }
 
@@ -44,6 +44,7 @@ void for_each_run(SortedSets& sets, const Visit& visit) {
 
 /// Whether two facets with the same nodes run around in the same sense.
 bool same_sense(std::span<const std::int32_t> a, std::span<const std::int32_t> b) {
+  if (a.size() == 2) return a[0] == b[0];
   std::vector<std::int32_t> turned(b.begin(), b.end());
   std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), a[0]), turned.end());
   return std::equal(a.begin(), a.end(), turned.begin());
