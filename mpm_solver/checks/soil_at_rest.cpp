@@ -11,6 +11,7 @@
 
 #include "common/base/log.hpp"
 #include "common/mechanics/materials/own_weight.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
 
 namespace gabion::mpm {
 
@@ -23,14 +24,21 @@ Eigen::AlignedBox<double, dim> box_of(const Mesh<dim>& mesh) {
   return box;
 }
 
-/// Reach of a mesh along a direction of length 1 [m].
+/// Mean depth along a direction of length 1: volume over the area that it looks down on [m]. It is
+/// that of the layer, however far the ground falls below it.
 template <int dim>
-double height_along(const Mesh<dim>& mesh, const Vector<dim>& direction) {
-  Eigen::AlignedBox<double, 1> reach;
-  for (const Vector<dim>& x : mesh.nodes) {
-    reach.extend(Eigen::Matrix<double, 1, 1>(x.dot(direction)));
+double mean_depth(const Mesh<dim>& mesh, const Vector<dim>& direction) {
+  if (mesh.file.empty()) {  // a box
+    return 1 / direction.cwiseAbs().cwiseQuotient(box_of(mesh).sizes()).sum();
   }
-  return reach.sizes()[0];
+  double volume = 0, area = 0;  // each column has a facet at the top and one at the bottom
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) volume += cell_volume(mesh, c);
+  const auto facets = boundary_facets(mesh);
+  for (const auto& vector :
+       facet_area_vectors<dim>(mesh.nodes, facet_type(mesh.cell_type), facets)) {
+    area += 0.5 * std::abs(vector.dot(direction));
+  }
+  return volume / area;
 }
 
 template <int dim>
@@ -42,7 +50,7 @@ WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t b) {
   column.p_wave_modulus =
       std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
   column.gravity = g;
-  if (g > 0) column.height = height_along<dim>(settings.layouts[b].mesh, settings.gravity / g);
+  if (g > 0) column.height = mean_depth<dim>(settings.layouts[b].mesh, settings.gravity / g);
   return column;
 }
 

@@ -29,7 +29,7 @@ double WeightedColumn::period() const {
 void log_own_weight(const std::string& where, const WeightedColumn& column) {
   const double speed = column.wave_speed(), settlement = column.settlement();
   if (column.gravity > 0) {
-    log::info("{}: waves of {:.4g} m/s; {:.3g} m high, it settles by {:.2g} m under its own weight",
+    log::info("{}: waves of {:.4g} m/s; {:.3g} m deep, it settles by {:.2g} m under its own weight",
               where, speed, column.height, settlement);
   } else {
     log::info("{}: waves of {:.4g} m/s", where, speed);
@@ -42,7 +42,7 @@ void log_own_weight(const std::string& where, const WeightedColumn& column) {
   }
   if (settlement > largest_share * column.height) {
     log::warn(
-        "{}: settles by {:.2g} m under its own weight, {:.3g} of its height of {:.3g} m, "
+        "{}: settles by {:.2g} m under its own weight, {:.3g} of its depth of {:.3g} m, "
         "plausible: at most {}; young_modulus in Pa, lengths in m?",
         where, settlement, settlement / column.height, column.height, largest_share);
   }

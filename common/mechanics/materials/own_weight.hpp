@@ -21,7 +21,7 @@ struct WeightedColumn {
 
 /// Log wave speed and settlement under the own weight, and warn where they look like units that do
 /// not fit together: waves slower than 5 or faster than 20,000 m/s, a settlement of more than a
-/// twentieth of the height.
+/// twentieth of the depth.
 /// @param where  file and pointer of the material
 void log_own_weight(const std::string& where, const WeightedColumn& column);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/fem/fem_scene.hpp"

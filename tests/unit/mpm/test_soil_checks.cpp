@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -111,7 +112,29 @@ TEST(SoilAtRest, units_that_do_not_fit_are_said) {
               {"/bodies/0/material/young_modulus: found 1.0 Pa, softer than any soil",
                "in MPa it would be 1e+06 Pa", "/bodies/1/material/young_modulus: found 30.0 Pa",
                "/rigid_walls/0/friction: found 30.0, an angle", "waves of 0.0367 m/s",
-               "under its own weight, 3.64e+03 of its height of 1 m"});
+               "under its own weight, 3.64e+03 of its depth of 1 m"});
+}
+
+/// A layer of 1 m on a slope that falls by 300 m settles as one on level ground.
+TEST(SoilAtRest, a_layer_counts_by_its_depth) {
+  GmshText file;
+  for (int i = 0; i <= 40; ++i) {
+    file.nodes.push_back({20.0 * i, 300 - 7.5 * i, 0});
+    file.nodes.push_back({20.0 * i, 301 - 7.5 * i, 0});
+  }
+  file.blocks = {{2, 1, 3, {}}};
+  for (int i = 0; i < 40; ++i) {
+    file.blocks[0].elements.push_back({2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2});
+  }
+  const TemporaryMesh mesh(file);
+  Json json = two_bodies(1.5);
+  json["grid"] = box({0, 0}, {800, 302}, {40, 16}, "quad4");
+  json["gravity"] = {0, -10};
+  json["basis"] = "linear";
+  json["bodies"] = {body("slide", {{"file", mesh.path()}}, 4, soil)};
+  const std::string text = said_of(json);
+  EXPECT_EQ(text.find("warning"), std::string::npos) << text;
+  if (rank_of(comm()) == 0) expect_parts(text, {"1 m deep, it settles by 0.0037 m"});
 }
 
 /// Sound values say nothing but how the soil starts.
