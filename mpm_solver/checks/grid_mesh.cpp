@@ -14,12 +14,13 @@ namespace {
 
 /// 1 for the nodes that walls of some phase hold.
 template <int dim>
-std::vector<char> nodes_of_walls(const Mesh<dim>& mesh, const std::vector<Phase>& phases) {
-  std::vector<char> held(mesh.nodes.size(), 0);
+std::vector<char> nodes_of_walls(const BackgroundGrid<dim>& grid,
+                                 const std::vector<Phase>& phases) {
+  std::vector<char> held(grid.num_nodes_total(), 0);
   for (const Phase& phase : phases) {
     for (const WallSettings& wall : phase.walls) {
-      const auto group = mesh.facet_groups.find(wall.group);
-      if (group == mesh.facet_groups.end()) continue;  // refused where the walls are made
+      const auto group = grid.facet_groups.find(wall.group);
+      if (group == grid.facet_groups.end()) continue;  // refused where the walls are made
       for (const std::int32_t i : group->second) held[i] = 1;
     }
   }
@@ -34,7 +35,7 @@ void check_grid_mesh(const ConfigReader& in, const BackgroundGrid<dim>& grid,
   if (!grid.stored || grid.stored->mesh.file.empty()) return;
   const Mesh<dim>& mesh = grid.stored->mesh;
   const auto connection = connection_of(mesh);
-  const auto held = nodes_of_walls(mesh, phases);
+  const auto held = nodes_of_walls(grid, phases);
   const bool open =
       std::ranges::any_of(connection.unjoined, [&](std::int32_t i) { return !held[i]; });
   if (open) {

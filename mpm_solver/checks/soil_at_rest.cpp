@@ -41,6 +41,8 @@ double mean_depth(const Mesh<dim>& mesh, const Vector<dim>& direction) {
   return volume / area;
 }
 
+}  // namespace
+
 template <int dim>
 WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t b) {
   const Material<dim>& material = settings.bodies[b].material;
@@ -54,24 +56,19 @@ WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t b) {
   return column;
 }
 
-}  // namespace
-
 template <int dim>
-void log_soil_at_rest(const MpmSettings<dim>& settings) {
+std::string free_of_stress_text(const MpmSettings<dim>& settings) {
   const Phase& phase = settings.phases.front();
-  const bool swings = phase.dynamic && phase.gravity_ramp.at(0) != 0 && !settings.gravity.isZero(0);
+  if (!phase.dynamic || phase.gravity_ramp.at(0) == 0 || settings.gravity.isZero(0)) return "";
   std::vector<std::string> names;
   double period = 0;  // [s]
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
-    const WeightedColumn column = column_of(settings, b);
-    log_own_weight(fmt::format("{}/{}/material", settings.bodies_where, b), column);
-    const bool rests = settings.layouts[b].velocity.isZero(0) && !settings.initial_stress[b];
-    if (!swings || !rests) continue;
+    if (settings.initial_stress[b] || !settings.layouts[b].velocity.isZero(0)) continue;
     names.push_back(settings.bodies[b].name);
-    period = std::max(period, column.period());
+    period = std::max(period, column_of(settings, b).period());
   }
-  if (names.empty()) return;
-  log::info(
+  if (names.empty()) return "";
+  return fmt::format(
       "free of stress at the start, with its whole weight at once: {}. What lies on a bed swings "
       "about its rest, with {:.2g} s a period: the force on the bed goes from next to none to "
       "twice "
@@ -79,6 +76,15 @@ void log_soil_at_rest(const MpmSettings<dim>& settings) {
       "(level layers), a first phase with \"analysis\": \"quasi_static\" (slopes too), or a "
       "\"gravity_ramp\" of several periods (docs/guide.md)",
       fmt::join(names, ", "), period);
+}
+
+template <int dim>
+void log_soil_at_rest(const MpmSettings<dim>& settings) {
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    log_own_weight(fmt::format("{}/{}/material", settings.bodies_where, b), column_of(settings, b));
+  }
+  const std::string text = free_of_stress_text(settings);
+  if (!text.empty()) log::info("{}", text);
 }
 
 namespace {
@@ -158,6 +164,10 @@ std::string stress_jump_text(const MpmSettings<dim>& settings, const Vector<dim>
   return "";
 }
 
+template WeightedColumn column_of(const MpmSettings<2>&, std::size_t);
+template WeightedColumn column_of(const MpmSettings<3>&, std::size_t);
+template std::string free_of_stress_text(const MpmSettings<2>&);
+template std::string free_of_stress_text(const MpmSettings<3>&);
 template void log_soil_at_rest(const MpmSettings<2>&);
 template void log_soil_at_rest(const MpmSettings<3>&);
 template std::string stress_jump_text<2>(const MpmSettings<2>&, const Vector<2>&);

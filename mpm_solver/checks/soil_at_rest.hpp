@@ -3,12 +3,22 @@
 
 #include <string>
 
+#include "common/mechanics/materials/own_weight.hpp"
 #include "mpm_solver/mpm_config.hpp"
 
 namespace gabion::mpm {
 
-/// Log what a body does under its own weight (log_own_weight), and which bodies start free of
-/// stress under weight that is there from the start: what lies on a bed swings about its rest.
+/// A body as a layer under gravity, of its mean depth.
+/// @param settings  with the layouts of the bodies, as below
+template <int dim>
+WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t body);
+
+/// What to say of bodies that start free of stress, with weight that is there from the start: what
+/// lies on a bed swings about its rest. Empty: there are none.
+template <int dim>
+std::string free_of_stress_text(const MpmSettings<dim>& settings);
+
+/// Log what each body does under its own weight (log_own_weight), and that text.
 template <int dim>
 void log_soil_at_rest(const MpmSettings<dim>& settings);
 
