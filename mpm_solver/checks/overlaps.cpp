@@ -18,7 +18,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the smaller body: what bodies may share without an error.
+// Of the points of the smaller body: how many may lie in another without an error.
 constexpr double allowed_share = 0.01;
 
 /// Volume and mass of material points, and the box around them.
@@ -119,7 +119,7 @@ std::string box_text(const Eigen::AlignedBox<double, dim>& box) {
                      fmt::join(box.max(), ", "));
 }
 
-/// @param share  of the smaller body
+/// @param share  of the points of the smaller body
 void say(double share, const std::string& text) {
   require<ConfigError>(share <= allowed_share, "{}; allowed: bodies that fill space once", text);
   log::warn("{}", text);
@@ -131,8 +131,8 @@ void check_pair(Overlaps<dim>& overlaps, const MpmSettings<dim>& settings, std::
   const auto a_in_b = overlaps.points_in(a, b), b_in_a = overlaps.points_in(b, a);
   const auto& larger = a_in_b.volume >= b_in_a.volume ? a_in_b : b_in_a;
   if (!(larger.volume > 0)) return;
-  const double smaller = std::min(overlaps.all_of(a).volume, overlaps.all_of(b).volume);
-  say(larger.volume / smaller,
+  const double of_a = overlaps.all_of(a).volume, of_b = overlaps.all_of(b).volume;
+  say(of_a < of_b ? a_in_b.volume / of_a : b_in_a.volume / of_b,
       fmt::format("{}: found that \"{}\" and \"{}\" overlap: material points of {:.4g} m^3 at {} "
                   "lie in cells of the other body, so that the same room holds {:.6g} kg of \"{}\" "
                   "and {:.6g} kg of \"{}\"",

@@ -9,7 +9,7 @@ namespace gabion::mpm {
 
 /// Look whether bodies, or parts of the mesh of one, lie in each other: the same room would hold
 /// the mass of both. Measured by the material points of one that lie in cells of the other. Warns
-/// of less than a hundredth of the smaller body.
+/// where these are less than a hundredth of the smaller body's.
 /// @param settings  with the layouts of the bodies
 /// @param points    of this rank, as they were laid
 /// @throws ConfigError  more than that: which bodies, where, volume and mass
