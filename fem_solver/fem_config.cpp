@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <set>
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/materials/own_weight.hpp"
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "common/settings/plausible.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
+#include "fem_solver/supports/held_parts.hpp"
 
 namespace gabion::fem {
 
@@ -216,6 +220,26 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   }
 }
 
+/// Log what the structure does under its own weight.
+template <int dim>
+void check_own_weight(const ConfigReader& in, const FemSettings<dim>& s) {
+  const double g = s.gravity.norm();
+  const Vector<dim> down = g > 0 ? Vector<dim>(s.gravity / g) : Vector<dim>::Zero();
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vector<dim>& x : s.mesh.nodes) {
+    low = std::min(low, x.dot(down));
+    high = std::max(high, x.dot(down));
+  }
+  const SharedNodes& shared = s.ranks.shared();
+  WeightedColumn column;
+  column.density = s.material.density;
+  column.p_wave_modulus =
+      std::visit([](const auto& law) { return law.p_wave_modulus(); }, s.material.law);
+  column.gravity = g;
+  column.height = shared.largest(high) + shared.largest(-low);
+  log_own_weight(in.where("material"), column);
+}
+
 }  // namespace
 
 int read_dimension(ConfigReader& in) {
@@ -272,7 +296,9 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
   s.material = read_material<dim>(in.object("material"));
   assert(is_elastic<dim>(s.material.law));
-  s.mesh = read_mesh_of_rank<dim>(scene, in, comm, s.ranks);
+  auto ranked = read_mesh_of_rank<dim>(scene, in, comm);
+  s.mesh = std::move(ranked.mesh);
+  s.ranks = std::move(ranked.ranks);
   s.gravity = read_vector<dim>(in, "gravity");
   read_motion<dim>(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
@@ -280,11 +306,14 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
   }
   read_conditions(in, s);
+  together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
   s.newton = read_newton_settings(in.object("newton"));
   s.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   if (in.has("$schema")) in.text("$schema");
+  warn_of_implausible_settings(in, Described::structure);
+  check_own_weight(in, s);
   return s;
 }
 

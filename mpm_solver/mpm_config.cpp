@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/settings/plausible.hpp"
+#include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
@@ -130,17 +132,6 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                       widest));
 }
 
-// Density below which a body seems to have another unit [kg/m^3]: no soil is as light.
-constexpr double least_density = 100;
-
-void warn_of_density(const ConfigReader& in, double density) {
-  if (density >= least_density) return;
-  log::warn(
-      "{}: found {} kg/m^3, lighter than any soil; 1 t/m^3 and 1 g/cm^3 are 1000 kg/m^3, "
-      "1 kN/m^3 is 102 kg/m^3",
-      in.where("material/density"), density);
-}
-
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   settings.bodies_where = in.where("bodies");
@@ -164,7 +155,6 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
     body.material = read_material<dim>(item.object("material"));
-    warn_of_density(item, body.material.density);
     settings.initial_stress.emplace_back();
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body.material);
@@ -318,6 +308,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   MpmSettings<dim> settings;
   settings.grid = read_grid<dim>(scene, in.object("grid"));
   settings.phases = read_phases(in, dim);
+  check_grid_mesh(in, settings.grid, settings.phases);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
   in.vector("origin", dim);
@@ -360,6 +351,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   }
   if (in.has("$schema")) in.text("$schema");
   in.finish();
+  warn_of_implausible_settings(in, Described::soil);
   return settings;
 }
 

@@ -2,6 +2,8 @@
 #include "mpm_solver/mpm_solver.hpp"
 
 #include "common/base/require.hpp"
+#include "mpm_solver/checks/overlaps.hpp"
+#include "mpm_solver/checks/soil_at_rest.hpp"
 #include "mpm_solver/contact/start_check.hpp"
 
 namespace gabion::mpm {
@@ -35,6 +37,8 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       step_(model_, state_, times_),
       report_(model_, output_folder) {
   report_.log_start(state_, step_.soil().weights());
+  log_soil_at_rest(model_.settings);
+  check_overlaps(model_.comm, model_.settings, state_.points);
   check_surfaces(model_, state_.points);
   step_.check_initial_stress();
   model_.settings.layouts.clear();  // the points are laid and at rest

@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 #include "common/base/require.hpp"
 
 namespace gabion {
 
 namespace {
 std::string cell_text(const CsvValue& value) {
+  const auto* number = std::get_if<double>(&value);
+  if (number != nullptr && std::isnan(*number)) return "";
   return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
 }
 }  // namespace

@@ -9,7 +9,8 @@
 
 namespace gabion {
 
-/// One cell of a table. Numbers are written with the fewest digits that read back to the same bits.
+/// One cell of a table. Numbers are written with the fewest digits that read back to the same bits,
+/// those that are none (NaN) as empty cells.
 using CsvValue = std::variant<double, std::int64_t, std::string>;
 
 /// A CSV file whose rows are on disk as soon as they are written.

@@ -124,13 +124,14 @@ MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
 }  // namespace
 
 template <int dim>
-Mesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm,
-                            MeshRanks& ranks) {
+RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm) {
   const ConfigReader in = fem.object("mesh");
+  RankedMesh<dim> ranked;
   if (num_ranks(comm) == 1) {
-    Mesh<dim> mesh = read_mesh<dim>(scene, in);
-    warn_of_cell_groups(mesh, fem.where("mesh"));
-    return mesh;
+    ranked.mesh = read_mesh<dim>(scene, in);
+    warn_of_cell_groups(ranked.mesh, fem.where("mesh"));
+    if (!ranked.mesh.file.empty()) ranked.connection = connection_of(ranked.mesh);
+    return ranked;
   }
   const auto source = read_box_or_file<dim>(in);
   MeshPart<dim> part;
@@ -145,15 +146,17 @@ Mesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm
     together<ConfigError>(comm, [&] {
       if (rank_of(comm) != 0) return;
       whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source));
+      ranked.connection = connection_of(whole);
     });
     warn_of_cell_groups(whole, fem.where("mesh"));
     part = part_of_mesh(whole, comm);
   }
-  ranks = MeshRanks(comm, std::move(part.numbers), part.mesh.facet_groups);
-  return std::move(part.mesh);
+  ranked.ranks = MeshRanks(comm, std::move(part.numbers), part.mesh.facet_groups);
+  ranked.mesh = std::move(part.mesh);
+  return ranked;
 }
 
-template Mesh<2> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm, MeshRanks&);
-template Mesh<3> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm, MeshRanks&);
+template RankedMesh<2> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm);
+template RankedMesh<3> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm);
 
 }  // namespace gabion::fem

@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include "common/mechanics/mesh/connected_parts.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
@@ -10,14 +11,22 @@
 
 namespace gabion::fem {
 
+/// What a rank knows of the mesh of the structure.
+template <int dim>
+struct RankedMesh {
+  Mesh<dim> mesh;   ///< its part
+  MeshRanks ranks;  ///< how the part lies in the whole
+  /// Of the whole where it comes from a file, on the rank that reads it; else without parts.
+  MeshConnection<dim> connection;
+};
+
 /// This rank's part of a mesh: space is parted by planes so that the ranks have equal numbers of
 /// cells (bisect). Of a box each rank makes its own bricks alone; a file is read by the first rank,
 /// which sends the parts one after the other.
-/// @param      fem    reader of fem.json; its "mesh" is read
-/// @param[out] ranks  how the part lies in the whole
+/// @param fem  reader of fem.json; its "mesh" is read
 /// @throws ConfigError  as read_mesh(); on all ranks
 /// @note Collective.
 template <int dim>
-Mesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm, MeshRanks& ranks);
+RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm);
 
 }  // namespace gabion::fem

@@ -21,23 +21,32 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
   for (const auto& settings : interfaces_) contacts_.push_back(make_contact(settings));
   for (const auto& wall : walls_) contacts_.push_back(make_contact(wall.boundary));
   touching_.assign(contacts_.size(), 0);
-  dropped_.assign(walls_.size(), 0);
+  dropped_.assign(contacts_.size(), 0);
 }
 
 template <int dim>
-void Surfaces<dim>::drop_wall(std::size_t wall) {
-  auto& contact = contacts_[interfaces_.size() + wall];
-  contact = std::make_unique<DroppedContact<dim>>(walls_[wall].boundary, contact->energy());
-  dropped_[wall] = 1;
+void Surfaces<dim>::drop(std::size_t contact) {
+  const ContactEnergy energy = contacts_[contact]->energy();
+  contacts_[contact] = std::make_unique<DroppedContact<dim>>(settings(contact), energy);
+  dropped_[contact] = 1;
+}
+
+template <int dim>
+void Surfaces<dim>::drop_all() {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (dropped_[k] == 0) drop(k);
+  }
+  std::fill(touching_.begin(), touching_.end(), 0);
+  symmetric_ = true;
 }
 
 template <int dim>
 void Surfaces<dim>::keep_walls(std::span<const std::string> names) {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
-    if (dropped_[k] != 0 || std::find(names.begin(), names.end(), walls_[k].name) != names.end()) {
-      continue;
-    }
-    drop_wall(k);
+    const std::size_t contact = interfaces_.size() + k;
+    const bool named = std::find(names.begin(), names.end(), walls_[k].name) != names.end();
+    if (named || dropped_[contact] != 0) continue;
+    drop(contact);
     log::info("rigid wall \"{}\" is dropped", walls_[k].name);
   }
 }
@@ -248,11 +257,11 @@ void Surfaces<dim>::take(Packet& packet) {
 template <int dim>
 void Surfaces<dim>::visit_state(StateVisitor& visitor) {
   std::vector<std::int32_t> dropped = dropped_;
-  visitor.integers("dropped_walls", std::span<std::int32_t>(dropped));
-  for (std::size_t k = 0; k < walls_.size(); ++k) {
-    if (dropped[k] != 0 && dropped_[k] == 0) drop_wall(k);
+  visitor.integers("dropped_surfaces", std::span<std::int32_t>(dropped));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (dropped[k] != 0 && dropped_[k] == 0) drop(k);
     if (dropped[k] == 0 && dropped_[k] != 0) {
-      contacts_[interfaces_.size() + k] = make_contact(walls_[k].boundary);
+      contacts_[k] = make_contact(settings(k));
       dropped_[k] = 0;
     }
   }

@@ -25,6 +25,8 @@ class Surfaces {
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
   /// Drop the rigid walls that are not named: they act no more, for the rest of the run.
   void keep_walls(std::span<const std::string> names);
+  /// No surface acts any more, for the rest of the run.
+  void drop_all();
 
   /// @note Collective.
   void begin_step(const SoilSurface<dim>& soil);
@@ -67,14 +69,14 @@ class Surfaces {
   void visit_state(StateVisitor& visitor);
 
  private:
-  void drop_wall(std::size_t wall);
+  void drop(std::size_t contact);
   ContactCounts counts(std::size_t contact) const;
 
   MPI_Comm comm_;
   const std::vector<ContactSettings<dim>>& interfaces_;
   const std::vector<RigidWallSettings<dim>>& walls_;
   Contacts<dim> contacts_;
-  std::vector<std::int32_t> dropped_;  // of each wall: 1 if it was
+  std::vector<std::int32_t> dropped_;  // of each contact: 1 if it was
   std::vector<char> touching_;         // of each contact, in this step, on any rank
   bool symmetric_ = true;
 };

@@ -99,7 +99,11 @@ KeyTable initial_stress_keys() {
            .in(non_negative()),
        key::choice("k0", {"elastic", "jaky"},
                    "`elastic`: nu / (1 - nu); `jaky`: 1 - sin(phi), with a law that has phi."),
-       key::number("surface", "m", "Height of the surface; no point lies above it."),
+       key::number(
+           "surface", "m",
+           "Height of the surface; no point lies above it. Of a layer under layers of other "
+           "densities: the height up to which its own density would weigh as much as they "
+           "do."),
        key::number("ocr", "",
                    "Over-consolidation ratio; unloading is elastic: K0 = ocr k0 - (ocr - 1) nu / "
                    "(1 - nu).")

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
@@ -11,6 +13,9 @@
 namespace gabion::mpm {
 
 namespace {
+
+// Of a point that has left, of a body without points.
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 template <int dim>
 void append_removed_names(const std::vector<std::string>& sides, std::vector<std::string>& names) {
@@ -27,6 +32,16 @@ Json removed_masses(const SoilModel<dim>& model, const SoilState<dim>& state) {
     masses[model.exit_sides[k]] = state.removed_masses[k];
   }
   return masses;
+}
+
+/// When soil left, as far as it has.
+template <int dim>
+void append_ends(const SoilModel<dim>& model, const SoilState<dim>& state, Json& summary) {
+  if (std::isfinite(state.soil_end)) summary["soil_left_at"] = state.soil_end;
+  for (std::size_t k = 0; k < state.probe_ends.size(); ++k) {
+    if (!std::isfinite(state.probe_ends[k])) continue;
+    summary["probes_left_at"][model.settings.probes[k].name] = state.probe_ends[k];
+  }
 }
 
 Json explicit_json(const SubstepCounts& counts) {
@@ -107,7 +122,7 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
     values.insert(values.end(), more.begin(), more.end());
   };
   append(std::span(totals.momentum.data(), dim));
-  append(totals.front);
+  for (const double front : totals.front) values.push_back(std::isfinite(front) ? front : no_value);
   append(state.ledger.values());
   std::vector<double> motion;
   for (const std::int64_t id : state.probe_ids) {
@@ -115,6 +130,9 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
     for (int d = 0; d < dim; ++d) motion.push_back(p < 0 ? 0.0 : state.points.u[p][d]);
   }
   sum_over_ranks(model_.comm, std::span<double>(motion));
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    if (std::isfinite(state.probe_ends[k / dim])) motion[k] = no_value;
+  }
   append(motion);
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
@@ -199,6 +217,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"linear_iterations", step.linear_iterations()},
                   {"memory", memory_.json(model_.comm)},
                   {"wall_seconds", times.seconds()}};
+  append_ends(model_, state, summary);
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;
 }

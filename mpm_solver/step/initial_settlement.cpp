@@ -7,6 +7,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/soil_at_rest.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 
@@ -86,11 +87,13 @@ void SoilStep<dim>::check_initial_stress() {
   initial_displacement_ = largest;
   log::info("initial stress: would settle by {:.2e} m, {:.2e} of a cell", largest,
             largest / model_.cell_size);
-  require<ConfigError>(
-      largest <= strictest->max_displacement * model_.cell_size,
-      "{}: the initial stress is not in balance, a point would move by {:.3g} cells; "
-      "allowed: \"max_displacement\" = {:g}",
-      strictest->where, largest / model_.cell_size, strictest->max_displacement);
+  require<ConfigError>(largest <= strictest->max_displacement * model_.cell_size, [&] {
+    return fmt::format(
+        "{}: the initial stress is not in balance, a point would move by {:.3g} cells; allowed: "
+        "\"max_displacement\" = {:g}{}",
+        strictest->where, largest / model_.cell_size, strictest->max_displacement,
+        stress_jump_text<dim>(model_.settings, gravity));
+  });
 }
 
 template void SoilStep<2>::check_initial_stress();

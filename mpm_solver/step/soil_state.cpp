@@ -184,17 +184,18 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
   locate_points(model, points);
   ranks.divide(points, surfaces);
   probe_ids = find_probe_points(model, points);
+  probe_ends.assign(probe_ids.size(), std::numeric_limits<double>::infinity());
   ledger.start(points);
 }
 
 // Which sides the points leave by.
 template <int dim>
-void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const Start& start,
+void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const Step& step,
                                  const SoilModel<dim>& model) {
   const auto& known = model.exit_sides;
   std::vector<double> masses(known.size(), 0.0);
   for (const std::int32_t p : outside) {
-    const auto sides = model.exits.sides(start.x[p], start.cell[p], points.x[p]);
+    const auto sides = model.exits.sides(step.x[p], step.cell[p], points.x[p]);
     const auto side = std::find_first_of(known.begin(), known.end(), sides.begin(), sides.end());
     if (side != known.end()) masses[static_cast<std::size_t>(side - known.begin())] += points.m[p];
   }
@@ -207,22 +208,35 @@ void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const St
   }
 }
 
+// Probes whose point is among these end.
 template <int dim>
-void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& start,
+void SoilState<dim>::end_probes(std::span<const std::int32_t> outside, double time,
+                                const SoilModel<dim>& model) {
+  std::vector<std::int32_t> ends(probe_ids.size(), 0);
+  for (std::size_t k = 0; k < probe_ids.size(); ++k) {
+    const std::int32_t p = find_point(points, probe_ids[k]);
+    ends[k] = p >= 0 && std::binary_search(outside.begin(), outside.end(), p);
+  }
+  sum_over_ranks(model.comm, std::span<std::int32_t>(ends));
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    if (ends[k] == 0) continue;
+    probe_ends[k] = time;
+    log::warn(
+        "{:.6g} s: material point {} of probe \"{}\" has left the background grid; its "
+        "columns are empty from now on",
+        time, probe_ids[k], model.settings.probes[k].name);
+  }
+}
+
+template <int dim>
+void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Step& step,
                             const SoilModel<dim>& model) {
   auto count = static_cast<std::int32_t>(outside.size());
   sum_over_ranks(model.comm, std::span<std::int32_t>(&count, 1));
   if (count == 0) return;
   require(model.lets_out, "mpm_solver: a point left the grid unseen");
-  count_exits(outside, start, model);
-  std::string lost;
-  for (std::size_t k = 0; k < probe_ids.size(); ++k) {
-    const std::int32_t p = find_point(points, probe_ids[k]);
-    if (p >= 0 && std::binary_search(outside.begin(), outside.end(), p)) {
-      lost = fmt::format("material point {} of probe \"{}\" has left the background grid",
-                         probe_ids[k], model.settings.probes[k].name);
-    }
-  }
+  count_exits(outside, step, model);
+  end_probes(outside, step.time, model);
   std::vector<Vector<dim>> inertia(1, Vector<dim>::Zero());
   std::vector<std::int64_t> ids;
   for (const std::int32_t p : outside) {
@@ -237,9 +251,12 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Start& 
     log::warn("material points leave the background grid and are removed");
   }
   removed_points += count;
-  lost = first_text(model.comm, lost);
-  require(lost.empty(), lost);
-  require(ledger.totals().mass > 0, "all material points have left the background grid");
+  if (!is_empty()) return;
+  soil_end = step.time;
+  surfaces.drop_all();
+  ledger.set_contact_energy(surfaces.energy());
+  log::warn("{:.6g} s: all soil has left the background grid; the run goes on without it",
+            step.time);
 }
 
 template <int dim>
@@ -251,6 +268,8 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.reals("wall_forces", flat(wall_forces));
   visitor.reals("rigid_wall_forces", rigid_wall_forces);
   visitor.integers("probe_ids", std::span<std::int64_t>(probe_ids));
+  visitor.reals("probe_ends", probe_ends);
+  visitor.real("soil_end", soil_end);
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
   visitor.flag("nearly_linear", nearly_linear);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -29,18 +30,20 @@ struct SoilState {
   /// The same from the states of another number of ranks, see Solver::join_states.
   void join(const State& first, std::span<const State> own, const SoilModel<dim>& model);
 
-  /// Where the points were at the start of a step.
-  struct Start {
+  /// A step that was just taken: where the points were at its start, and when it ends.
+  struct Step {
     std::span<const Vector<dim>> x;      ///< [m]
     std::span<const std::int32_t> cell;  ///< of the grid
+    double time = 0;                     ///< at its end [s]
   };
-  /// Take the points out that are outside the grid.
+  /// Take the points out that are outside the grid. After the last one surfaces act no more.
   /// @param outside  ascending, of this rank
-  /// @param start    not read where the model lets none out
-  /// @throws Error  there are some and the model does not allow it; a probe is lost; none is left
+  /// @param step     its start is not read where the model lets none out
+  /// @throws Error  there are some and the model does not allow it
   /// @note Collective.
-  void remove(std::span<const std::int32_t> outside, const Start& start,
-              const SoilModel<dim>& model);
+  void remove(std::span<const std::int32_t> outside, const Step& step, const SoilModel<dim>& model);
+  /// Whether all points of all ranks have left.
+  bool is_empty() const { return ledger.totals().mass == 0; }
 
   MaterialPoints<dim> points;
   Surfaces<dim> surfaces;
@@ -51,15 +54,18 @@ struct SoilState {
   std::vector<double> rigid_wall_forces;  ///< Surfaces::forces_on_walls
   PointRanks<dim> ranks;
   std::vector<std::int64_t> probe_ids;  ///< of the material point of each probe
-  std::int64_t removed_points = 0;      ///< of all ranks
-  std::vector<double> removed_masses;   ///< through SoilModel::exit_sides [kg]
+  std::vector<double> probe_ends;  ///< when the point of each probe left [s]; infinite: it is here
+  double soil_end = std::numeric_limits<double>::infinity();  ///< when the last point left [s]
+  std::int64_t removed_points = 0;                            ///< of all ranks
+  std::vector<double> removed_masses;  ///< through SoilModel::exit_sides [kg]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]
   KrylovPause pause;           ///< LinearSolver::pause() after the last step
 
  private:
-  void count_exits(std::span<const std::int32_t> outside, const Start& start,
+  void count_exits(std::span<const std::int32_t> outside, const Step& step,
                    const SoilModel<dim>& model);
+  void end_probes(std::span<const std::int32_t> outside, double time, const SoilModel<dim>& model);
   void visit(StateVisitor& visitor);
   void take(StateVisitor& visitor, const SoilModel<dim>& model);
 };

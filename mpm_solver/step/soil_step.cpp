@@ -233,6 +233,7 @@ StepReport SoilStep<dim>::solve_explicit(const StepRequest& request) {
 template <int dim>
 StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValues& received) {
   try {
+    if (state_.is_empty()) return solve_without_soil(request, received);
     const bool begins = dt_ != request.dt;
     if (begins) {
       sizes_.begin(request);
@@ -258,6 +259,7 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
 template <int dim>
 AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
+  if (state_.is_empty()) return accept_without_soil(request);
   const ScopedTimer timer(times_, "grid to points");
   MaterialPoints<dim>& points = state_.points;
   state_.wall_forces = forces_on_walls();
@@ -309,7 +311,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   AcceptReport report;
   report.details = details(cell_n);
   report.proposed_dt = sizes_.proposal().dt;
-  state_.remove(outside, {x_n, cell_n}, model_);
+  state_.remove(outside, {.x = x_n, .cell = cell_n, .time = time}, model_);
   state_.ranks.follow(points, state_.surfaces);
   return report;
 }

@@ -77,6 +77,8 @@ class SoilStep {
   LinearRegime regime() const;
   StepReport solve_implicit(const StepRequest& request, bool begins);
   StepReport solve_explicit(const StepRequest& request);
+  StepReport solve_without_soil(const StepRequest& request, const InterfaceValues& received);
+  AcceptReport accept_without_soil(const StepRequest& request);
   NewtonReport solve_balance(const StepRequest& request, bool begins);
   StepMeasures measure(const NodalMotion<dim>& motion) const;
   std::vector<Vector<dim>> forces_on_walls() const;

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <numbers>
 
-#include "common/base/log.hpp"
 #include "common/mechanics/materials/material.hpp"
 
 namespace gabion {
@@ -92,16 +91,9 @@ struct Friction {
   double friction_angle, dilation_angle, cohesion;  // [rad], [rad], [Pa]
 };
 
-// Degrees below which an angle of friction seems to be one in radians: no soil has as little.
-constexpr double least_friction_angle = 2;
-
 Friction read_friction(ConfigReader& in) {
   constexpr double degree = std::numbers::pi / 180;
   const double phi = in.number("friction_angle");
-  if (phi < least_friction_angle) {
-    log::warn("{}: found {} degrees, less than any soil has; in radians it would be {:.3g} degrees",
-              in.where("friction_angle"), phi, phi / degree);
-  }
   const double psi =
       in.number("dilation_angle",
                 in_words(between(0, phi),

@@ -24,6 +24,15 @@ class FacetOwners {
   /// Owners of the facet with these nodes: none, one (outer facet) or two, lower cell first.
   std::span<const Owner> find(std::span<const std::int32_t> nodes) const;
 
+  /// Visit the owners of each facet that has several, one facet after the other: visit(span).
+  template <class Visit>
+  void for_each_shared(const Visit& visit) const {
+    for (std::size_t first = 0, last = 0; first < keys_.size(); first = last) {
+      while (last < keys_.size() && keys_[last] == keys_[first]) ++last;
+      if (last - first > 1) visit(std::span(owners_).subspan(first, last - first));
+    }
+  }
+
  private:
   using Key = std::array<std::int32_t, 4>;  // sorted; unused places hold the largest number
   static Key key(std::span<const std::int32_t> nodes);

@@ -233,7 +233,7 @@ void read_elements(Scanner& in, GmshFile& file) {
     }
     const std::size_t count = in.count("elements");
     for (std::size_t e = 0; e < count; ++e) {
-      in.number<std::uint64_t>("an element tag");
+      block.tags.push_back(in.number<std::uint64_t>("an element tag"));
       for (int a = 0; a < n; ++a) block.nodes.push_back(in.number<std::uint64_t>("a node tag"));
     }
     found += count;

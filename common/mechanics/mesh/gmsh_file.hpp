@@ -18,6 +18,7 @@ struct GmshFile {
     int entity;
     int type;  ///< Gmsh's number: 1 line, 2 triangle, 3 quad, 4 tetrahedron, 5 hexahedron, 15 point
     std::vector<std::uint64_t> nodes;  ///< num_elements x nodes of the type, node tags
+    std::vector<std::uint64_t> tags;   ///< num_elements, the elements' own
   };
   using DimensionAndTag = std::pair<int, int>;
 

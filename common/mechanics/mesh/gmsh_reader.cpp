@@ -8,9 +8,11 @@
 #include <optional>
 #include <unordered_map>
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
+#include "common/mechanics/mesh/doubled_elements.hpp"
 #include "common/mechanics/mesh/gmsh_file.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 
@@ -75,23 +77,15 @@ std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
   return index;
 }
 
-std::vector<std::string> group_names(const GmshFile& file, const GmshFile::ElementBlock& block) {
-  std::vector<std::string> names;
-  const auto tags = file.physical_tags.find({block.dimension, block.entity});
-  if (tags == file.physical_tags.end()) return names;
-  for (int tag : tags->second) {
-    const auto found = file.physical_names.find({block.dimension, tag});
-    names.push_back(found == file.physical_names.end() ? std::to_string(tag) : found->second);
-  }
-  return names;
-}
-
 /// Collects nodes in the order of the file, those of cells only.
 template <int dim>
 class MeshBuilder {
  public:
   MeshBuilder(const GmshFile& file, const std::string& path)
-      : file_(file), path_(path), position_of_tag_(index_nodes(file, path)) {
+      : file_(file),
+        path_(path),
+        position_of_tag_(index_nodes(file, path)),
+        origin_{.file = file, .path = path, .cells = {}, .facets = {}} {
     mesh_.cell_type = find_cell_type<dim>(file, path);
   }
 
@@ -101,10 +95,14 @@ class MeshBuilder {
       if (dimension(cell_type_of(block.type)) == dim) add_cells(block);
     }
     for (std::int32_t c = 0; c < mesh_.num_cells(); ++c) orient_cell(c);
+    settle_doubled_cells(origin_, mesh_);
     const FacetOwners owners(mesh_);
+    refuse_cells_on_one_side(origin_, owners, mesh_);
     for (const auto& block : file_.element_blocks) {
       if (dimension(cell_type_of(block.type)) == dim - 1) add_facets(block, owners);
     }
+    settle_doubled_facets(origin_, mesh_);
+    warn_of_empty_groups();
     return std::move(mesh_);
   }
 
@@ -146,6 +144,7 @@ class MeshBuilder {
   void add_cells(const GmshFile::ElementBlock& block) {
     const std::int32_t first = mesh_.num_cells();
     for (std::uint64_t tag : block.nodes) mesh_.cells.push_back(number_[position(tag)]);
+    for (std::uint64_t tag : block.tags) origin_.cells.push_back({&block, tag});
     for (const auto& group : group_names(file_, block)) {
       auto& cells = mesh_.cell_groups[group];
       for (std::int32_t c = first; c < mesh_.num_cells(); ++c) cells.push_back(c);
@@ -197,7 +196,7 @@ class MeshBuilder {
   void add_facets(const GmshFile::ElementBlock& block, const FacetOwners& owners) {
     const auto groups = group_names(file_, block);
     const std::size_t n = gmsh_num_nodes(block.type);
-    if (groups.empty()) return;
+    if (groups.empty() || block.tags.empty()) return;
     std::vector<std::int32_t> facets;
     for (std::size_t first = 0; first < block.nodes.size(); first += n) {
       std::array<std::int32_t, 4> facet;
@@ -215,12 +214,26 @@ class MeshBuilder {
     for (const auto& group : groups) {
       auto& all = mesh_.facet_groups[group];
       all.insert(all.end(), facets.begin(), facets.end());
+      for (std::uint64_t tag : block.tags) origin_.facets[group].push_back({&block, tag});
+    }
+  }
+
+  /// Warn of names that stand for no facet or cell.
+  void warn_of_empty_groups() const {
+    for (const auto& [key, name] : file_.physical_names) {
+      const bool is_facets = key.first == dim - 1;
+      if (!is_facets && key.first != dim) continue;
+      if (is_facets ? mesh_.facet_groups.contains(name) : mesh_.cell_groups.contains(name))
+        continue;
+      log::warn("{}: section $PhysicalNames: found the name \"{}\" of a group of {} that has none",
+                path_, name, is_facets ? "facets" : "cells");
     }
   }
 
   const GmshFile& file_;
   const std::string& path_;
   std::unordered_map<std::uint64_t, std::size_t> position_of_tag_;
+  MeshOrigin origin_;
   std::vector<std::int32_t> number_;  // by position in the file; -1: no cell uses it
   Mesh<dim> mesh_;
 };

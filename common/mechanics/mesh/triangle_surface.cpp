@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
@@ -139,6 +140,23 @@ void check_sides(const TriangleSurface& surface, const std::string& path) {
   }
 }
 
+// What lies on each other in opposite senses encloses nothing: soil would touch both sides.
+void check_doubles(const TriangleSurface& surface, const std::string& path) {
+  std::vector<std::pair<Triangle, std::size_t>> sorted;
+  for (const Triangle& triangle : surface.triangles) {
+    sorted.emplace_back(triangle, sorted.size());
+    std::sort(sorted.back().first.begin(), sorted.back().first.end());
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t k = 1; k < sorted.size(); ++k) {
+    require<ConfigError>(sorted[k].first != sorted[k - 1].first, [&] {
+      return fmt::format(
+          "{}: triangles {} and {} (from 0) at {} lie on each other, allowed: each once", path,
+          sorted[k - 1].second, sorted[k].second, place(surface.vertices[sorted[k].first[0]]));
+    });
+  }
+}
+
 }  // namespace
 
 TriangleSurface read_triangles(const std::string& path, TriangleNormals normals) {
@@ -151,6 +169,7 @@ TriangleSurface read_triangles(const std::string& path, TriangleNormals normals)
   check_areas(surface, path);
   if (normals == TriangleNormals::up) turn_up(surface, path);
   check_sides(surface, path);
+  check_doubles(surface, path);
   return surface;
 }
 

@@ -183,5 +183,31 @@ TEST(TimeFunction, table_is_linear_inside_and_held_outside) {
   EXPECT_EQ(fem::TimeFunction::ramp(3).at(2), 6);
 }
 
+std::string warnings_of(const Json& json) {
+  testing::internal::CaptureStderr();
+  fem_settings<2>(json);
+  return testing::internal::GetCapturedStderr();
+}
+
+/// Allowed, but the units look like others; steel and rubber do not.
+TEST(FemConfig, values_in_other_units_are_said) {
+  Json json = valid();
+  json["gravity"] = {0, -9.81};
+  json["material"] = elastic("linear_elastic", 30, 0.2, 2.4);
+  expect_parts(warnings_of(json), {"at /material/density: found 2.4 kg/m^3, lighter than",
+                                   "in t/m^3 it would be 2.4e+03 kg/m^3",
+                                   "at /material/young_modulus: found 30.0 Pa, softer than",
+                                   "in GPa it would be 3e+10 Pa"});
+  json["material"] = elastic("linear_elastic", 3e4, 0.2, 2400);  // of concrete, in MPa
+  expect_parts(warnings_of(json), {"waves of 3.73 m/s", "under its own weight"});
+  json["gravity"] = {0, -9810};
+  expect_parts(warnings_of(json), {"at /gravity: found [0,-9810] m/s^2", "in mm/s^2"});
+  json["gravity"] = {0, -9.81};
+  for (const auto& [E, density] : {std::pair{2.1e11, 7850.0}, {1e6, 1100.0}, {1e7, 20.0}}) {
+    json["material"] = elastic("neo_hookean", E, 0.3, density);
+    EXPECT_EQ(warnings_of(json).find("warning"), std::string::npos) << E;
+  }
+}
+
 }  // namespace
 }  // namespace gabion::test

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -152,6 +154,105 @@ TEST(Outflow, goes_on_from_a_saved_state_to_the_bit) {
   second->load_state(first->save_state());
   take_steps(*second, 0.005, 26, 15);
   EXPECT_EQ(second->probes(), through->probes());
+}
+
+/// @returns whether a column is empty
+bool is_empty(const Solver& solver, const std::string& name) {
+  return std::isnan(probe(solver, name));
+}
+
+/// A block that is out of the grid at 0.33 s, with a probe at its front that leaves at 0.1 s.
+Json leaving(const std::string& basis) {
+  Json json = sliding(2, basis);
+  json["gravity"] = {0, 0};
+  json["probes"] = {{{"name", "tip"}, {"point", {1.7, 0.2}}}};
+  return json;
+}
+
+TEST(Outflow, a_probe_that_has_left_is_empty_and_the_run_goes_on) {
+  const auto solver = make_mpm(leaving("linear"));
+  take_steps(*solver, 0.01, 1, 7);
+  EXPECT_NEAR(probe(*solver, "tip.ux"), 0.21, 1e-9);
+  take_steps(*solver, 0.01, 8, 10);
+  EXPECT_TRUE(is_empty(*solver, "tip.ux"));
+  EXPECT_TRUE(is_empty(*solver, "tip.uy"));
+  EXPECT_GT(probe(*solver, "mass"), 100);
+  const double left_at = solver->summary()["probes_left_at"]["tip"];
+  EXPECT_GT(left_at, 0.08);
+  EXPECT_LT(left_at, 0.12);
+  EXPECT_FALSE(solver->summary().contains("soil_left_at"));
+}
+
+/// Whatever the way of stepping and the surfaces: nothing is left, nothing acts, the books stay.
+void expect_goes_on_without_soil(Json json) {
+  const auto solver = make_mpm(json);
+  const double mass = probe(*solver, "mass");
+  take_steps(*solver, 0.01, 1, 45);
+  const double left_at = solver->summary()["soil_left_at"];
+  EXPECT_GT(left_at, 0.3);
+  EXPECT_LT(left_at, 0.4);
+  EXPECT_EQ(solver->summary()["points"], 0);
+  EXPECT_EQ(probe(*solver, "mass"), 0);
+  EXPECT_NEAR(probe(*solver, "removed_mass"), mass, 1e-9 * mass);
+  EXPECT_NEAR(probe(*solver, "removed_momentum_x"), 3 * mass, 1e-6 * mass);
+  EXPECT_NEAR(probe(*solver, "energy_balance"), 0, 1e-9 * mass);
+  EXPECT_NEAR(probe(*solver, "momentum_error_x"), 0, 1e-9 * mass);
+  EXPECT_TRUE(is_empty(*solver, "front"));
+  EXPECT_TRUE(is_empty(*solver, "tip.ux"));
+  EXPECT_EQ(probe(*solver, "edge.mass_flux"), 0);
+  EXPECT_EQ(probe(*solver, "bed.fy"), 0);
+  // A run that goes on from there, on these ranks.
+  const auto second = make_mpm(json);
+  second->load_state(solver->save_state());
+  take_steps(*solver, 0.01, 46, 3);
+  take_steps(*second, 0.01, 46, 3);
+  EXPECT_EQ(second->summary()["soil_left_at"], left_at);
+  EXPECT_EQ(probe(*second, "removed_mass"), probe(*solver, "removed_mass"));
+  EXPECT_TRUE(is_empty(*second, "tip.ux"));
+}
+
+TEST(Outflow, a_run_goes_on_without_soil) {
+  const Json bed = {{"name", "bed"},
+                    {"surface", {{"polyline", {{3, 0}, {-1, 0}}}, {"spacing", 0.25}}},
+                    {"friction", 0.2}};
+  for (const std::string basis : {"linear", "gimp", "bspline"}) {
+    SCOPED_TRACE(basis);
+    Json json = leaving(basis);
+    json["rigid_walls"] = {bed};
+    json["step_control"] = Json::object();
+    expect_goes_on_without_soil(json);
+    json["rigid_walls"][0]["method"] = "boundary_points";
+    expect_goes_on_without_soil(json);
+    json["rigid_walls"] = {bed};
+    json["time_integration"] = {{"scheme", "explicit"}};
+    json.erase("newton");
+    expect_goes_on_without_soil(json);
+  }
+}
+
+TEST(Outflow, an_interface_gets_no_force_of_soil_that_has_left) {
+  Json json = leaving("gimp");
+  json["interfaces"] = {
+      {{"name", "plate"}, {"surface", {{"polyline", {{2, -0.5}, {2, -1}}}, {"spacing", 0.25}}}}};
+  json["grid"] = box({0, -1}, {2, 1}, {8, 8}, "quad4");
+  const auto solver = make_mpm(json);
+  take_steps(*solver, 0.01, 1, 40);
+  InterfaceValues sent;
+  const auto report = solver->solve_step({41, 0, 0.4, 0.01}, {}, sent);
+  EXPECT_FALSE(report.interface_active);
+  EXPECT_EQ(sent.at("plate"), std::vector<double>(6, 0.0));
+}
+
+/// Soil that stays is as it is without the body that leaves.
+TEST(Outflow, a_body_that_has_left_is_empty) {
+  Json json = leaving("linear");
+  json["bodies"].push_back(body("rest", box({0, 0}, {0.25, 0.25}, {1, 1}, "quad4"), 4,
+                                elastic_soil("linear_elastic", 1e6, 0.3, 1000)));
+  const auto solver = make_mpm(json);
+  take_steps(*solver, 0.01, 1, 40);
+  EXPECT_TRUE(is_empty(*solver, "front_block"));
+  EXPECT_NEAR(probe(*solver, "front_rest"), 0.1972, 1e-3);
+  EXPECT_NEAR(probe(*solver, "mass"), 62.5, 1e-9);
 }
 
 TEST(Outflow, bad_input) {

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/settings/plausible.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "common/base/log.hpp"
+
+namespace gabion {
+
+namespace {
+
+struct OtherUnit {
+  const char* name;
+  double factor;  // from it to the unit of the key
+};
+
+/// Plausible values of a key: from `low` to `high`, of a vector its length.
+struct PlausibleRange {
+  const char* key;  // end of its pointer, without the numbers of lists
+  double low, high;
+  const char* unit;
+  const char* below;  // what a smaller value is
+  const char* above;  // what a larger value is
+  std::vector<OtherUnit> others;
+};
+
+const std::vector<OtherUnit> pressures = {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}};
+const std::vector<OtherUnit> densities = {
+    {"t/m^3", 1e3}, {"kN/m^3", 1e3 / 9.81}, {"t/mm^3", 1e12}, {"kg/mm^3", 1e9}};
+const std::vector<OtherUnit> accelerations = {{"cm/s^2", 1e-2}, {"mm/s^2", 1e-3}};
+const std::vector<OtherUnit> speeds = {{"mm/s", 1e-3}};
+const std::vector<OtherUnit> angles = {{"radians", 180 / std::numbers::pi}};
+
+const std::vector<PlausibleRange> of_both = {
+    {"gravity", 0.5, 500, "m/s^2", "weaker than on the moon", "stronger than in most centrifuges",
+     accelerations},
+    {"friction", 0, 2, "", "", "an angle? The coefficient is its tangent", {}},
+    {"velocity", 0, 500, "m/s", "", "faster than any slide", speeds},
+};
+
+const std::vector<PlausibleRange> of_soil = {
+    {"material/density", 100, 5000, "kg/m^3", "lighter than any soil", "heavier than any soil",
+     densities},
+    {"material/young_modulus", 1e4, 1e12, "Pa", "softer than any soil", "stiffer than any rock",
+     pressures},
+    {"material/friction_angle", 2, 60, "degrees", "less than any soil has",
+     "more than any soil has", angles},
+    {"material/cohesion", 20, 1e9, "Pa", "next to none", "more than any rock has", pressures},
+};
+
+const std::vector<PlausibleRange> of_structure = {
+    {"material/density", 10, 25000, "kg/m^3", "lighter than any building material",
+     "heavier than any building material", densities},
+    {"material/young_modulus", 1e4, 2e12, "Pa", "softer than rubber or any building material",
+     "stiffer than any building material", pressures},
+};
+
+/// Length of a vector, size of a number; none of anything else.
+std::optional<double> size_of(const Json& value) {
+  if (value.is_number()) return std::abs(value.get<double>());
+  if (!value.is_array() || value.empty()) return std::nullopt;
+  double squares = 0;
+  for (const Json& component : value) {
+    if (!component.is_number()) return std::nullopt;
+    squares += component.get<double>() * component.get<double>();
+  }
+  return std::sqrt(squares);
+}
+
+/// What a value would be in units in which it is plausible.
+std::string other_units(const PlausibleRange& range, double size) {
+  std::vector<std::string> words;
+  for (const OtherUnit& other : range.others) {
+    const double value = size * other.factor;
+    if (value < range.low || value > range.high) continue;
+    words.push_back(fmt::format("in {} it would be {:.3g} {}", other.name, value, range.unit));
+  }
+  return words.empty() ? "" : fmt::format("; {}", fmt::join(words, ", "));
+}
+
+class Search {
+ public:
+  Search(const ConfigReader& in, Described described) : in_(in) {
+    const auto& own = described == Described::soil ? of_soil : of_structure;
+    for (const auto* table : {&of_both, &own}) {
+      for (const PlausibleRange& range : *table) ranges_.push_back(&range);
+    }
+    visit(in.resolved(), "", "");
+  }
+  std::vector<std::string> texts;
+
+ private:
+  /// @param pointer  of the value, such as "bodies/0/material"
+  /// @param keys     the same without numbers, with "/" in front
+  void visit(const Json& value, const std::string& pointer, const std::string& keys) {
+    for (const PlausibleRange* range : ranges_) {
+      if (keys.ends_with(std::string("/") + range->key)) compare(*range, value, pointer);
+    }
+    const std::string below = pointer.empty() ? "" : pointer + "/";
+    if (value.is_object()) {
+      for (const auto& [key, member] : value.items()) visit(member, below + key, keys + "/" + key);
+    } else if (value.is_array()) {
+      for (std::size_t k = 0; k < value.size(); ++k) {
+        if (value[k].is_object()) visit(value[k], below + std::to_string(k), keys);
+      }
+    }
+  }
+
+  void compare(const PlausibleRange& range, const Json& value, const std::string& pointer) {
+    const auto size = size_of(value);
+    if (!size || *size == 0 || (*size >= range.low && *size <= range.high)) return;
+    texts.push_back(fmt::format(
+        "{}: found {}{}{}, {}{}", in_.where(pointer), value.dump(), *range.unit == '\0' ? "" : " ",
+        range.unit, *size < range.low ? range.below : range.above, other_units(range, *size)));
+  }
+
+  const ConfigReader& in_;
+  std::vector<const PlausibleRange*> ranges_;
+};
+
+}  // namespace
+
+std::vector<std::string> implausible_settings(const ConfigReader& in, Described described) {
+  return Search(in, described).texts;
+}
+
+void warn_of_implausible_settings(const ConfigReader& in, Described described) {
+  for (const std::string& text : implausible_settings(in, described)) log::warn("{}", text);
+}
+
+}  // namespace gabion

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/settings/config_reader.hpp"
+
+namespace gabion {
+
+/// What a file of settings describes.
+enum class Described { soil, structure };
+
+/// What to say of settings whose values are allowed, but look like another unit: a text each, with
+/// file, pointer, value and the units in which it would be plausible. Zero always is.
+/// @param in  that has read all of them
+std::vector<std::string> implausible_settings(const ConfigReader& in, Described described);
+
+/// Log these texts as warnings.
+void warn_of_implausible_settings(const ConfigReader& in, Described described);
+
+}  // namespace gabion

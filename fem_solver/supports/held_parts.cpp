@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/supports/held_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "common/base/log.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+/// Which components of a part supports or prescribed displacements hold.
+template <int dim>
+std::array<bool, dim> held_components(const FemSettings<dim>& settings,
+                                      const ConnectedPart<dim>& part) {
+  std::array<bool, dim> held{};
+  for (const auto& support : settings.supports) {
+    if (!part.groups.contains(support.group)) continue;
+    for (const int c : support.components) held[c] = true;
+  }
+  for (const auto& prescribed : settings.prescribed) {
+    if (part.groups.contains(prescribed.group)) held[prescribed.component] = true;
+  }
+  return held;
+}
+
+template <int dim>
+std::string touching_text(const MeshConnection<dim>& connection, const ConnectedPart<dim>& part) {
+  if (part.num_touching == 0) return "";
+  return fmt::format("; {} of its nodes lie in the place of a node of another part: {} ({})",
+                     part.num_touching, how_to_join, unjoined_text(connection));
+}
+
+}  // namespace
+
+template <int dim>
+void check_held_parts(const ConfigReader& in, const FemSettings<dim>& settings,
+                      const MeshConnection<dim>& connection) {
+  const auto& parts = connection.parts;
+  std::vector<std::array<bool, dim>> held;
+  for (const auto& part : parts) held.push_back(held_components(settings, part));
+  const auto is_held = [](const std::array<bool, dim>& components) {
+    return std::ranges::any_of(components, [](bool component) { return component; });
+  };
+  const bool any_held = std::ranges::any_of(held, is_held);
+  const bool needs_all = !settings.dynamic || settings.initial_equilibrium;
+  std::int64_t num_free = 0;
+  for (std::size_t k = 0; parts.size() > 1 && k < parts.size(); ++k) {
+    const auto missing = std::ranges::find(held[k], false) - held[k].begin();
+    const bool refused =
+        needs_all ? missing < dim : any_held && !is_held(held[k]) && parts[k].num_touching > 0;
+    const std::string what = fmt::format(
+        "found {} parts that share no nodes, and part {}, {}, is held by nothing{}{}", parts.size(),
+        k + 1, text_of(parts[k]),
+        needs_all && missing < dim ? fmt::format(" in {}", component_names[missing]) : "",
+        touching_text(connection, parts[k]));
+    if (refused)
+      in.fail("mesh", what + "; allowed: supports for each part, or parts that are joined");
+    if (!any_held || is_held(held[k])) continue;
+    if (++num_free == 1) log::warn("{}: {}: it moves freely", in.where("mesh"), what);
+  }
+  if (num_free > 1) {
+    log::warn("{}: {} of {} parts are held by nothing", in.where("mesh"), num_free, parts.size());
+  }
+  if (connection.num_unjoined > 0) {
+    log::warn("{}: found {}: no force passes there; where the structure is one piece, {}",
+              in.where("mesh"), unjoined_text(connection), how_to_join);
+  }
+}
+
+template void check_held_parts(const ConfigReader&, const FemSettings<2>&,
+                               const MeshConnection<2>&);
+template void check_held_parts(const ConfigReader&, const FemSettings<3>&,
+                               const MeshConnection<3>&);
+
+}  // namespace gabion::fem

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/checks/soil_at_rest.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/base/log.hpp"
+#include "common/mechanics/materials/own_weight.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+template <int dim>
+Eigen::AlignedBox<double, dim> box_of(const Mesh<dim>& mesh) {
+  Eigen::AlignedBox<double, dim> box;
+  for (const Vector<dim>& x : mesh.nodes) box.extend(x);
+  return box;
+}
+
+/// Mean depth along a direction of length 1: volume over the area that it looks down on [m]. It is
+/// that of the layer, however far the ground falls below it.
+template <int dim>
+double mean_depth(const Mesh<dim>& mesh, const Vector<dim>& direction) {
+  if (mesh.file.empty()) {  // a box
+    return 1 / direction.cwiseAbs().cwiseQuotient(box_of(mesh).sizes()).sum();
+  }
+  double volume = 0, area = 0;  // each column has a facet at the top and one at the bottom
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) volume += cell_volume(mesh, c);
+  const auto facets = boundary_facets(mesh);
+  for (const auto& vector :
+       facet_area_vectors<dim>(mesh.nodes, facet_type(mesh.cell_type), facets)) {
+    area += 0.5 * std::abs(vector.dot(direction));
+  }
+  return volume / area;
+}
+
+}  // namespace
+
+template <int dim>
+WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t b) {
+  const Material<dim>& material = settings.bodies[b].material;
+  const double g = settings.gravity.norm();
+  WeightedColumn column;
+  column.density = material.density;
+  column.p_wave_modulus =
+      std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+  column.gravity = g;
+  if (g > 0) column.height = mean_depth<dim>(settings.layouts[b].mesh, settings.gravity / g);
+  return column;
+}
+
+template <int dim>
+std::string free_of_stress_text(const MpmSettings<dim>& settings) {
+  const Phase& phase = settings.phases.front();
+  if (!phase.dynamic || phase.gravity_ramp.at(0) == 0 || settings.gravity.isZero(0)) return "";
+  std::vector<std::string> names;
+  double period = 0;  // [s]
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    if (settings.initial_stress[b] || !settings.layouts[b].velocity.isZero(0)) continue;
+    names.push_back(settings.bodies[b].name);
+    period = std::max(period, column_of(settings, b).period());
+  }
+  if (names.empty()) return "";
+  return fmt::format(
+      "free of stress at the start, with its whole weight at once: {}. What lies on a bed swings "
+      "about its rest, with {:.2g} s a period: the force on the bed goes from next to none to "
+      "twice "
+      "the weight until friction and walls have damped it. To start at rest: \"initial_stress\" "
+      "(level layers), a first phase with \"analysis\": \"quasi_static\" (slopes too), or a "
+      "\"gravity_ramp\" of several periods (docs/guide.md)",
+      fmt::join(names, ", "), period);
+}
+
+template <int dim>
+void log_soil_at_rest(const MpmSettings<dim>& settings) {
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    log_own_weight(fmt::format("{}/{}/material", settings.bodies_where, b), column_of(settings, b));
+  }
+  const std::string text = free_of_stress_text(settings);
+  if (!text.empty()) log::info("{}", text);
+}
+
+namespace {
+
+/// A body with initial stress on top of another.
+template <int dim>
+class StackedBodies {
+ public:
+  StackedBodies(const MpmSettings<dim>& settings, const Vector<dim>& gravity, std::size_t lower,
+                std::size_t upper)
+      : settings_(settings), gravity_(gravity), lower_(lower), upper_(upper) {
+    const auto below = box_of(settings.layouts[lower].mesh);
+    const auto above = box_of(settings.layouts[upper].mesh);
+    height_ = below.max()[dim - 1];
+    const double tolerance = 1e-6 * (below.sizes()[dim - 1] + above.sizes()[dim - 1]);
+    meet_ = std::abs(above.min()[dim - 1] - height_) <= tolerance;
+    for (int d = 0; d + 1 < dim; ++d) {
+      meet_ = meet_ &&
+              std::min(below.max()[d], above.max()[d]) > std::max(below.min()[d], above.min()[d]);
+    }
+  }
+
+  /// What to say; empty: they do not meet, or the stress does not jump.
+  std::string text() const {
+    if (!meet_) return "";
+    const double from_above = pressure(upper_, settings_.initial_stress[upper_]->surface);
+    const double from_below = pressure(lower_, settings_.initial_stress[lower_]->surface);
+    constexpr double same = 1e-3;
+    if (std::abs(from_above - from_below) <= same * std::max(from_above, from_below)) return "";
+    const Body<dim>&above = settings_.bodies[upper_], &below = settings_.bodies[lower_];
+    return fmt::format(
+        "; where \"{}\" ({:g} kg/m^3) lies on \"{}\" ({:g} kg/m^3), at {:g}, the vertical stress "
+        "jumps from {:.4g} to {:.4g} Pa: each layer takes its stress from its own density up to "
+        "its \"surface\". With \"surface\": {:.9g} of \"{}\" it would not",
+        above.name, above.material.density, below.name, below.material.density, height_,
+        -from_above, -from_below, balanced_surface(from_above), below.name);
+  }
+
+ private:
+  /// Vertical, where the bodies meet, of a body whose own density reached up to `surface` [Pa].
+  double pressure(std::size_t b, double surface) const {
+    InitialStress stress = *settings_.initial_stress[b];
+    stress.surface = surface;
+    const BodyAtRest<dim> body{
+        .body = settings_.bodies[b], .number = static_cast<std::int32_t>(b), .gravity = gravity_};
+    return -initial_stress_at<dim>(stress, body, height_)[dim - 1];
+  }
+
+  // Pressure is nearly proportional to depth.
+  double balanced_surface(double wanted) const {
+    double depth = -wanted / (settings_.bodies[lower_].material.density * gravity_[dim - 1]);
+    for (int k = 0; k < 50 && depth > 0; ++k) depth *= wanted / pressure(lower_, height_ + depth);
+    return height_ + depth;
+  }
+
+  const MpmSettings<dim>& settings_;
+  const Vector<dim>& gravity_;
+  std::size_t lower_, upper_;
+  double height_ = 0;  // where they meet [m]
+  bool meet_ = false;
+};
+
+}  // namespace
+
+template <int dim>
+std::string stress_jump_text(const MpmSettings<dim>& settings, const Vector<dim>& gravity) {
+  const std::size_t count = settings.bodies.size();
+  for (std::size_t lower = 0; lower < count; ++lower) {
+    for (std::size_t upper = 0; upper < count; ++upper) {
+      if (lower == upper || !settings.initial_stress[lower] || !settings.initial_stress[upper]) {
+        continue;
+      }
+      const std::string text = StackedBodies<dim>(settings, gravity, lower, upper).text();
+      if (!text.empty()) return text;
+    }
+  }
+  return "";
+}
+
+template WeightedColumn column_of(const MpmSettings<2>&, std::size_t);
+template WeightedColumn column_of(const MpmSettings<3>&, std::size_t);
+template std::string free_of_stress_text(const MpmSettings<2>&);
+template std::string free_of_stress_text(const MpmSettings<3>&);
+template void log_soil_at_rest(const MpmSettings<2>&);
+template void log_soil_at_rest(const MpmSettings<3>&);
+template std::string stress_jump_text<2>(const MpmSettings<2>&, const Vector<2>&);
+template std::string stress_jump_text<3>(const MpmSettings<3>&, const Vector<3>&);
+
+}  // namespace gabion::mpm
