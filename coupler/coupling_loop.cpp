@@ -55,8 +55,10 @@ void CouplingLoop::run() {
       log::error("{}", no_summary.what());  // what came first is the run's error
     }
     if (step_failed) write_output();
+    balances_.report();
     throw;
   }
+  balances_.report();
   Json done = summary(true);
   done["completed"] = true;
   files_.write_json("summary.json", done);
@@ -74,10 +76,12 @@ void CouplingLoop::run_steps() {
     probes.insert(probes.end(), values.begin(), values.end());
   }
   record_.start(probe_names);
+  balances_.start(probe_names);
   if (checkpoints_.go_on()) {
     clock_.due(steps_.time());  // what is due here was written by the run that is continued
   } else {
     record_.probes(0, probes);
+    balances_.add(probes);
     step_.start_at_rest();
     if (clock_.due(0)) write_output();
   }
@@ -115,6 +119,8 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   both.probes.insert(both.probes.end(), structures.probes.begin(), structures.probes.end());
   record_step(done, cuts, watch);
   record_.probes(steps_.time(), both.probes);
+  balances_.add_cuts(cuts);
+  balances_.add(both.probes);
   progress_.update(done.row.request.step, steps_.time(), done.row.request.dt, done.iterations());
   if (clock_.due(steps_.time())) write_output();
 }
@@ -159,6 +165,7 @@ void CouplingLoop::record_step(const Attempt& done, int cuts, const Stopwatch& w
               .wall_seconds = watch.seconds()};
   for (const Side* side : sides_.all()) side->add_details(row.wall_seconds, row.details);
   record_.step(row);
+  balances_.add_work(row.soil_work, row.soil_work + row.structure_work);
   counts_.add_step(row.iterations, row.skipped);
 }
 

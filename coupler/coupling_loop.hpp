@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/run/balance_watch.hpp"
 #include "common/run/loop_checkpoints.hpp"
 #include "common/run/progress.hpp"
 #include "common/run/run_record.hpp"
@@ -51,6 +52,7 @@ class CouplingLoop {
   Sides sides_;
   CouplingRecord record_;
   CouplingCounts counts_;
+  BalanceWatch balances_;
   CoupledStep step_;
   TimeSteps steps_;
   LoopCheckpoints checkpoints_;

@@ -2,6 +2,7 @@
 #include "fem_solver/fem_solver.hpp"
 
 #include <cmath>
+#include <variant>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/numbered_values.hpp"
@@ -50,6 +51,11 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
     require(trial_.has_value(), "step {}: accepted without a solution", request.step);
     step_.complete(state_, request.dt, *trial_);
     state_ = std::move(*trial_);
+    const Equilibrium<dim>& equilibrium = step_.equilibrium();
+    if (std::holds_alternative<LinearElastic<dim>>(settings_.material.law)) {
+      const double angle = equilibrium.cells().largest_rotation(state_.motion.u);
+      rotation_.look(equilibrium.shared().largest(angle), "structure");
+    }
   }
   state_.time = request.time + request.dt;
   trial_.reset();

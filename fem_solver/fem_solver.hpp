@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/mechanics/materials/rotation_warning.hpp"
 #include "common/run/solver.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
@@ -58,6 +59,7 @@ class FemSolver final : public Solver {
   StructureReport<dim> report_;
   StructureState state_;
   std::optional<StructureState> trial_;
+  RotationWarning rotation_;
 };
 
 }  // namespace gabion::fem

@@ -8,6 +8,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/timer.hpp"
+#include "common/run/balance_watch.hpp"
 #include "common/run/loop_checkpoints.hpp"
 #include "common/run/progress.hpp"
 
@@ -29,6 +30,7 @@ class LoneRun {
 
   void run() {
     std::vector<std::string> columns = solver_.probe_names();
+    balances_.start(columns);
     columns.insert(columns.begin(), "time");
     record_.open_table("probes.csv", columns);
     if (checkpoints_.go_on()) {
@@ -44,6 +46,9 @@ class LoneRun {
     write_output_if(written_ != steps_.time());
     checkpoints_.at_end();
   }
+
+  /// Log what its balances say.
+  void report() const { balances_.report(); }
 
   /// The accepted state of a run that ended early.
   void write_last_state() { write_output_if(written_ != steps_.time()); }
@@ -86,6 +91,7 @@ class LoneRun {
     newton_iterations_ += report.newton_iterations;
     linear_iterations_ += report.linear_iterations;
     report.details.update(accepted.details);
+    balances_.add_cuts(steps_.cuts() - cuts_before);
     probe_row(accepted.probes);
     step_row(request, report, steps_.cuts() - cuts_before, watch);
     write_output_if(clock_.due(steps_.time()));
@@ -131,6 +137,7 @@ class LoneRun {
   }
 
   void probe_row(const std::vector<double>& probes) {
+    balances_.add(probes);
     std::vector<CsvValue> cells = {steps_.time()};
     cells.insert(cells.end(), probes.begin(), probes.end());
     record_.row("probes.csv", cells);
@@ -151,6 +158,7 @@ class LoneRun {
   OutputClock clock_;
   Progress progress_;
   DetailColumns details_;
+  BalanceWatch balances_;
   Stopwatch watch_;
   double written_ = -1;  // [s] time of the last frame
   std::int64_t newton_iterations_ = 0;
@@ -162,6 +170,7 @@ void write_failure(const LoneRun& run, const RunRecord& record, const std::strin
   summary["completed"] = false;
   summary["reason"] = reason;
   record.write_json("summary.json", summary);
+  run.report();
 }
 
 }  // namespace
@@ -182,6 +191,7 @@ void run_alone(Solver& solver, const TimeSettings& settings, double output_inter
   Json summary = run.summary();
   summary["completed"] = true;
   record.write_json("summary.json", summary);
+  run.report();
 }
 
 }  // namespace gabion

@@ -25,7 +25,9 @@ KeyTable matrix_keys() {
       "scene: matrices as Matrix Market, or of CalculiX where their names end in .sti, .mas, .dof.",
       {file_key("stiffness", "K [N/m], symmetric."),
        file_key("mass", "M [kg], symmetric, positive definite; required but in statics.").or_none(),
-       file_key("damping", "C [N s/m], symmetric.").or_none().without("rayleigh"),
+       file_key("damping", "C [N s/m], symmetric, positive semidefinite.")
+           .or_none()
+           .without("rayleigh"),
        key::object("rayleigh", rayleigh_keys(), "Damping from K and M.")
            .or_none()
            .without("damping"),
@@ -71,9 +73,10 @@ void read_files(ConfigReader in, MatrixSettings<dim>& s) {
   }
   s.files.unknowns = in.text("unknowns");
   s.files.nodes = in.text("nodes");
-  if (auto rayleigh = in.optional_object("rayleigh")) {
-    s.rayleigh = {rayleigh->number("mass"), rayleigh->number("stiffness")};
-    rayleigh->finish();
+  if (in.has("rayleigh")) {  // beside "damping" there is no such key
+    ConfigReader rayleigh = in.object("rayleigh");
+    s.rayleigh = {rayleigh.number("mass"), rayleigh.number("stiffness")};
+    rayleigh.finish();
   }
   if (in.has("modes")) s.modes = in.integer("modes");
   if (s.dynamic && s.files.mass.empty()) {

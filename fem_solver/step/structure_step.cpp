@@ -8,7 +8,9 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/time_integration/step_force_filter.hpp"
 #include "fem_solver/step/kept_factor.hpp"
+#include "fem_solver/step/step_work.hpp"
 
 namespace gabion::fem {
 
@@ -44,7 +46,6 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
       slender_(is_slender(settings.mesh, settings.ranks)),
-      is_first_(rank_of(comm) == 0),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
@@ -119,7 +120,11 @@ template <int dim>
 StructureState StructureStep<dim>::initial_state() {
   std::vector<double> u(equilibrium_.num_dofs(), 0.0), v(equilibrium_.num_dofs());
   for (std::size_t i = 0; i < v.size(); ++i) v[i] = initial_velocity_[i % dim];
-  if (!initial_equilibrium_) return state_of(std::move(u), std::move(v));
+  if (!initial_equilibrium_) {
+    StructureState state = state_of(std::move(u), std::move(v));
+    if (dynamic_) state.external_work = work_before_start(equilibrium_, conditions_, state);
+    return state;
+  }
 
   StructureState reference;
   reference.motion = {.u = u, .v = u, .a = u};
@@ -273,48 +278,51 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   }
   trial.f_ext = std::move(f.end);
   trial.f_step = std::move(f.step);
-  trial.external_work = state_n.external_work + work(state_n, trial, du);
+  trial.external_work =
+      state_n.external_work + work_of_loads(equilibrium_, conditions_, state_n, trial, du);
   trial.tangent = held_tangent_;
   trial.rescue = linear_.rescue();
   trial.pause = linear_.pause();
 }
 
-/// Work of loads and reactions in a step by the trapezoidal rule, and of the mean forces. Reactions
-/// are known at the instants that the steps balance, alpha_f dt before their ends.
+/// What the corrections (T9) take for M^-1 f. @param trial  of the step of dt
 template <int dim>
-double StructureStep<dim>::work(const StructureState& state_n, const StructureState& trial,
-                                std::span<const double> du) const {
-  const double later = 0.5 + equilibrium_.scheme().alpha_f;
-  double sum = 0;
-  for (std::size_t i = 0; i < du.size(); ++i) {
-    if (!owns(i)) continue;
-    sum += du[i] * (0.5 * (state_n.f_ext[i] + trial.f_ext[i]) + trial.f_step[i] +
-                    (1 - later) * state_n.reactions[i] + later * trial.reactions[i]);
+std::vector<double> StructureStep<dim>::kick_of(const std::vector<double>& f, double dt,
+                                                const StructureState& trial) {
+  const NewmarkBossak& scheme = equilibrium_.scheme();
+  if (!step_force_is_implicit(scheme)) return equilibrium_.acceleration_of(f);
+  if (!held_tangent_ || held_tangent_->dt != dt || !held_tangent_->with_inertia) {
+    equilibrium_.assemble_tangent(trial.motion.u, dt, /*with_inertia=*/true, K_);
+    linear_.set_matrix(K_, shared());
+    held_tangent_ = equilibrium_.last_tangent();
   }
-  return shared().total(sum);
+  std::vector<double> r = f, a(f.size(), 0.0);
+  for (const auto dof : conditions_.constrained_dofs()) r[dof] = 0;
+  linear_.solve(r, a);
+  for (double& x : a) x *= scheme.inertia_slope(dt);
+  for (const auto dof : conditions_.constrained_dofs()) a[dof] = 0;
+  return a;
 }
 
 template <int dim>
 void StructureStep<dim>::complete(const StructureState& state_n, double dt, StructureState& trial) {
-  if (!dynamic_ || shared().all(trial.f_step == state_n.f_step)) return;
-  const ScopedTimer timer(times_, "step_forces");
-  const NewmarkBossak& scheme = equilibrium_.scheme();
-  std::vector<double> change = trial.f_step;
-  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= state_n.f_step[i];
-  const std::vector<double> a = equilibrium_.acceleration_of(change);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    trial.motion.v[i] += dt * scheme.step_force_velocity() * a[i];
-    trial.motion.a[i] -= scheme.step_force_acceleration() * a[i];
+  if (dynamic_ && !shared().all(trial.f_step == state_n.f_step)) {
+    const ScopedTimer timer(times_, "step_forces");
+    const NewmarkBossak& scheme = equilibrium_.scheme();
+    std::vector<double> change = trial.f_step;
+    for (std::size_t i = 0; i < change.size(); ++i) change[i] -= state_n.f_step[i];
+    const std::vector<double> a = kick_of(change, dt, trial);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      trial.motion.v[i] += dt * scheme.step_force_velocity() * a[i];
+      trial.motion.a[i] -= scheme.step_force_acceleration() * a[i];
+    }
+    // The balance has c times the change of the mean forces, the supports bear it once.
+    const std::vector<double> inertia = equilibrium_.mass_times(a);
+    for (const auto dof : conditions_.constrained_dofs()) {
+      trial.reactions[dof] -= (scheme.step_force_weight() - 1) * inertia[dof];
+    }
   }
-  // The balance has c times the change of the mean forces, the supports bear it once.
-  const std::vector<double> inertia = equilibrium_.mass_times(a);
-  double work = is_first_ ? trial.external_work : 0;
-  for (const auto dof : conditions_.constrained_dofs()) {
-    const double excess = (scheme.step_force_weight() - 1) * inertia[dof];
-    trial.reactions[dof] -= excess;
-    if (owns(dof)) work -= 0.5 * excess * (trial.motion.u[dof] - state_n.motion.u[dof]);
-  }
-  trial.external_work = shared().total(work);
+  trial.external_work += work_of_supports(equilibrium_, conditions_, state_n, trial, dynamic_);
 }
 
 template <int dim>

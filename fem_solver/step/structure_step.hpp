@@ -39,7 +39,8 @@ class StructureStep {
                    StructureState& trial);
 
   /// Before `trial` becomes the accepted state: velocity, acceleration and reactions where the mean
-  /// forces are others than in the step before (docs/theory/structure.md, (T9)).
+  /// forces are others than in the step before (docs/theory/structure.md, (T9)), and the work of
+  /// supports that moved.
   /// @note Collective.
   void complete(const StructureState& state_n, double dt, StructureState& trial);
 
@@ -68,8 +69,7 @@ class StructureStep {
   ExternalForces external_forces(double time, const ExternalForces& f_interface) const;
   std::vector<double> balanced_forces(const StructureState& state_n, const ExternalForces& f) const;
   std::vector<double> start_forces(const StructureState& state_n, bool with_inertia) const;
-  double work(const StructureState& state_n, const StructureState& trial,
-              std::span<const double> du) const;
+  std::vector<double> kick_of(const std::vector<double>& f, double dt, const StructureState& trial);
   bool nothing_changes(const StructureState& state_n, const ExternalForces& f,
                        std::span<const double> constrained_u) const;
   std::vector<double> first_guess(const StructureState& state_n, double dt,
@@ -86,7 +86,6 @@ class StructureStep {
   bool initial_equilibrium_;
   Vector<dim> initial_velocity_;
   bool slender_;
-  bool is_first_;  // of the ranks
   NewtonSettings newton_;
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -14,6 +16,21 @@
 namespace gabion::fem {
 
 namespace {
+
+/// Of the rotation R in F = R U. [rad]
+template <int dim>
+double rotation_angle(const Matrix<dim>& F) {
+  if constexpr (dim == 2) {
+    return std::abs(std::atan2(F(1, 0) - F(0, 1), F(0, 0) + F(1, 1)));
+  } else {
+    // Below some 0.1 rad nobody asks how much it is.
+    const Matrix<dim> skew = 0.5 * (F - F.transpose());
+    if (skew.squaredNorm() < 2e-2 && F.trace() > 2.9) return 0;
+    const Eigen::JacobiSVD<Matrix<dim>> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Matrix<dim> R = svd.matrixU() * svd.matrixV().transpose();
+    return std::acos(std::clamp(0.5 * (R.trace() - 1), -1.0, 1.0));
+  }
+}
 
 /// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
 int stiffness_degree(CellType type) {
@@ -266,6 +283,24 @@ std::vector<double> CellIntegrals<dim>::cell_stresses(std::span<const double> u)
     Eigen::Map<Symmetric<dim>>(result.data() + static_cast<std::size_t>(c) * size) = mean / volume;
   }
   return result;
+}
+
+template <int dim>
+double CellIntegrals<dim>::largest_rotation(std::span<const double> u) const {
+  double largest = 0;
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
+    Matrix<dim> F = Matrix<dim>::Identity();
+    for (int q = 0; q < points_per_cell_; ++q) {
+      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+      for (int a = 0; a < nodes_per_cell_; ++a) {
+        const Eigen::Map<const Vector<dim>> u_a(u.data() +
+                                                static_cast<std::size_t>(cell(c)[a]) * dim);
+        F += u_a * gradients_[point * nodes_per_cell_ + a].transpose() / points_per_cell_;
+      }
+    }
+    largest = std::max(largest, rotation_angle<dim>(F));
+  }
+  return largest;
 }
 
 template class CellIntegrals<2>;

@@ -48,6 +48,10 @@ class CellIntegrals {
   /// symmetric_size<dim> [Pa]. @pre det F > 0 everywhere
   std::vector<double> cell_stresses(std::span<const double> u) const;
 
+  /// Largest angle by which a cell has turned, from the polar decomposition of the mean of F over
+  /// its quadrature points [rad]; 0 without cells.
+  double largest_rotation(std::span<const double> u) const;
+
   /// V^(1/dim) [m]; infinite without cells.
   double smallest_cell_size() const { return smallest_cell_size_; }
 

@@ -26,7 +26,8 @@ std::vector<double> body_forces(const Equilibrium<dim>& equilibrium) {
   const auto& mass = equilibrium.inertia_mass();
   std::vector<double> f(mass.size() * dim);
   for (std::size_t k = 0; k < f.size(); ++k) {
-    f[k] = mass[k / dim] * parts.gravity[k % dim];
+    f[k] = mass[k / dim] *
+           parts.scheme.mean_force(parts.gravity[k % dim], parts.gravity_start[k % dim]);
     if (parts.f_body.empty()) continue;
     const double start = parts.f_body_start.empty() ? parts.f_body[k] : parts.f_body_start[k];
     f[k] += parts.scheme.mean_force(parts.f_body[k], start);

@@ -56,6 +56,7 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
       soil_(model, state, times),
       sizes_(state.control),
       system_(model.comm, model.settings.linear_solver),
+      rotations_(model.comm, model.settings.bodies),
       explicit_(model, state, times) {
   if (!state_.surfaces.contacts().empty()) {
     reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
@@ -79,7 +80,8 @@ void SoilStep<dim>::enter_phase(double time) {
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
   with_inertia_ = phase().dynamic;
   forces_jump_ = begins(phase(), time) && (phase_ > 0 || model_.stressed);
-  scheme_ = forces_jump_ || phase().is_explicit() ? starting_scheme : phase().scheme;
+  const bool as_ever = with_inertia_ && !forces_jump_ && !phase().is_explicit();
+  scheme_ = as_ever ? phase().scheme : starting_scheme;
 }
 
 // Everything of a step that does not depend on the interface values.
@@ -302,6 +304,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.gauges.add_step(x_n, points, dt_);
   state_.ledger.add_step(balance, with_inertia_ ? scheme_ : starting_scheme, dt_, dissipated,
                          points);
+  rotations_.look(points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   state_.nearly_linear = implicit && first_iterations_ <= 1;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "mpm_solver/points/body_rotation.hpp"
 #include "mpm_solver/step/explicit_step.hpp"
 #include "mpm_solver/step/linear_system.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
@@ -94,6 +95,7 @@ class SoilStep {
   std::int64_t linear_iterations_ = 0;
   std::int64_t capped_domains_ = 0;
   double initial_displacement_ = 0;
+  BodyRotations<dim> rotations_;
 
   // the step under way
   double dt_ = 0;             // 0: none begun

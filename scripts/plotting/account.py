@@ -11,7 +11,7 @@ NUMBER = re.compile(r"(?<![\w\"])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 FINE = ("converged", "inactive", "explicit")  # of steps.csv: status
 # Columns of probes.csv, behind the name of the participant, that are kept.
 LEDGER = re.compile(r"(?:^|\.)(gravity_work|boundary_work|external_work|kinetic_energy|elastic_energy"
-                    r"|energy_balance|created_energy|contact_created|momentum_(?:error_)?[xyz])$")
+                    r"|damping_work|energy_balance|created_energy|contact_created|momentum_(?:error_)?[xyz])$")
 
 
 def number(row: Row, name: str) -> float:
@@ -79,10 +79,11 @@ class Steps:
 
 @dataclass
 class Ledger:
-    """Of probes.csv: the first, the last and the largest value of each column that balances are made of."""
+    """Of probes.csv: the first, last, lowest and largest value of each column that balances are made of."""
 
     first: dict[str, float] = field(default_factory=dict)
     last: dict[str, float] = field(default_factory=dict)
+    lowest: dict[str, float] = field(default_factory=dict)
     largest: dict[str, float] = field(default_factory=dict)
 
     def add(self, row: Row) -> None:
@@ -91,6 +92,7 @@ class Ledger:
         for name in self.first:
             value = number(row, name)
             self.last[name] = value
+            self.lowest[name] = min(self.lowest.get(name, value), value)
             self.largest[name] = max(self.largest.get(name, 0.0), abs(value))
 
     @property

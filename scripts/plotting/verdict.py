@@ -180,11 +180,15 @@ def _structures(run: Run) -> Iterator[Statement]:
             continue
         kept = sum(ledger.last.get(prefix + part, 0) - ledger.first.get(prefix + part, 0)
                    for part in ("kinetic_energy", "elastic_energy"))
-        gain = (kept - ledger.last[prefix + "external_work"]) / around
+        column = f"{prefix}external_work"
+        gain = (kept - ledger.last[column] + ledger.first[column]) / around
         name = prefix.rstrip(".") or "structure"
         word = ("lost {} of the {:.3g} J{} that went around, by damping" if gain <= 0
                 else "has {} more than the {:.3g} J{} that came in").format(percent(abs(gain)), around, unit)
         yield _judged("energy", max(gain, 0.0), f"Energy of {name}: it {word}.")
+        made = -ledger.lowest.get(f"{prefix}damping_work", 0.0)
+        if made > 1e-9 * around:
+            yield Statement("bad", "energy", f"Damping of {name} made {made:.3g} J{unit}; it must only take.")
 
 
 def _interface(run: Run) -> Iterator[Statement]:

@@ -145,6 +145,18 @@ class Ledgers(VerdictCase):
             self.write("probes.csv", f"{head}{row}\n")
             self.assertEqual(self.one("energy"), (kind, f"Energy of fence: {words}."))
 
+    def test_structure_whose_supports_worked_before_the_start(self) -> None:
+        self.write("probes.csv", "time,kinetic_energy,elastic_energy,external_work\n0,0,200,200\n1,50,149,200\n")
+        self.assertEqual(self.one("energy"), ("good", "Energy of structure: it lost 0.5 % of the 200 J/m that went around, by "
+                                                      "damping."))
+
+    def test_damping_that_makes_energy(self) -> None:
+        head = "time,wall.kinetic_energy,wall.external_work,wall.damping_work\n0,0,0,0\n"
+        self.write("probes.csv", head + "1,1,1,-0.5\n2,1,1,0.2\n")
+        self.assertIn(("bad", "Damping of wall made 0.5 J/m; it must only take."), self.said()["energy"])
+        self.write("probes.csv", head + "1,1,1,0.5\n")
+        self.assertEqual(len(self.said()["energy"]), 1)
+
     def test_a_run_without_coupler(self) -> None:
         self.write("probes.csv", self.HEAD.replace("soil.", "") + "1,10,0,0,2,0\n")
         self.write("summary.json", json.dumps({"completed": True}))

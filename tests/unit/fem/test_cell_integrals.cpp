@@ -202,5 +202,25 @@ TEST(CellIntegrals, inverted_state_is_reported) {
   EXPECT_EQ(result.inadmissible_cell, 0);
 }
 
+/// Of R in F = R U, whatever U is.
+TEST(CellIntegrals, largest_rotation_of_a_cell) {
+  for (const double degrees : {0.0, 12.0, 75.0, 170.0}) {
+    const double angle = degrees * M_PI / 180;
+    const auto flat = distorted_box<2>("quad4", "linear_elastic");
+    const Matrix<2> R = Eigen::Rotation2D<double>(-angle).toRotationMatrix();
+    const Matrix<2> U{{1.3, 0.2}, {0.2, 0.9}};
+    EXPECT_NEAR(
+        integrals_of(flat).largest_rotation(affine<2>(flat.mesh, R * U - Matrix<2>::Identity())),
+        angle, 1e-12);
+    const auto solid = distorted_box<3>("hex8", "linear_elastic");
+    const Matrix<3> turn =
+        Eigen::AngleAxis<double>(angle, Vector<3>(1, 2, -1).normalized()).toRotationMatrix();
+    const Matrix<3> V{{1.3, 0.2, 0}, {0.2, 0.9, 0.1}, {0, 0.1, 1}};
+    EXPECT_NEAR(integrals_of(solid).largest_rotation(
+                    affine<3>(solid.mesh, turn * V - Matrix<3>::Identity())),
+                angle, 1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace gabion::test
