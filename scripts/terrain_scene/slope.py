@@ -12,6 +12,7 @@ from .raster import TerrainError
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
+MOST_CELLS = 10_000_000  # of the mass: 100 times what a run on a workstation has
 SAMPLES = 8  # of a column along each side, for its mean depth
 
 
@@ -116,6 +117,11 @@ def lay_columns(slope: Slope, depth: Depth) -> Columns:
     """
     h = slope.spacing
     mean, covered = mean_depths(slope, depth)
+    if not np.ceil(mean / h).sum() <= MOST_CELLS:
+        row, column = np.unravel_index(np.argmax(mean), mean.shape)
+        raise TerrainError(f"the mass is {mean.max():.6g} m deep at ({(column + 0.5) * h:.9g}, {(row + 0.5) * h:.9g}) "
+                           f"of the scene: its columns need {np.ceil(mean / h).sum():.3g} cells of {h:g} m, allowed: "
+                           f"{MOST_CELLS:.0e}")
     rows, columns = slope.z.shape
     grid = np.meshgrid(np.arange(columns) * h, np.arange(rows) * h)
     at_nodes = depth(*grid)
