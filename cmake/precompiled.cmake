@@ -1,6 +1,8 @@
 # Headers that nearly every file needs, compiled once: they took more than half of the time of a build.
 # Sources still include what they use: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON compiles without.
-file(WRITE ${CMAKE_BINARY_DIR}/generated/precompiled.cpp "")
+if(NOT EXISTS ${CMAKE_BINARY_DIR}/generated/precompiled.cpp)  # a newer one would compile everything again
+  file(WRITE ${CMAKE_BINARY_DIR}/generated/precompiled.cpp "")
+endif()
 
 function(gabion_precompile name)
   cmake_parse_arguments(arg "" "" "LIBS;HEADERS" ${ARGN})
