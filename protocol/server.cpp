@@ -119,10 +119,13 @@ std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
         solvers[names_.back()] = greet(arrival->route, std::move(*hello), participants, run);
       }
     }
-    require<ProtocolError>(waited.seconds() <= switchboard_.deadlines().connect || awaited.empty(),
-                           "participants {} did not connect to {} within {:.1f} s (limit {} s, {})",
-                           awaited, endpoint(), waited.seconds(), switchboard_.deadlines().connect,
-                           deadline_option("connect_deadline"));
+    require<ProtocolError>(
+        waited.seconds() <= switchboard_.deadlines().connect || awaited.empty(), [&] {
+          return fmt::format(
+              "participants {} did not connect to {} within {:.1f} s (limit {} s, {}){}{}", awaited,
+              endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+              deadline_option("connect_deadline"), turned_down_.empty() ? "" : "; ", turned_down_);
+        });
     if (since_log.seconds() > awaited_log_period) {
       since_log = Stopwatch();
       log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
@@ -144,8 +147,10 @@ std::optional<Hello> Server::read_or_turn_down(const Switchboard::Arrival& arriv
     versions = compare_versions(arrival.hello);
     if (versions.empty()) hello = read_hello(arrival.hello);
   } catch (const ProtocolError& problem) {
-    switchboard_.turn_down(arrival.route, claimed_name(arrival.hello),
-                           {{"hello", "a complete hello", problem.what()}});
+    const std::string who = claimed_name(arrival.hello);
+    const std::vector<Mismatch> mismatches = {{"hello", "a complete hello", problem.what()}};
+    turned_down_ = fmt::format("{} was refused: {}", who, mismatch_text(mismatches));
+    switchboard_.turn_down(arrival.route, who, mismatches);
     return std::nullopt;
   }
   std::erase(awaited, text_or_empty(arrival.hello, "participant"));

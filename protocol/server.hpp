@@ -82,6 +82,7 @@ class Server {
 
   Switchboard switchboard_;
   std::vector<std::string> names_;
+  std::string turned_down_;  // who it was last, and why
 };
 
 }  // namespace gabion

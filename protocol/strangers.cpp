@@ -41,7 +41,7 @@ void Strangers::refuse(const std::string& route, const std::string& what) {
 
 void Strangers::say_count() {
   if (count_ > said_) {
-    log::warn("dropped {} more messages of senders that are no participants", count_ - said_);
+    log::warn("dropped {} more messages from senders that are no participants", count_ - said_);
   }
   said_ = count_;
   since_said_ = Stopwatch();

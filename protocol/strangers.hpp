@@ -21,15 +21,12 @@ class Strangers {
   /// This sender is refused, or only not heard. @param what  a sentence for the log
   void refuse(const std::string& route, const std::string& what);
 
-  /// Messages dropped or refused so far.
-  std::int64_t count() const { return count_; }
-
  private:
   void say_count();
 
   std::set<std::string> routes_;
   std::deque<std::string> oldest_;  // of routes_, in the order in which they came
-  std::int64_t count_ = 0;
+  std::int64_t count_ = 0;  // of messages
   std::int64_t said_ = 0;  // of them in the log
   int named_ = 0;
   Stopwatch since_said_;

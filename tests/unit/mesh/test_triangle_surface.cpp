@@ -184,9 +184,10 @@ TEST_F(TriangleFiles, broken_files_are_refused_with_the_place) {
   std::string long_list = with_header(xyz + "element face 1\nproperty list uint uint tags\n");
   long_list.replace(long_list.find("3 0 1 2"), 7, "4294967295");
   expect_refused(long_list, ".ply", {"a list \"tags\" of 4294967295 numbers"});
-  std::string far = stl_text(triangles);
-  far.replace(far.find("vertex "), 7, "vertex 1e308 -1e308 0\nvertex ");
-  expect_refused(far, ".stl", {"digits do not resolve"});
+  auto far = triangles;
+  far[0][0][0] = 1e308;
+  far[1][0][0] = -1e308;
+  expect_refused(stl_text(far), ".stl", {"digits do not resolve"});
   const std::string binary = ply_bytes();
   expect_refused(binary.substr(0, binary.size() - 2), ".ply", {"byte ", "found the end"});
   expect_error<ConfigError>([] { read_triangles("none.stl", TriangleNormals::file); },
