@@ -27,6 +27,9 @@ endif()
 if(GABION_SANITIZERS)
   target_compile_options(gabion_options INTERFACE -fsanitize=${GABION_SANITIZERS} -fno-omit-frame-pointer)
   target_link_options(gabion_options INTERFACE -fsanitize=${GABION_SANITIZERS})
+  if(GABION_UNCHECKED)
+    target_compile_options(gabion_options INTERFACE -fno-sanitize=${GABION_UNCHECKED})
+  endif()
 endif()
 
 # Tests set scenes up and compare: their own code need not be fast, and compiles in a third of the time.

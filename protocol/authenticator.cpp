@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "protocol/authenticator.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <chrono>
 #include <vector>
 
 #include "common/base/interrupt.hpp"
-#include "common/base/log.hpp"
 
 namespace gabion {
 namespace {
@@ -59,9 +60,10 @@ void Authenticator::answer_one() {
   const std::string key = known ? z85(request[6]) : "";
   const bool allowed = clients_.contains(key);
   if (!allowed) {
-    log::warn(
-        "refused a connection from {}: its public key {} is not in protocol/security/clients_file",
-        request.size() > 3 ? request[3].to_string() : "nowhere", key);
+    strangers_.refuse(key,
+                      fmt::format("refused a connection from {}: its public key {} is not in "
+                                  "protocol/security/clients_file",
+                                  request.size() > 3 ? request[3].to_string() : "nowhere", key));
   }
   const std::string id = request.size() > 1 ? request[1].to_string() : "";
   const std::array<std::string, 6> reply = {

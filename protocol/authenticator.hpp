@@ -7,6 +7,8 @@
 #include <thread>
 #include <zmq.hpp>
 
+#include "protocol/strangers.hpp"
+
 namespace gabion {
 
 /// Answers for a context who may connect (ZAP 1.0: ZeroMQ RFC 27), in a thread of its own, so that
@@ -27,6 +29,7 @@ class Authenticator {
 
   std::set<std::string> clients_;
   zmq::socket_t socket_;
+  Strangers strangers_;  // by key
   std::atomic<bool> stopping_ = false;
   std::thread thread_;  // last: starts when all else is there
 };

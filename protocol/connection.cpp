@@ -132,7 +132,10 @@ Message Connection::await_answer_to_hello() {
     // A launcher that saw another process fail sends the signal before the coupler can explain.
     const bool interrupted = interrupt::requested() != 0;
     const int patience = interrupted ? last_words_milliseconds : slice_milliseconds;
-    if (const auto frames = socket_->receive(patience)) return decode(std::span(*frames));
+    if (const auto frames = socket_->receive(patience)) {
+      Message answer = decode(std::span(*frames));
+      if (answer.type != "alive") return answer;  // signs of life may come at any time
+    }
     if (interrupted) interrupt::check();
     if (const auto refusal = socket_->refusal()) {
       hint = refusal->reason;
@@ -233,7 +236,7 @@ std::optional<Connection::Request> Connection::last_words() {
 /// A launcher sends the signal to all programs; the coupler then ends the run after the step under
 /// way, with a checkpoint.
 bool Connection::waits_for_last_checkpoint() {
-  if (!run_.value("checkpoints", false)) return false;
+  if (run_.value("checkpoints", Json()) != true) return false;
   if (!since_signal_) since_signal_.emplace();
   return since_signal_->seconds() < interrupt::patience();
 }

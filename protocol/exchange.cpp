@@ -29,6 +29,14 @@ int small_integer(const Message& message, const std::string& key) {
   return static_cast<int>(value);
 }
 
+const Json& object_field(const Message& message, const std::string& key) {
+  const Json& value = message.field(key);
+  require<ProtocolError>(value.is_object(),
+                         "message \"{}\", field \"{}\": expected an object, found {}", message.type,
+                         key, shortened(value));
+  return value;
+}
+
 }  // namespace
 
 StepRequest read_step_request(const Message& message) {
@@ -66,7 +74,7 @@ StepReport read_step_report(const Message& message) {
   report.newton_iterations = small_integer(message, "newton_iterations");
   report.linear_iterations = message.integer("linear_iterations");
   report.interface_active = message.boolean("interface_active");
-  report.details = message.field("details");
+  report.details = object_field(message, "details");
   return report;
 }
 
@@ -85,7 +93,7 @@ AcceptReport read_accept_report(const Message& message, std::size_t num_probes) 
   require<ProtocolError>(report.proposed_dt >= 0,
                          "message \"{}\": expected proposed_dt >= 0, found {}", message.type,
                          report.proposed_dt);
-  report.details = message.field("details");
+  report.details = object_field(message, "details");
   return report;
 }
 
@@ -158,10 +166,7 @@ Message loaded(const std::vector<double>& probes) {
 
 State read_state(const Message& message) {
   State state;
-  state.facts = message.field("state");
-  require<ProtocolError>(state.facts.is_object(),
-                         "message \"{}\", field \"state\": expected an object, found {}",
-                         message.type, shortened(state.facts));
+  state.facts = object_field(message, "state");
   if (message.fields.contains("file")) state.file = message.text("file");
   for (const auto& array : message.arrays) {
     require<ProtocolError>(array.name.find('/') == std::string::npos,

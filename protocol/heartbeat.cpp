@@ -9,6 +9,7 @@
 #include <span>
 
 #include "common/base/interrupt.hpp"
+#include "common/base/printable.hpp"
 #include "protocol/codec.hpp"
 
 namespace gabion {
@@ -131,7 +132,7 @@ void Heartbeat::check_coupler(double slept) {
       phase == "write_output" || phase == "save" || phase.starts_with("accept_step");
   if (since_loss_.seconds() < (writing ? output_grace : grace)) return;
   std::fputs(fmt::format("[{}] error: {}; this process ends in phase \"{}\"\n",
-                         settings_.participant, *loss, phase)
+                         settings_.participant, printable(*loss), printable(phase))
                  .c_str(),
              stderr);
   std::_Exit(ProtocolError("").exit_code());

@@ -11,9 +11,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <sstream>
 #include <vector>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -33,8 +34,7 @@ bool is_key(const std::string& text) {
 
 /// All keys of a file, which must all be of this kind.
 std::vector<std::string> read_keys(const std::string& file, const std::string& tag) {
-  std::ifstream in(file);
-  require<ConfigError>(in.good(), "{}: cannot be read", file);
+  std::istringstream in(read_file(file, "key file"));
   std::vector<std::string> keys;
   int number = 0;
   for (std::string line; std::getline(in, line);) {

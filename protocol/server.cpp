@@ -114,18 +114,18 @@ std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
     if (const auto arrival = switchboard_.next_arrival()) {
       if (arrival->hello.type == "abort") {
         require_beginning(arrival->hello, awaited);
-        continue;
+      } else if (auto hello = read_or_turn_down(*arrival, awaited)) {
+        names_.push_back(hello->participant);
+        solvers[names_.back()] = greet(arrival->route, std::move(*hello), participants, run);
       }
-      std::erase(awaited, text_or_empty(arrival->hello, "participant"));
-      auto solver = greet(*arrival, participants, run);
-      names_.push_back(static_cast<RemoteSolver&>(*solver).name());
-      solvers[names_.back()] = std::move(solver);
-      continue;
     }
-    require<ProtocolError>(waited.seconds() <= switchboard_.deadlines().connect,
-                           "participants {} did not connect to {} within {:.1f} s (limit {} s, {})",
-                           awaited, endpoint(), waited.seconds(), switchboard_.deadlines().connect,
-                           deadline_option("connect_deadline"));
+    require<ProtocolError>(
+        waited.seconds() <= switchboard_.deadlines().connect || awaited.empty(), [&] {
+          return fmt::format(
+              "participants {} did not connect to {} within {:.1f} s (limit {} s, {}){}{}", awaited,
+              endpoint(), waited.seconds(), switchboard_.deadlines().connect,
+              deadline_option("connect_deadline"), turned_down_.empty() ? "" : "; ", turned_down_);
+        });
     if (since_log.seconds() > awaited_log_period) {
       since_log = Stopwatch();
       log::info("waiting for participants {} on {} since {:.0f} s", awaited, endpoint(),
@@ -136,51 +136,64 @@ std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
   return solvers;
 }
 
-std::unique_ptr<Solver> Server::greet(const Switchboard::Arrival& arrival,
-                                      const std::vector<Expected>& participants, const Json& run) {
-  const auto refuse = [&](const std::string& who, const std::vector<Mismatch>& mismatches) {
-    switchboard_.answer(arrival.route, refusal(mismatches));
-    throw ProtocolError(fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
-  };
-  const auto refuse_unless_complete = [&](auto read) {
-    try {
-      return read(arrival.hello);
-    } catch (const ProtocolError& problem) {
-      refuse(claimed_name(arrival.hello), {{"hello", "a complete hello", problem.what()}});
-      throw;
-    }
-  };
-  if (const auto versions = refuse_unless_complete(compare_versions); !versions.empty()) {
-    refuse(claimed_name(arrival.hello), versions);
+/// A hello in which something is missing or senseless may be anybody's: its sender is told so, and
+/// the wait goes on.
+/// @param awaited  loses the name of one that is understood
+std::optional<Hello> Server::read_or_turn_down(const Switchboard::Arrival& arrival,
+                                               std::vector<std::string>& awaited) {
+  std::vector<Mismatch> versions;
+  std::optional<Hello> hello;
+  try {
+    versions = compare_versions(arrival.hello);
+    if (versions.empty()) hello = read_hello(arrival.hello);
+  } catch (const ProtocolError& problem) {
+    const std::string who = claimed_name(arrival.hello);
+    const std::vector<Mismatch> mismatches = {{"hello", "a complete hello", problem.what()}};
+    turned_down_ = fmt::format("{} was refused: {}", who, mismatch_text(mismatches));
+    switchboard_.turn_down(arrival.route, who, mismatches);
+    return std::nullopt;
   }
-  Hello hello = refuse_unless_complete(read_hello);
+  std::erase(awaited, text_or_empty(arrival.hello, "participant"));
+  if (!hello) refuse(arrival.route, claimed_name(arrival.hello), versions);
+  return hello;
+}
+
+void Server::refuse(const std::string& route, const std::string& who,
+                    const std::vector<Mismatch>& mismatches) {
+  switchboard_.answer(route, refusal(mismatches));
+  throw ProtocolError(fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
+}
+
+std::unique_ptr<Solver> Server::greet(const std::string& route, Hello hello,
+                                      const std::vector<Expected>& participants, const Json& run) {
   const std::string label = fmt::format("participant \"{}\" ({}, pid {})", hello.participant,
                                         hello.program, hello.process.pid);
   const auto expected =
       std::find_if(participants.begin(), participants.end(),
                    [&hello](const Expected& e) { return e.name == hello.participant; });
   if (expected == participants.end()) {
-    refuse(label, {{"participant name", names_of(participants), hello.participant}});
+    refuse(route, label, {{"participant name", names_of(participants), hello.participant}});
   }
   if (switchboard_.has_participant(hello.participant)) {
-    refuse(label, {{"participant name", "\"" + hello.participant + "\" is connected already",
-                    hello.participant}});
+    refuse(route, label,
+           {{"participant name", "\"" + hello.participant + "\" is connected already",
+             hello.participant}});
   }
   if (const auto mismatches = compare(*expected, hello); !mismatches.empty()) {
-    refuse(label, mismatches);
+    refuse(route, label, mismatches);
   }
-  switchboard_.add_participant({.name = hello.participant,
-                                .route = arrival.route,
-                                .session = hello.session,
-                                .label = label,
-                                .process = hello.process,
-                                .sends_heartbeat = hello.sends_heartbeat});
   Welcome welcome;
   welcome.program_version = version;
   welcome.process = this_process();
   welcome.deadlines = switchboard_.deadlines();
   welcome.run = run;
-  switchboard_.answer(arrival.route, to_message(welcome));
+  switchboard_.welcome({.name = hello.participant,
+                        .route = route,
+                        .session = hello.session,
+                        .label = label,
+                        .process = hello.process,
+                        .sends_heartbeat = hello.sends_heartbeat},
+                       to_message(welcome));
   log::info(
       "{} is here{}", label,
       hello.scene_hash.empty() ? ": it gives no scene hash, its settings are not compared" : "");

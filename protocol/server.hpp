@@ -73,11 +73,16 @@ class Server {
   std::map<std::string, std::unique_ptr<Solver>> greet_all(
       const std::vector<Expected>& participants, const Json& run,
       std::vector<std::string>& awaited);
-  std::unique_ptr<Solver> greet(const Switchboard::Arrival& arrival,
+  std::optional<Hello> read_or_turn_down(const Switchboard::Arrival& arrival,
+                                         std::vector<std::string>& awaited);
+  [[noreturn]] void refuse(const std::string& route, const std::string& who,
+                           const std::vector<Mismatch>& mismatches);
+  std::unique_ptr<Solver> greet(const std::string& route, Hello hello,
                                 const std::vector<Expected>& participants, const Json& run);
 
   Switchboard switchboard_;
   std::vector<std::string> names_;
+  std::string turned_down_;  // who it was last, and why
 };
 
 }  // namespace gabion

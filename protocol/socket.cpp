@@ -22,6 +22,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Addresses of IPv6 stand in brackets.
+bool is_ipv6(const std::string& endpoint) {
+  return endpoint.find('[') != std::string::npos;
+}
+
 int milliseconds_until(Clock::time_point end) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
   return static_cast<int>(std::max<std::int64_t>(0, left.count()));
@@ -160,11 +165,12 @@ Socket Socket::bind_router(std::shared_ptr<SocketContext> context, const std::st
                            const std::optional<ServerKeys>& keys) {
   auto made = std::make_unique<Implementation>(std::move(context), zmq::socket_type::router);
   made->socket.set(zmq::sockopt::router_mandatory, true);
+  made->socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
   if (keys) made->use(*keys);
   try {
     made->socket.bind(endpoint);
   } catch (const zmq::error_t& problem) {
-    throw ProtocolError(
+    throw ConfigError(
         fmt::format("cannot listen on \"{}\": {} (option protocol/endpoint; "
                     "tcp://127.0.0.1:* takes any free port)",
                     endpoint, problem.what()));
@@ -182,6 +188,7 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
   auto made = std::make_unique<Implementation>(std::move(context), zmq::socket_type::dealer);
   made->socket.set(zmq::sockopt::routing_id, route);
   made->socket.set(zmq::sockopt::linger, linger);
+  made->socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
   if (keys) made->use(*keys);
   made->linger = linger;
   if (linger > 0) made->start_monitor();  // nobody asks the others
@@ -200,6 +207,14 @@ Socket Socket::connect_dealer(std::shared_ptr<SocketContext> context, const std:
 }
 
 bool Socket::send(const std::vector<std::string_view>& frames) {
+  return send(frames, true);
+}
+
+bool Socket::try_send(const std::vector<std::string_view>& frames) {
+  return send(frames, false);
+}
+
+bool Socket::send(const std::vector<std::string_view>& frames, bool waits) {
   Implementation& own = *implementation_;
   own.try_local();
   // A coupler that has gone is noticed by those who watch it, as over the network.
@@ -209,7 +224,8 @@ bool Socket::send(const std::vector<std::string_view>& frames) {
   }
   if (own.listener && own.listener->has(frames[0])) return own.listener->send(frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
+    auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
+    if (!waits) flags = flags | zmq::send_flags::dontwait;
     for (;;) {
       try {
         if (!own.socket.send(zmq::buffer(frames[i]), flags)) return false;

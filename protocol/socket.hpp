@@ -25,7 +25,7 @@ class Socket {
  public:
   /// Coupler's side. The first frame of what it sends and receives is the peer's route.
   /// @param keys  only participants with one of these keys may connect, and all is encrypted
-  /// @throws ProtocolError  the endpoint cannot be bound
+  /// @throws ConfigError  the endpoint cannot be bound
   static Socket bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint,
                             const std::optional<ServerKeys>& keys = {});
   /// Participant's side. Connects in the background, again and again.
@@ -43,6 +43,8 @@ class Socket {
 
   /// False when the peer cannot be reached or its queue stays full for a second.
   bool send(const std::vector<std::string_view>& frames);
+  /// The same without waiting: false also when its queue is full now.
+  bool try_send(const std::vector<std::string_view>& frames);
 
   /// One message, or nothing after `milliseconds` or when a signal came.
   /// Of more than `max_frames` frames only the first ones are kept.
@@ -67,6 +69,7 @@ class Socket {
 
  private:
   struct Implementation;
+  bool send(const std::vector<std::string_view>& frames, bool waits);
   explicit Socket(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };

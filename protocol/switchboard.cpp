@@ -10,7 +10,6 @@
 #include "common/base/require.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/exchange.hpp"
-#include "protocol/handshake.hpp"
 
 namespace gabion {
 namespace {
@@ -22,6 +21,8 @@ constexpr double last_words_wait = 0.5;  // [s] until the connection of a proces
 constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
 constexpr double wait_log_period = 3;    // [s]
 constexpr double own_sleep = 1.0;        // [s] between two checks: this process did not run
+constexpr int most_messages_a_pass = 256;
+constexpr double longest_pass = 0.1;  // [s]
 
 }  // namespace
 
@@ -59,20 +60,28 @@ Switchboard::Peer& Switchboard::peer(const std::string& name) {
   return found->second;
 }
 
-bool Switchboard::post(const std::string& route, const Message& message) {
+/// With socket_mutex_ held.
+bool Switchboard::post(const std::string& route, const Message& message, bool waits) {
   const EncodedMessage encoded = encode(message);
   std::vector<std::string_view> frames = {route, encoded.header};
   frames.insert(frames.end(), encoded.payloads.begin(), encoded.payloads.end());
-  return socket_.send(frames);
+  return waits ? socket_.send(frames) : socket_.try_send(frames);
 }
 
 void Switchboard::answer(const std::string& route, const Message& message) {
   const std::lock_guard lock(socket_mutex_);
-  if (!post(route, message)) log::warn("cannot answer \"{}\": its sender is gone", message.type);
+  if (!post(route, message, false)) log::debug("\"{}\" found no reader", message.type);
 }
 
-void Switchboard::add_participant(const Guest& guest) {
+void Switchboard::turn_down(const std::string& route, const std::string& who,
+                            const std::vector<Mismatch>& mismatches) {
+  strangers_.refuse(route, fmt::format("{} was refused: {}", who, mismatch_text(mismatches)));
+  answer(route, refusal(mismatches));
+}
+
+void Switchboard::welcome(const Guest& guest, const Message& message) {
   const std::lock_guard lock(socket_mutex_);
+  if (!post(guest.route, message, false)) log::warn("{} is gone already", guest.label);
   Peer& added = peers_[guest.name];
   added.route = guest.route;
   added.session = guest.session;
@@ -97,7 +106,7 @@ std::uint64_t Switchboard::send(const std::string& participant, Message request)
     }
     Peer& to = peer(participant);
     request.sequence = ++to.last_sequence;
-    to.open.push_back({request.sequence, describe(request), participant + " " + request.type});
+    to.open.push_back({request.sequence, describe(request), participant + " " + request.type, {}});
     if (to.open.size() == 1) to.watch->asked(to.open.front().what);
     bool sent = false;
     {
@@ -120,33 +129,30 @@ Message Switchboard::wait_reply(const std::string& participant, std::uint64_t se
   return guarded([&] {
     const Peer& awaited = peer(participant);
     require<ProtocolError>(!awaited.open.empty(), "{} was not asked", awaited.watch->label());
-    const std::string kind = awaited.open.front().kind;
+    const Question asked = awaited.open.front();
     const Stopwatch waited;
-    Attention::Seconds look = attention_.before(kind);
-    std::optional<Stopwatch> late;
+    Attention::Seconds look = attention_.before(asked.kind);
     Stopwatch since_log;
     for (;;) {
       if (auto reply = take_reply(participant, sequence)) {
-        attention_.note(kind, Attention::Seconds(waited.seconds()));
+        attention_.note(asked.kind, Attention::Seconds(waited.seconds()));
         return std::move(*reply);
       }
-      if (!late && waited.seconds() > deadlines_.answer) late.emplace();  // before the look
-      const bool came = listen(&awaited, std::exchange(look, {}));
+      const bool late = asked.since.seconds() > deadlines_.answer;  // judged before the look
+      listen(&awaited, std::exchange(look, {}));
       refuse_late_arrivals();
       if (!awaited.inbox.empty()) continue;
       const PeerWatch& watch = *awaited.watch;
       if (logs_waits_ && since_log.seconds() > wait_log_period) {
         since_log = Stopwatch();
         log::info("waiting for {}, {}, since {:.0f} s", watch.label(), watch.question(),
-                  waited.seconds());
+                  asked.since.seconds());
       }
-      // What came may be a sign of life with the answer close behind it.
-      if (late && (!came || late->seconds() > own_sleep)) {
-        throw ProtocolError(
-            fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
-                        watch.label(), waited.seconds(), deadlines_.answer,
-                        deadline_option("answer_deadline"), watch.last_words()));
-      }
+      require<ProtocolError>(!late, [&] {
+        return fmt::format("{} is alive but has not answered for {:.1f} s (limit {} s, {}); {}",
+                           watch.label(), asked.since.seconds(), deadlines_.answer,
+                           deadline_option("answer_deadline"), watch.last_words());
+      });
     }
   });
 }
@@ -163,6 +169,7 @@ std::optional<Message> Switchboard::take_reply(const std::string& participant,
                        from.watch->last_words());
   });
   from.open.pop_front();
+  if (!from.open.empty()) from.open.front().since = Stopwatch();
   from.watch->asked(from.open.empty() ? "" : from.open.front().what);
   return reply;
 }
@@ -208,19 +215,22 @@ void Switchboard::set_phase(const std::string& phase) {
 }
 
 /// Take what has come, waiting for the first message at most so long. Whether anything came.
+/// Whoever sends without end does not hold up what the caller has to look at.
 bool Switchboard::pump(int milliseconds, Attention::Seconds look) {
-  bool came = false;
-  for (;;) {
+  std::optional<Stopwatch> since_first;
+  for (int taken = 0; taken < most_messages_a_pass; ++taken) {
     std::optional<std::vector<std::string>> frames;
     {
       const std::lock_guard lock(socket_mutex_);
-      frames = socket_.receive(came ? 0 : milliseconds, look);
+      frames = socket_.receive(since_first ? 0 : milliseconds, look);
       beat_when_due();
     }
-    if (!frames) return came;
-    came = true;
+    if (!frames) return since_first.has_value();
+    if (!since_first) since_first.emplace();
     dispatch(*frames);
+    if (since_first->seconds() > longest_pass) break;
   }
+  return true;
 }
 
 void Switchboard::dispatch(const std::vector<std::string>& frames) {
@@ -229,6 +239,7 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
     return entry.second.route == route;
   });
   const bool known = from != peers_.end();
+  if (!known && strangers_.drops(route)) return;
   Message message;
   try {
     message = decode(std::span(frames).subspan(1));
@@ -240,31 +251,33 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
       throw ProtocolError(fmt::format("{} sent a message that is not understood: {}; {}",
                                       watch.label(), problem.what(), watch.last_words()));
     }
-    log::warn("ignored a message that is not the protocol: {}", problem.what());
-    answer(route, refusal({{"first message", "a hello that is understood", problem.what()}}));
-    return;
+    return turn_down(route, "a message that is not the protocol",
+                     {{"first message", "a hello that is understood", problem.what()}});
   }
-  if (known && message.type == "abort") {
-    if (from->second.released) return;
-    throw ProtocolError(
-        fmt::format("{} ended the run: {}", from->second.watch->label(), message.text("reason")));
-  }
-  if (known) {
-    if (from->second.released) return;
-    const PeerWatch& watch = *from->second.watch;
-    require<ProtocolError>(from->second.inbox.size() < from->second.open.size(), [&] {
-      return fmt::format("{} sent {} without being asked; {}", watch.label(),
-                         shortened(message.type), watch.last_words());
-    });
-    from->second.watch->sign_of_life();
-    if (message.type == "finished") release(from->first);
-    from->second.inbox.push_back(std::move(message));
-  } else if (message.type == "hello" || message.type == "abort") {
+  if (known) return take(from->first, std::move(message));
+  if (message.type == "hello" || message.type == "abort") {
     arrivals_.push_back({route, std::move(message)});
   } else {
-    log::warn("ignored a message {} from a sender that has not said hello",
-              shortened(message.type));
+    strangers_.refuse(route,
+                      "ignored a sender that has not said hello, but " + shortened(message.type));
   }
+}
+
+/// What a participant said on its main socket.
+void Switchboard::take(const std::string& participant, Message message) {
+  Peer& from = peer(participant);
+  if (from.released) return;
+  const PeerWatch& watch = *from.watch;
+  require<ProtocolError>(message.type != "abort", [&] {
+    return fmt::format("{} ended the run: {}", watch.label(), message.text("reason"));
+  });
+  require<ProtocolError>(from.inbox.size() < from.open.size(), [&] {
+    return fmt::format("{} sent {} without being asked; {}", watch.label(), shortened(message.type),
+                       watch.last_words());
+  });
+  from.watch->sign_of_life();
+  if (message.type == "finished") release(participant);
+  from.inbox.push_back(std::move(message));
 }
 
 void Switchboard::heartbeat_came(const std::string& route, const Message& message) {
@@ -276,13 +289,11 @@ void Switchboard::heartbeat_came(const std::string& route, const Message& messag
 }
 
 void Switchboard::refuse_late_arrivals() {
-  for (const Arrival& late : arrivals_) {
-    if (late.hello.type == "abort") continue;
-    log::warn("refused a participant that came when the run was under way");
-    answer(late.route,
-           refusal({{"state of the run", "under way, all participants are here", "hello"}}));
+  for (const Arrival& late : std::exchange(arrivals_, {})) {
+    if (late.hello.type != "hello") continue;
+    turn_down(late.route, "a participant that came late",
+              {{"state of the run", "under way, all participants are here", "hello"}});
   }
-  arrivals_.clear();
 }
 
 /// Wait a slice for what comes, then look after all participants. Silence is judged before the look
@@ -367,7 +378,7 @@ void Switchboard::beat_when_due() {
   const Message alive = new_beat();
   for (auto& [name, to] : peers_) {
     if (to.released || !to.sends_heartbeat) continue;
-    post(to.heartbeat_route.empty() ? to.route : to.heartbeat_route, alive);
+    post(to.heartbeat_route.empty() ? to.route : to.heartbeat_route, alive, false);
   }
 }
 

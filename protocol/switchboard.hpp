@@ -15,10 +15,12 @@
 #include "common/base/timer.hpp"
 #include "protocol/attention.hpp"
 #include "protocol/deadlines.hpp"
+#include "protocol/handshake.hpp"
 #include "protocol/message.hpp"
 #include "protocol/peer_watch.hpp"
 #include "protocol/process.hpp"
 #include "protocol/socket.hpp"
+#include "protocol/strangers.hpp"
 
 namespace gabion {
 
@@ -47,8 +49,12 @@ class Switchboard {
   /// Wait for one arrival at most about 0.1 s.
   /// @throws ProtocolError  a participant that is already here was lost
   std::optional<Arrival> next_arrival();
-  /// Answer on a route that is no participant's yet.
+  /// Answer on a route that is no participant's, without waiting.
   void answer(const std::string& route, const Message& message);
+  /// Tell a sender why it is not let in, and drop what else comes from it.
+  /// @param who  for the log
+  void turn_down(const std::string& route, const std::string& who,
+                 const std::vector<Mismatch>& mismatches);
   /// A participant that is welcome.
   struct Guest {
     std::string name;
@@ -58,7 +64,8 @@ class Switchboard {
     ProcessIdentity process;
     bool sends_heartbeat;
   };
-  void add_participant(const Guest& guest);
+  /// Answer the hello of one that is let in. Signs of life go to it from then on, none before.
+  void welcome(const Guest& guest, const Message& message);
   bool has_participant(const std::string& name) const { return peers_.contains(name); }
 
   /// Send a request; returns its sequence number.
@@ -94,6 +101,7 @@ class Switchboard {
     std::uint64_t sequence;
     std::string what;  // as describe() says it
     std::string kind;  // whom and of which type, for attention_
+    Stopwatch since;   // its turn came: asked, and the question before it answered
   };
   struct Peer {
     std::string route;
@@ -110,6 +118,7 @@ class Switchboard {
   bool listen(const Peer* awaited, Attention::Seconds look = {});
   bool pump(int milliseconds, Attention::Seconds look = {});
   void dispatch(const std::vector<std::string>& frames);
+  void take(const std::string& participant, Message message);
   void release(const std::string& participant);
   void heartbeat_came(const std::string& route, const Message& message);
   bool is_somebody_silent() const;
@@ -118,7 +127,7 @@ class Switchboard {
   void hear_out(const Peer& gone);
   void refuse_late_arrivals();
   std::optional<Message> take_reply(const std::string& participant, std::uint64_t sequence);
-  bool post(const std::string& route, const Message& message);
+  bool post(const std::string& route, const Message& message, bool waits = true);
   Message new_beat();
   void beat_when_due();
   void beat_in_background();
@@ -130,6 +139,7 @@ class Switchboard {
   std::string endpoint_;
   std::map<std::string, Peer> peers_;
   std::vector<Arrival> arrivals_;
+  Strangers strangers_;
   std::string failure_;
   Attention attention_;
   bool signals_end_waits_ = true;

@@ -53,6 +53,10 @@ std::string problem_with(const Json& parts, const ArraySize& size) {
       facts.is_array() && facts.size() == num_ranks &&
       std::all_of(facts.begin(), facts.end(), [](const Json& of) { return of.is_object(); });
   if (!each) return fmt::format("found no facts of each of {} ranks", num_ranks);
+  const Json lists = parts.value("lists", Json::array());
+  if (!lists.is_array() || !std::ranges::all_of(lists, &Json::is_string)) {
+    return "found no names of lists";
+  }
   const std::string problem = problem_with(parts, "reals", size);
   return !problem.empty() ? problem : problem_with(parts, "integers", size);
 }

@@ -10,6 +10,7 @@
 #include "common/hdf5/hdf5_reader.hpp"
 #include "common/mechanics/output/ranked_hdf5_file.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "common/settings/json_text.hpp"
 #include "solver_program/ranked_parts.hpp"
 #include "solver_program/ranked_state.hpp"
 
@@ -21,7 +22,7 @@ namespace {
 class RankedStateReader {
  public:
   explicit RankedStateReader(const std::string& path) : file_(path) {
-    parts_ = Json::parse(file_.text("facts"), nullptr, /*allow_exceptions=*/false);
+    parts_ = parse_settings(file_.text("facts"), path + ": dataset facts");
     require(parts_.is_object(), "{}: dataset facts is not a JSON object", path);
     const auto reals = file_.names("reals"), integers = file_.names("integers");
     check_parts(parts_, [&](const std::string& kind, const std::string& name) -> std::int64_t {

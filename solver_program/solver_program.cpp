@@ -134,7 +134,7 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   }
   interrupt::install();  // all ranks: the first one ends the run
   const auto welcomed = [&](const Connection& connection) {
-    if (options.check || connection.run_settings().value("check", false)) return;
+    if (options.check || connection.run_settings().value("check", Json()) == true) return;
     std::filesystem::create_directories(folder);
     write_json_file(folder + "/resolved_config.json", {{run.program.file, run.reader.resolved()}});
   };

@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 
 namespace gabion::log {
 
@@ -66,7 +67,7 @@ Level level_from_name(std::string_view name) {
 
 void write(Level level, std::string_view text) {
   const char* mark = level == Level::error ? "error: " : level == Level::warn ? "warning: " : "";
-  logger().log(to_spdlog(level), "{}{}", mark, text);
+  logger().log(to_spdlog(level), "{}{}", mark, printable(text));
 }
 
 void last_error(const std::string& text) {

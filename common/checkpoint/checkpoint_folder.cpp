@@ -8,17 +8,20 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <gabion_version.hpp>
 #include <string_view>
 
 #include "common/base/descriptor.hpp"
 #include "common/base/log.hpp"
+#include "common/base/names.hpp"
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 #include "common/checkpoint/state_file.hpp"
 #include "common/run/run_record.hpp"
+#include "common/settings/json_text.hpp"
 
 namespace gabion {
 
@@ -27,6 +30,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int format = 1;
+constexpr std::int64_t most_steps = std::int64_t{1} << 62;
 constexpr const char* manifest_name = "manifest.json";
 constexpr const char* checkpoints_name = "checkpoints";
 constexpr std::string_view step_prefix = "step_";
@@ -42,8 +46,10 @@ void flush_to_disk(const fs::path& path) {
 std::int64_t step_of(const fs::path& folder) {
   const std::string name = folder.filename().string();
   if (!name.starts_with(step_prefix) || name.size() == step_prefix.size()) return -1;
-  const std::string digits = name.substr(step_prefix.size());
-  return digits.find_first_not_of("0123456789") == std::string::npos ? std::stoll(digits) : -1;
+  std::int64_t step = -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data() + step_prefix.size(), end, step);
+  return error == std::errc{} && stop == end ? step : -1;
 }
 
 void remove_others(const fs::path& checkpoints, const fs::path& kept) {
@@ -57,11 +63,25 @@ void remove_others(const fs::path& checkpoints, const fs::path& kept) {
   }
 }
 
-Json read_manifest(const fs::path& path) {
-  std::ifstream in(path);
-  Json manifest = Json::parse(in, nullptr, /*allow_exceptions=*/false);
-  require(manifest.is_object(), "{}: not valid JSON", path.string());
+Json read_manifest(const std::string& path) {
+  Json manifest = parse_settings(read_file(path, "manifest of a checkpoint"), path);
+  require<ConfigError>(manifest.is_object(), "{}: found {}, allowed: an object", path,
+                       manifest.type_name());
   return manifest;
+}
+
+/// One part of a checkpoint. A name must not lead out of its folder.
+State read_part(const fs::path& folder, const std::string& name, const Json& bytes, bool own) {
+  require(is_plain_name(name, "."), "{}: found a part named {}, allowed: a plain name",
+          (folder / manifest_name).string(), Json(name).dump());
+  const fs::path file = folder / (name + ".h5");
+  const auto size = fs::is_regular_file(file) ? fs::file_size(file) : 0;
+  require(bytes.is_number_unsigned() && size == bytes.get<std::uintmax_t>(),
+          "{}: found {} bytes, the manifest says {}: damaged", file.string(), size, bytes.dump());
+  if (!own) return read_state(file.string());
+  State state;
+  state.file = fs::absolute(file).lexically_normal().string();
+  return state;
 }
 
 }  // namespace
@@ -145,36 +165,29 @@ std::string find_checkpoint(const std::string& results) {
 
 Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
   const fs::path folder(path);
-  const Json manifest = read_manifest(folder / manifest_name);
+  const std::string manifest_path = (folder / manifest_name).string();
+  const Json manifest = read_manifest(manifest_path);
   const auto refuse_unless = [&](bool good, const std::string& key, const std::string& allowed) {
-    require<ConfigError>(good, "{}: at /{}: found {}, allowed: {}",
-                         (folder / manifest_name).string(), key, manifest.value(key, Json()).dump(),
-                         allowed);
+    require<ConfigError>(good, "{}: at /{}: found {}, allowed: {}", manifest_path, key,
+                         manifest.value(key, Json()).dump(), allowed);
   };
-  refuse_unless(manifest.value("format", 0) == format, "format", std::to_string(format));
-  refuse_unless(manifest.value("program", "") == kind, "program", "\"" + kind + "\"");
-  const std::string writer = manifest.value("version", "");
-  if (writer != version) {
-    log::warn("{}: written by version {}, this is {}: last bits may differ", path, writer, version);
+  const auto value = [&manifest](const char* key) { return manifest.value(key, Json()); };
+  refuse_unless(value("format") == format, "format", std::to_string(format));
+  refuse_unless(value("program") == kind, "program", "\"" + kind + "\"");
+  if (value("version") != version) {
+    log::warn("{}: written by version {}, this is {}: last bits may differ", path,
+              value("version").dump(), version);
   }
+  refuse_unless(value("step").is_number_unsigned() && value("step") <= most_steps, "step",
+                "a number of steps");
+  refuse_unless(value("time").is_number() && value("time") >= 0, "time", "a time >= 0");
+  refuse_unless(value("bytes").is_object(), "bytes", "an object");
   Checkpoint checkpoint;
-  try {
-    checkpoint.point = {manifest.at("step").get<std::int64_t>(), manifest.at("time").get<double>()};
-    const auto own_files = manifest.value("own_files", std::vector<std::string>());
-    for (const auto& [name, bytes] : manifest.at("bytes").items()) {
-      const fs::path file = folder / (name + ".h5");
-      const auto size = fs::exists(file) ? fs::file_size(file) : 0;
-      require(size == bytes.get<std::uintmax_t>(),
-              "{}: found {} bytes, the manifest says {}: damaged", file.string(), size,
-              bytes.dump());
-      if (std::ranges::find(own_files, name) != own_files.end()) {
-        checkpoint.states[name].file = fs::absolute(file).lexically_normal().string();
-      } else {
-        checkpoint.states[name] = read_state(file.string());
-      }
-    }
-  } catch (const Json::exception& error) {
-    throw Error(fmt::format("{}: {}", (folder / manifest_name).string(), error.what()));
+  checkpoint.point = {manifest.at("step").get<std::int64_t>(), manifest.at("time").get<double>()};
+  const Json own_files = value("own_files");
+  for (const auto& [name, bytes] : manifest.at("bytes").items()) {
+    const bool own = std::find(own_files.begin(), own_files.end(), name) != own_files.end();
+    checkpoint.states[name] = read_part(folder, name, bytes, own);
   }
   return checkpoint;
 }

@@ -6,6 +6,7 @@
 #include "common/base/require.hpp"
 #include "common/hdf5/hdf5_file.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
+#include "common/settings/json_text.hpp"
 
 namespace gabion {
 
@@ -24,8 +25,9 @@ void write_state(const std::string& path, const State& state) {
 State read_state(const std::string& path) {
   const Hdf5Reader file(path);
   State state;
-  state.facts = Json::parse(file.text("facts"), nullptr, /*allow_exceptions=*/false);
-  require(!state.facts.is_discarded(), "{}: dataset facts is not JSON", path);
+  state.facts = parse_settings(file.text("facts"), path + ": dataset facts");
+  require(state.facts.is_object(), "{}: dataset facts: found {}, allowed: an object", path,
+          state.facts.type_name());
   for (const auto& name : file.names("reals")) state.reals[name] = file.reals("reals/" + name);
   for (const auto& name : file.names("integers")) {
     state.integers[name] = file.integers("integers/" + name);

@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 #include "common/hdf5/hdf5_handle.hpp"
 
@@ -15,6 +18,7 @@ void Hdf5Reader::fail(const std::string& what) const {
 }
 
 Hdf5Reader::Hdf5Reader(std::string path) : path_(std::move(path)) {
+  require_file(path_, "HDF5 file");
   const QuietErrors quiet;
   file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file_ < 0) fail("this file");
@@ -40,32 +44,69 @@ std::vector<std::string> Hdf5Reader::names(const std::string& group) const {
 
 namespace {
 
-hid_t type_of(const double*) {
-  return H5T_NATIVE_DOUBLE;
+/// Bytes of values that one byte of a file can hold, after Deutsch (1996), RFC 1951: at most 1032.
+constexpr hsize_t largest_compression = 1032;
+
+struct Room {
+  hid_t memory_type;
+  int type_class;
+  std::size_t bytes;  // of a value
+};
+Room room_of(const double*) {
+  return {H5T_NATIVE_DOUBLE, H5T_FLOAT, sizeof(double)};
 }
-hid_t type_of(const std::int64_t*) {
-  return H5T_NATIVE_INT64;
+Room room_of(const std::int64_t*) {
+  return {H5T_NATIVE_INT64, H5T_INTEGER, sizeof(std::int64_t)};
+}
+
+/// Whether each value of a stored type has one of the type in memory.
+bool fits(hid_t stored, const Room& room) {
+  const std::size_t size = H5Tget_size(stored);
+  if (static_cast<int>(H5Tget_class(stored)) != room.type_class || size == 0) return false;
+  const bool is_unsigned = room.type_class == H5T_INTEGER && H5Tget_sign(stored) == H5T_SGN_NONE;
+  return is_unsigned ? size < room.bytes : size <= room.bytes;
+}
+
+/// Whether the values of a dataset are in this file, none of them elsewhere: a name inside a file
+/// must not lead to another one.
+bool holds_own_values(hid_t dataset) {
+  const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+  if (creation.id() < 0) return false;
+  const H5D_layout_t layout = H5Pget_layout(creation.id());
+  return (layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED) &&
+         H5Pget_external_count(creation.id()) == 0;
 }
 
 }  // namespace
 
+/// Nothing is allocated for what the file cannot hold.
+void Hdf5Reader::require_stored(const std::string& dataset, std::int64_t id,
+                                std::uint64_t bytes) const {
+  hsize_t file_bytes = 0;
+  if (H5Fget_filesize(file_, &file_bytes) < 0) fail(dataset);
+  const hsize_t stored = std::min(H5Dget_storage_size(id), file_bytes);
+  require(bytes / largest_compression <= stored && (bytes == 0 || stored > 0),
+          "{}: dataset {}: found {} bytes that are to hold values of {}: damaged", path_, dataset,
+          stored, bytes);
+}
+
 /// @param range  null: all values
 template <class Value>
-std::vector<Value> Hdf5Reader::read(const std::string& dataset, int type_class,
-                                    const ValueRange* range) const {
+std::vector<Value> Hdf5Reader::read(const std::string& dataset, const ValueRange* range) const {
   const QuietErrors quiet;
+  const Room room = room_of(static_cast<const Value*>(nullptr));
   Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   if (data.id() < 0) fail(dataset);
   Handle space(H5Dget_space(data.id()), H5Sclose);
   Handle stored(H5Dget_type(data.id()), H5Tclose);
   if (space.id() < 0 || stored.id() < 0) fail(dataset);
-  require(static_cast<int>(H5Tget_class(stored.id())) == type_class,
+  require(fits(stored.id(), room) && holds_own_values(data.id()),
           "{}: dataset {} has another type of value than expected", path_, dataset);
   const hssize_t size = H5Sget_simple_extent_npoints(space.id());
   if (size < 0) fail(dataset);
   const auto count = static_cast<hsize_t>(range ? range->count : size);
   if (range) {
-    require(range->first >= 0 && range->count >= 0 && range->first + range->count <= size &&
+    require(range->first >= 0 && range->count >= 0 && range->first <= size - range->count &&
                 H5Sget_simple_extent_ndims(space.id()) == 1,
             "{}: dataset {}: found {} values, expected {} behind {} of one extent", path_, dataset,
             size, range->count, range->first);
@@ -75,30 +116,33 @@ std::vector<Value> Hdf5Reader::read(const std::string& dataset, int type_class,
       fail(dataset);
     }
   }
+  require(size <= std::numeric_limits<hssize_t>::max() / static_cast<hssize_t>(room.bytes),
+          "{}: dataset {}: found {} values, allowed: what a file can hold", path_, dataset, size);
+  require_stored(dataset, data.id(), static_cast<hsize_t>(size) * H5Tget_size(stored.id()));
   std::vector<Value> values(count);
   const Handle own(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  if (count > 0 && H5Dread(data.id(), type_of(values.data()), own.id(), space.id(), H5P_DEFAULT,
-                           values.data()) < 0) {
+  if (count > 0 &&
+      H5Dread(data.id(), room.memory_type, own.id(), space.id(), H5P_DEFAULT, values.data()) < 0) {
     fail(dataset);
   }
   return values;
 }
 
 std::vector<double> Hdf5Reader::reals(const std::string& dataset) const {
-  return read<double>(dataset, H5T_FLOAT, nullptr);
+  return read<double>(dataset, nullptr);
 }
 
 std::vector<std::int64_t> Hdf5Reader::integers(const std::string& dataset) const {
-  return read<std::int64_t>(dataset, H5T_INTEGER, nullptr);
+  return read<std::int64_t>(dataset, nullptr);
 }
 
 std::vector<double> Hdf5Reader::reals(const std::string& dataset, const ValueRange& range) const {
-  return read<double>(dataset, H5T_FLOAT, &range);
+  return read<double>(dataset, &range);
 }
 
 std::vector<std::int64_t> Hdf5Reader::integers(const std::string& dataset,
                                                const ValueRange& range) const {
-  return read<std::int64_t>(dataset, H5T_INTEGER, &range);
+  return read<std::int64_t>(dataset, &range);
 }
 
 std::int64_t Hdf5Reader::size(const std::string& dataset) const {
@@ -116,10 +160,18 @@ std::string Hdf5Reader::text(const std::string& dataset) const {
   Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   if (data.id() < 0) fail(dataset);
   Handle type(H5Dget_type(data.id()), H5Tclose);
-  if (type.id() < 0 || H5Tget_class(type.id()) != H5T_STRING) fail(dataset);
-  std::string text(H5Tget_size(type.id()), '\0');
+  Handle space(H5Dget_space(data.id()), H5Sclose);
+  if (type.id() < 0 || space.id() < 0) fail(dataset);
+  require(H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0 &&
+              H5Sget_simple_extent_npoints(space.id()) == 1 && holds_own_values(data.id()),
+          "{}: dataset {} is not one text of fixed length", path_, dataset);
+  const std::size_t size = H5Tget_size(type.id());
+  require_stored(dataset, data.id(), size);
+  std::string text(size, '\0');
   if (H5Dread(data.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) fail(dataset);
-  text.resize(text.find('\0'));
+  const std::size_t end = text.find('\0');
+  require(end != std::string::npos, "{}: dataset {} is a text without an end", path_, dataset);
+  text.resize(end);
   return text;
 }
 

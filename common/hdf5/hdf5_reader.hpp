@@ -27,7 +27,7 @@ class Hdf5Reader {
   /// Names in a group; none when the group is missing.
   std::vector<std::string> names(const std::string& group) const;
   /// All values of a dataset, row-major.
-  /// @throws Error  no such dataset, damaged, or of another type of number
+  /// @throws Error  no such dataset, damaged, or of a type of number that does not fit
   std::vector<double> reals(const std::string& dataset) const;
   std::vector<std::int64_t> integers(const std::string& dataset) const;
   /// Some of them. @throws Error  it has fewer
@@ -35,12 +35,13 @@ class Hdf5Reader {
   std::vector<std::int64_t> integers(const std::string& dataset, const ValueRange& range) const;
   /// Number of values. @throws Error  no such dataset
   std::int64_t size(const std::string& dataset) const;
+  /// @throws Error  no such dataset, or not one text of fixed length with an end
   std::string text(const std::string& dataset) const;
 
  private:
   template <class Value>
-  std::vector<Value> read(const std::string& dataset, int type_class,
-                          const ValueRange* range) const;
+  std::vector<Value> read(const std::string& dataset, const ValueRange* range) const;
+  void require_stored(const std::string& dataset, std::int64_t id, std::uint64_t bytes) const;
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;

@@ -2,6 +2,7 @@
 #include "common/program/program.hpp"
 
 #include <filesystem>
+#include <new>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -53,6 +54,10 @@ int run_program(int argc, char** argv, const std::string& program,
   } catch (const Error& error) {
     const bool by_signal = error.exit_code() > 128;
     return by_signal ? follow(error, 0) : fail(error.what(), error.exit_code());
+  } catch (const std::bad_alloc&) {
+    return fail(options.scene + ": the memory of this machine is not enough for this scene; " +
+                    "--check says how large the run will be",
+                1);
   } catch (const std::exception& error) {
     return fail(error.what(), 1);
   }

@@ -19,7 +19,13 @@ bool LoopCheckpoints::go_on() {
   const RestartPoint* const from = start();
   if (from == nullptr) return false;
   StateReader reader(from->run);
-  visit_state_(reader);
+  try {
+    visit_state_(reader);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& problem) {
+    throw Error(fmt::format("{}: the state of the run: {}", from->path, problem.what()));
+  }
   require<ConfigError>(!steps_.finished(),
                        "{}: is at {} s, so nothing is left to do; allowed: an end "
                        "behind it (/time/end)",

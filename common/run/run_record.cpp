@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "common/base/log.hpp"
+#include "common/base/names.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -130,14 +131,22 @@ double OutputClock::multiples(double time) const {
 
 bool OutputClock::due(double time) {
   if (!is_due(time)) return false;
-  next_ = static_cast<std::int64_t>(std::floor(multiples(time))) + 1;
+  constexpr double most = 9e18;  // an interval so short is over with every step
+  next_ = static_cast<std::int64_t>(std::min(std::floor(multiples(time)), most)) + 1;
   return true;
 }
 
 void DetailColumns::start(const Json& details) {
   started_ = true;
   names_.clear();
-  for (const auto& item : details.items()) names_.push_back(item.key());
+  for (const auto& item : details.items()) {
+    require(
+        is_plain_name(item.key(), ". /()[]^*"),
+        "solver reports a number named {}, allowed: letters, digits and one of \"_-. /()[]^*\", "
+        "as it becomes a column of a table",
+        Json(item.key()).dump(-1, ' ', true, Json::error_handler_t::replace));
+    names_.push_back(item.key());
+  }
   std::stable_partition(names_.begin(), names_.end(),
                         [](const std::string& name) { return !name.ends_with("_seconds"); });
 }

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/run/list_lengths.hpp"
 
 namespace gabion {
 
@@ -29,12 +31,19 @@ void take(const std::map<std::string, std::vector<Value>>& entries, const std::s
   std::copy(saved.begin(), saved.end(), values.begin());
 }
 
+template <class Narrow>
+Narrow narrowed(const std::string& name, std::int64_t value) {
+  require(std::in_range<Narrow>(value), "saved state: \"{}\" is {}, allowed: {} to {}", name, value,
+          std::numeric_limits<Narrow>::min(), std::numeric_limits<Narrow>::max());
+  return static_cast<Narrow>(value);
+}
+
 }  // namespace
 
 void StateVisitor::integer(const std::string& name, int& value) {
   std::int64_t wide = value;
   integer(name, wide);
-  value = static_cast<int>(wide);
+  value = narrowed<int>(name, wide);
 }
 
 void StateVisitor::flag(const std::string& name, bool& value) {
@@ -47,7 +56,14 @@ void StateVisitor::integers(const std::string& name, std::span<std::int32_t> val
   std::vector<std::int64_t> wide(values.begin(), values.end());
   integers(name, std::span<std::int64_t>(wide));
   std::transform(wide.begin(), wide.end(), values.begin(),
-                 [](std::int64_t value) { return static_cast<std::int32_t>(value); });
+                 [&](std::int64_t value) { return narrowed<std::int32_t>(name, value); });
+}
+
+void require_values_each(const std::string& name, std::size_t num_values, std::size_t count,
+                         std::size_t each) {
+  require(num_values % each == 0 && num_values / each == count,
+          "saved state: \"{}\" has {} values for {}, expected {} each", name, num_values, count,
+          each);
 }
 
 StateWriter::StateWriter(State& state, std::string prefix)

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "common/base/error.hpp"
+#include "common/base/require.hpp"
 
 namespace gabion {
 
@@ -101,6 +102,18 @@ void TimeSteps::visit_state(StateVisitor& visitor) {
   visitor.integer("step", step_);
   visitor.integer("level", level_);
   visitor.integer("accepted_at_level", accepted_at_level_);
+  const auto check = [](const char* name, std::int64_t found, std::int64_t from, std::int64_t to) {
+    require(found >= from && found <= to, "saved state: \"{}\" is {}, allowed: {} to {}", name,
+            found, from, to);
+  };
+  // The settings may be others than in the run that was saved.
+  constexpr int widest = 50;  // 2^50 > max_ticks
+  check("ticks", ticks_, 0, std::int64_t{1} << widest);
+  check("step", step_, 1, std::numeric_limits<std::int64_t>::max() - 1);
+  check("level", level_, max_level_ - widest, max_level_);
+  check("accepted_at_level", accepted_at_level_, 0, std::numeric_limits<int>::max());
+  require(now >= 0 && std::isfinite(now) && origin_ >= 0 && std::isfinite(origin_),
+          "saved state: found time {} s and origin {} s, allowed: >= 0", now, origin_);
   if (std::abs(raster_time() - now) > raster_tolerance * now) {
     origin_ = now;  // the run ended off the raster: one that extends it starts a raster there
     ticks_ = 0;

@@ -5,9 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 #include "common/settings/json_text.hpp"
 
@@ -20,10 +19,7 @@ namespace {
 const std::vector<std::string> file_names = {"coupler.json", "mpm.json", "fem.json"};
 
 Json read_json(const std::string& path) {
-  std::ifstream in(path);
-  require<ConfigError>(in.good(), "{}: cannot be opened", path);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  return parse_settings(text, path);
+  return parse_settings(read_file(path, "settings file"), path);
 }
 
 /// An index behind the end of a list would fill the list up with nulls.

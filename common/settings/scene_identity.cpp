@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -25,9 +24,7 @@ Json file_hashes(const Scene& scene, const Json& settings) {
     if (!item.value().is_string()) continue;
     const auto name = item.value().get<std::string>();
     if (name.empty() || !std::filesystem::is_regular_file(scene.path(name))) continue;
-    std::ifstream in(scene.path(name), std::ios::binary);
-    require<ConfigError>(in.good(), "{}: cannot be opened", scene.path(name));
-    const std::string content((std::istreambuf_iterator<char>(in)), {});
+    const std::string content = read_file(scene.path(name), "file of the scene");
     hashes[item.key()] = fmt::format("{} {}", name, hash_text(content));
   }
   return hashes;
@@ -111,6 +108,10 @@ void require_same(const Json& saved, const Json& now, const std::string& folder,
 
 void require_same_scene(const Json& saved, const Json& now, const std::string& folder,
                         const std::string& source) {
+  for (const char* part : {"settings", "files"}) {
+    require(saved.is_object() && saved.contains(part) && saved.at(part).is_object(),
+            "{}: its checkpoint does not tell the {} of the scene", source, part);
+  }
   require_same(saved.at("settings"), now.at("settings"), folder, source,
                "; only /time/end, /output, /checkpoint and /protocol may change");
   require_same(saved.at("files"), now.at("files"), folder, source, "; the contents of that file");

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 
 namespace gabion {
 namespace {
@@ -81,7 +82,7 @@ bool all_passed(const std::vector<CheckRow>& rows) {
 std::string row_text(const CheckRow& row) {
   constexpr int width = 54;  // of the longest name of a check: rows are printed one by one
   return fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, name_of(row.outcome),
-                     row.found.empty() ? "" : "  ", row.found);
+                     row.found.empty() ? "" : "  ", printable(row.found));
 }
 
 std::string table_text(const std::vector<CheckRow>& rows) {

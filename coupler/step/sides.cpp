@@ -262,8 +262,8 @@ void Sides::visit_surfaces(StateVisitor& visitor) const {
     for (const auto& surface : participant.value().items()) {
       require<ConfigError>(
           before.value(surface.key(), "") == surface.value(),
-          "participant \"{}\": found another mesh of interface \"{}\", allowed: that "
-          "of the run that is continued",
+          "participant \"{}\": found another mesh of interface \"{}\", allowed: that of the run "
+          "that is continued, to the last digit (another build of its program may compute others)",
           participant.key(), surface.key());
     }
   }

@@ -5,19 +5,16 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion::fem {
 
 NumberLines::NumberLines(std::string path, std::string separators)
-    : path_(std::move(path)), separators_(" \t\r,;" + separators) {
-  std::ifstream in(path_, std::ios::binary);
-  require<ConfigError>(in.good(), "{}: cannot be opened", path_);
-  text_.assign(std::istreambuf_iterator<char>(in), {});
-}
+    : path_(std::move(path)),
+      separators_(" \t\r,;" + separators),
+      text_(read_file(path_, "file of numbers")) {}
 
 void NumberLines::fail(const std::string& message) const {
   throw ConfigError(fmt::format("{}:{}: {}", path_, line_, message));

@@ -293,7 +293,7 @@ void BoundaryPoints<dim>::visit_state(StateVisitor& visitor, const std::string& 
   visitor.integers(prefix + "cell", cells);
   visitor.integers(prefix + "has_soil", with_soil);
   visitor.reals(prefix + "vertices", flat(vertices_));
-  visit_marks<dim>(visitor, prefix, marks_);
+  visit_marks<dim>(visitor, prefix, surface_.num_facets(), marks_);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     points_[k].cell = cells[k];
     points_[k].has_soil = with_soil[k] != 0;

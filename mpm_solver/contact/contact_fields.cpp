@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "common/base/require.hpp"
+#include "common/run/list_lengths.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
 
 namespace gabion::mpm {
@@ -105,7 +108,7 @@ double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim
 }  // namespace
 
 template <int dim>
-void visit_marks(StateVisitor& visitor, const std::string& prefix,
+void visit_marks(StateVisitor& visitor, const std::string& prefix, std::size_t num_facets,
                  std::vector<ContactMark<dim>>& marks) {
   constexpr Vector<dim> ContactMark<dim>::*members[] = {
       &ContactMark<dim>::x, &ContactMark<dim>::normal, &ContactMark<dim>::force,
@@ -121,9 +124,13 @@ void visit_marks(StateVisitor& visitor, const std::string& prefix,
   }
   visitor.list(prefix + "mark_facets", facets);
   visitor.list(prefix + "marks", values);
+  require_values_each(prefix + "marks", values.size(), facets.size(), 2 + 4 * dim);
   marks.assign(facets.size(), {});
   auto value = values.begin();
   for (std::size_t k = 0; k < facets.size(); ++k) {
+    require(facets[k] >= 0 && std::cmp_less(facets[k] / 2, num_facets),
+            "saved state: \"{}mark_facets\": found {}, allowed: 0 to {}", prefix, facets[k] / 2,
+            static_cast<std::int64_t>(num_facets) - 1);
     marks[k].facet = static_cast<std::int32_t>(facets[k] / 2);
     marks[k].sliding = facets[k] % 2 != 0;
     marks[k].area = *value++;
@@ -201,8 +208,10 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   }
 }
 
-template void visit_marks<2>(StateVisitor&, const std::string&, std::vector<ContactMark<2>>&);
-template void visit_marks<3>(StateVisitor&, const std::string&, std::vector<ContactMark<3>>&);
+template void visit_marks<2>(StateVisitor&, const std::string&, std::size_t,
+                             std::vector<ContactMark<2>>&);
+template void visit_marks<3>(StateVisitor&, const std::string&, std::size_t,
+                             std::vector<ContactMark<3>>&);
 template struct ContactFields<2>;
 template struct ContactFields<3>;
 template void spread_marks<2>(const ContactSurface<2>&, std::span<const ContactMark<2>>,

@@ -29,7 +29,7 @@ struct ContactMark {
 
 /// Save or load marks. Names begin with `prefix`.
 template <int dim>
-void visit_marks(StateVisitor& visitor, const std::string& prefix,
+void visit_marks(StateVisitor& visitor, const std::string& prefix, std::size_t num_facets,
                  std::vector<ContactMark<dim>>& marks);
 
 /// How soil and surface meet in the accepted state, an entry a facet but for `vertices`.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/run/list_lengths.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
 #include "mpm_solver/points/flat.hpp"
 
@@ -25,6 +26,7 @@ void visit_by_id(StateVisitor& visitor, const std::string& name,
   }
   visitor.list(name + "_ids", ids);
   visitor.list(name + "s", values);
+  require_values_each(name + "s", values.size(), ids.size(), size);
   by_id.clear();
   for (std::size_t k = 0; k < ids.size(); ++k) {
     by_id[ids[k]] = Eigen::Map<const Value>(values.data() + k * size);
@@ -235,6 +237,7 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
   }
   visitor.list(prefix + "touch_ids", ids);
   visitor.list(prefix + "touches", values);
+  require_values_each(prefix + "touches", values.size(), ids.size(), 3 * dim);
   memory_.clear();
   const auto vector = [&](std::size_t k) {
     return Vector<dim>(Eigen::Map<const Vector<dim>>(values.data() + k * dim));
@@ -254,7 +257,8 @@ void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visit_memory(visitor, prefix);
   visit_by_id(visitor, prefix + "offset", offset_);
   visit_by_id(visitor, prefix + "shape", shape_);
-  visit_marks<dim>(visitor, prefix, marks_);
+  visit_marks<dim>(visitor, prefix, surface_.facets.size() / num_nodes(surface_.facet_type),
+                   marks_);
   const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
                                                       {"friction", &energy_.friction},
                                                       {"loss", &energy_.loss},

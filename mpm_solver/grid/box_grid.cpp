@@ -73,6 +73,12 @@ BoxGrid<dim>::BoxGrid(const Vector<dim>& low_, const Vector<dim>& high_, const I
   const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   tolerance = (16 * std::numeric_limits<double>::epsilon() * largest) * spacing.cwiseInverse() +
               Vector<dim>::Constant(1e-12);
+  constexpr double most = 1e-2;  // of a cell
+  require<ConfigError>(
+      tolerance.maxCoeff() < most,
+      "box: found coordinates up to {} beside cells of {} m, allowed: cells that the digits of the "
+      "coordinates resolve to {} of their size",
+      largest, spacing.minCoeff(), most);
 }
 
 template <int dim>

@@ -128,7 +128,7 @@ def wire_faults() -> list[Cell]:
 
 def port_faults() -> list[Cell]:
     """Another program listens on the port, and never speaks."""
-    here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"))
+    here = Cell("port_taken", "coupler", "handshake", ("cannot listen on", "Address already in use"), code=2)
     return [here] + [Cell("port_taken", who, "handshake", ("no answer from a coupler", f"within {CONNECT:g} s"))
                      for who in PARTICIPANTS]
 

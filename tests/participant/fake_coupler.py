@@ -37,6 +37,12 @@ class FakeCoupler:
         self._sequence = 0
         self._time, self._dt = 0.0, 0.1  # [s] of the accepted state, and of the step
 
+    def move(self, address: str) -> None:
+        """Listen at a free port of another address."""
+        self._socket.setsockopt(zmq.IPV6, "[" in address)
+        port = self._socket.bind_to_random_port(address)
+        self.endpoint = f"{address}:{port}"
+
     def begin_again(self) -> None:
         """At time 0, for another participant."""
         self._sequence, self._time, self._dt = 0, 0.0, 0.1
@@ -75,9 +81,11 @@ class FakeCoupler:
     def send_frames(self, frames: list[bytes]) -> None:
         self._socket.send_multipart([self.route, *frames])
 
-    def welcome(self, **changes: Any) -> Message:
-        """Take the hello and welcome it; returns the hello."""
+    def welcome(self, alive_before: int = 0, **changes: Any) -> Message:
+        """Take the hello and welcome it, after so many signs of life; returns the hello."""
         hello = self.receive()
+        for _ in range(alive_before):
+            self.send(Message("alive", 1, {"phase": "handshake", "seconds": 0.0}))
         process = this_process().to_fields()
         self.send(Message("welcome", fields={
             "protocol": "1.3", "program_version": "test", "process": process, "silence_deadline": 50.0,

@@ -103,6 +103,28 @@ class Serve(ParticipantCase):
         self.start(lambda: serve(self.solver, self.settings(**changes)))
         return self.coupler.welcome()
 
+    def test_signs_of_life_may_come_before_the_welcome(self) -> None:
+        self.start(lambda: serve(Spring(), self.settings()))
+        self.coupler.welcome(alive_before=3)
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_endpoints_of_ipv6_are_understood(self) -> None:
+        try:
+            self.coupler.move("tcp://[::1]")
+        except zmq.ZMQError as problem:
+            self.skipTest(f"no IPv6 on this machine: {problem}")
+        self.start(lambda: serve(Spring(), self.settings()))
+        self.coupler.welcome()
+        self.coupler.listen_for("waiting")  # over the socket of the heartbeat
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_texts_of_the_coupler_cannot_rule_a_terminal(self) -> None:
+        self.begin()
+        self.coupler.request("abort", reason="\x1b[2Jgone\r\n[cpl] done")
+        self.assertEqual(self.end(), "ProtocolError: the coupler ended the run: \\x1b[2Jgone\\r\n    [cpl] done")
+
     def test_force_kinds_are_told_to_those_who_ask(self) -> None:
         hello = self.begin(KindSpring())
         self.assertIs(hello.fields["takes_force_kinds"], True)

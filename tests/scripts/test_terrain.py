@@ -332,6 +332,11 @@ class Scenes(TerrainCase):
         line = [[WEST + 20, SOUTH + 6], [WEST + 20, SOUTH + 14]]
         self.refused("barrier: found height 2 m and thickness 0.0001 m", "cells, allowed: 500000",
                      barrier={"line": line, "height": 2, "thickness": 1e-4})
+        for depth in (1e9, float("inf")):  # in one place
+            heap = np.ones((12, 20))
+            heap[4, 4] = depth
+            self.raster("depth.asc", heap)
+            self.refused("m deep at (", "cells of 1 m, allowed: 1e+07", slide={"depth": "depth.asc", "polygon": polygon})
         self.raster("depth.asc", np.ones((4, 4)), "xllcorner 0\nyllcorner 0\n")
         self.refused("found no mass", "depth.asc: the raster reaches from (1, 1) to (7, 7)", slide={"depth": "depth.asc"})
         result = self.python_script("terrain", self.plan(), self.folder / "plan.json" / "scene")

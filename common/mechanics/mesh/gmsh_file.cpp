@@ -7,10 +7,10 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <sstream>
+#include <limits>
 #include <string_view>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -175,7 +175,9 @@ void read_entities(Scanner& in, GmshFile& file) {
       auto& physical = file.physical_tags[{dimension, tag}];
       const std::size_t num_physical = in.count("physical tags");
       for (std::size_t i = 0; i < num_physical; ++i) {
-        physical.push_back(std::abs(in.number<std::int32_t>("a physical tag")));
+        const auto group = in.number<std::int32_t>("a physical tag");
+        if (group == std::numeric_limits<std::int32_t>::min()) in.fail("found no physical tag");
+        physical.push_back(std::abs(group));
       }
       if (dimension == 0) continue;
       const std::size_t num_bounding = in.count("bounding entities");
@@ -265,12 +267,7 @@ int gmsh_num_nodes(int type) {
 }
 
 GmshFile read_gmsh_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  require<ConfigError>(stream.is_open(), "{}: cannot open this mesh file", path);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  require<ConfigError>(!stream.bad(), "{}: cannot read this mesh file", path);
-  Scanner in(path, std::move(text).str());
+  Scanner in(path, read_file(path, "mesh file"));
 
   GmshFile file;
   const bool binary = read_format(in);

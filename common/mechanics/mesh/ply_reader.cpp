@@ -2,6 +2,7 @@
 // PLY: Turk (1994), "The PLY polygon file format".
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "common/mechanics/mesh/surface_text.hpp"
 #include "common/mechanics/mesh/triangle_surface.hpp"
@@ -42,6 +43,22 @@ double number_of(SurfaceText& in, const std::string& type) {
   in.fail(fmt::format("found the type \"{}\", expected one of PLY", type));
 }
 
+bool is_integer(const std::string& type) {
+  return type.find("int") != std::string::npos || type.find("char") != std::string::npos ||
+         type.find("short") != std::string::npos;
+}
+
+// Length of a list. Each entry takes a byte at least: a broken length must not cost memory or time.
+std::int64_t list_size(SurfaceText& in, const Property& property) {
+  const double size = number_of(in, property.count_type);
+  if (!(size >= 0 && size <= static_cast<double>(in.bytes_left()))) {
+    in.fail(
+        fmt::format("found a list \"{}\" of {} numbers, allowed: what the rest of the file holds",
+                    property.name, size));
+  }
+  return static_cast<std::int64_t>(size);
+}
+
 std::int64_t count_of(SurfaceText& in, const std::string& word) {
   std::int64_t count = -1;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
@@ -49,6 +66,31 @@ std::int64_t count_of(SurfaceText& in, const std::string& word) {
     in.fail(fmt::format("found \"{}\", expected a count", word));
   }
   return count;
+}
+
+// What takes no byte has no end, and what the file cannot hold does not begin.
+void check(SurfaceText& in, const Element& element) {
+  if (element.count == 0) return;
+  if (element.properties.empty()) {
+    in.fail(fmt::format("found {} of the element \"{}\" without a property, allowed: one at least",
+                        element.count, element.name));
+  }
+  if (std::cmp_greater(element.count, in.bytes_left())) {
+    in.fail(fmt::format("found {} of the element \"{}\", more than the rest of the file can hold",
+                        element.count, element.name));
+  }
+  for (const Property& property : element.properties) {
+    const std::string& count = property.count_type;
+    const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
+    for (const std::string& type :
+         {count.empty() ? "int" : count, corners ? property.type : "int"}) {
+      if (is_integer(type)) continue;
+      in.fail(
+          fmt::format("found \"{}\" of the type \"{}\", allowed: whole numbers for counts and "
+                      "vertices",
+                      property.name, type));
+    }
+  }
 }
 
 // Header up to its end, with the numbers behind it as words or bytes.
@@ -78,6 +120,7 @@ std::vector<Element> read_header(SurfaceText& in) {
   } else if (format != "ascii") {
     in.fail(fmt::format("found the format \"{}\", allowed: ascii, binary_little_endian", format));
   }
+  for (const Element& element : elements) check(in, element);
   return elements;
 }
 
@@ -98,14 +141,14 @@ void add_vertex(SurfaceText& in, const Element& element, TriangleSurface& surfac
 void add_face(SurfaceText& in, const Element& element, TriangleSurface& surface) {
   for (const Property& property : element.properties) {
     const bool list = !property.count_type.empty();
-    const auto size = list ? static_cast<int>(number_of(in, property.count_type)) : 1;
+    const std::int64_t size = list ? list_size(in, property) : 1;
     const bool corners =
         list && (property.name == "vertex_indices" || property.name == "vertex_index");
     if (corners && size != 3) {
       in.fail(fmt::format("found a face of {} vertices, allowed: triangles", size));
     }
     std::array<std::int32_t, 3> triangle{};
-    for (int k = 0; k < size; ++k) {
+    for (std::int64_t k = 0; k < size; ++k) {
       const double value = number_of(in, property.type);
       if (!corners) continue;
       if (!(value >= 0 && value < static_cast<double>(surface.vertices.size()))) {
@@ -120,9 +163,8 @@ void add_face(SurfaceText& in, const Element& element, TriangleSurface& surface)
 
 void skip(SurfaceText& in, const Element& element) {
   for (const Property& property : element.properties) {
-    const bool list = !property.count_type.empty();
-    const auto size = list ? static_cast<int>(number_of(in, property.count_type)) : 1;
-    for (int k = 0; k < size; ++k) number_of(in, property.type);
+    const std::int64_t size = property.count_type.empty() ? 1 : list_size(in, property);
+    for (std::int64_t k = 0; k < size; ++k) number_of(in, property.type);
   }
 }
 

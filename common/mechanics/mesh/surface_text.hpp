@@ -7,11 +7,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
 
+#include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 
 namespace gabion {
@@ -19,13 +19,8 @@ namespace gabion {
 /// The content of a surface file, read as words or as bytes, with the place for messages.
 class SurfaceText {
  public:
-  explicit SurfaceText(const std::string& path) : path_(path) {
-    std::ifstream file(path, std::ios::binary);
-    require<ConfigError>(file.good(), "{}: cannot open this surface file", path);
-    std::ostringstream content;
-    content << file.rdbuf();
-    text_ = content.str();
-  }
+  explicit SurfaceText(const std::string& path)
+      : path_(path), text_(read_file(path, "surface file")) {}
 
   const std::string& all() const { return text_; }
   std::size_t bytes_left() const { return text_.size() - position_; }

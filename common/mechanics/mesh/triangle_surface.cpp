@@ -74,6 +74,14 @@ TriangleSurface merged(const TriangleSurface& raw, const std::string& path) {
   TriangleSurface surface;
   const double side = longest_side(raw);
   require<ConfigError>(side > 0, "{}: found all vertices in one place", path);
+  double farthest = 0;
+  for (const Vector<3>& x : raw.vertices) farthest = std::max(farthest, x.cwiseAbs().maxCoeff());
+  // Places are counted in steps of the tolerance.
+  require<ConfigError>(
+      side < std::numeric_limits<double>::max() && farthest / (merge_share * side) < 1e18,
+      "{}: found coordinates up to {} of a surface {} m long, which their digits do "
+      "not resolve",
+      path, farthest, side);
   Merger merger(merge_share * side);
   for (const Triangle& triangle : raw.triangles) {
     Triangle& added = surface.triangles.emplace_back();

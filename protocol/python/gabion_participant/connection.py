@@ -8,9 +8,9 @@ from typing import Any, NoReturn
 import zmq
 
 from . import interrupt
-from .errors import ProtocolError, text_of
+from .errors import ProtocolError, printable, text_of
 from .handshake import Introduction, ParticipantSettings, Welcome, hello, read_welcome
-from .heartbeat import OWN_SLEEP, Heartbeat
+from .heartbeat import OWN_SLEEP, Heartbeat, is_ipv6
 from .keys import HandshakeMonitor, read_keys
 from .message import MAX_FRAME_BYTES, Message, decode, encode
 from .process import PeerWatch
@@ -41,6 +41,7 @@ class Connection:
         self._socket = self._context.socket(zmq.DEALER)
         self._socket.setsockopt(zmq.ROUTING_ID, f"{settings.name}#{self._session}".encode())
         self._socket.setsockopt(zmq.LINGER, LINGER)
+        self._socket.setsockopt(zmq.IPV6, is_ipv6(settings.endpoint))
         self._socket.setsockopt(zmq.SNDTIMEO, 1000)
         self._socket.setsockopt(zmq.MAXMSGSIZE, MAX_FRAME_BYTES)
         if keys:
@@ -86,9 +87,9 @@ class Connection:
         answer = self._await_answer()
         if answer.type == "refused":
             self._fail(f'the coupler at {self.settings.endpoint} refused participant "{self.settings.name}": '
-                       f"{answer.text('reason')}")
+                       f"{printable(answer.text('reason'))}")
         if answer.type == "abort":
-            self._fail(f"the coupler ended the run: {answer.text('reason')}")
+            self._fail(f"the coupler ended the run: {printable(answer.text('reason'))}")
         if answer.type != "welcome":
             self._fail(f'expected "welcome", the coupler sent "{answer.type}"')
         welcome = read_welcome(answer)
@@ -196,7 +197,7 @@ class Connection:
         try:
             message = decode(frames)
             if message.type == "abort":
-                self._fail(f"the coupler ended the run: {message.text('reason')}")
+                self._fail(f"the coupler ended the run: {printable(message.text('reason'))}")
         except ProtocolError as problem:
             if self._failure:
                 raise

@@ -18,6 +18,13 @@ class UsageError(ParticipantError):
     """A call in the wrong order, or with values that do not fit. The message says what is allowed."""
 
 
+def printable(text: str) -> str:
+    """A text that the coupler wrote, for a terminal or a log: what a terminal would obey instead of showing stands
+    there as \\x1b; lines behind the first are indented."""
+    return "".join("\n    " if c == "\n" else c if c.isprintable() or c == "\t" else
+                   c.encode("unicode_escape").decode() for c in text)
+
+
 def says_all(problem: BaseException) -> bool:
     """The errors of this package do in their text, but for the one that a solver raises."""
     return isinstance(problem, ParticipantError) and not isinstance(problem, ConvergenceError)

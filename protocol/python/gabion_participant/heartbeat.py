@@ -20,6 +20,11 @@ OUTPUT_GRACE = 30.0  # [s] for files to be completed
 EXIT_CODE = 4  # of a process that ends because the coupler is lost
 
 
+def is_ipv6(endpoint: str) -> bool:
+    """Whether it is an address of IPv6, such as tcp://[::1]:5555; such addresses stand in brackets."""
+    return "[" in endpoint
+
+
 class Heartbeat:
     """A thread with a socket of its own: tells the coupler what the participant does, and listens to its
     signs of life.
@@ -33,6 +38,7 @@ class Heartbeat:
         self._socket = context.socket(zmq.DEALER)
         self._socket.setsockopt(zmq.ROUTING_ID, f"{participant}#{session}#alive".encode())
         self._socket.setsockopt(zmq.LINGER, 0)
+        self._socket.setsockopt(zmq.IPV6, is_ipv6(endpoint))
         if keys:
             keys.apply(self._socket)
         self._socket.connect(endpoint)

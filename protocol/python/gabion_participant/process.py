@@ -9,6 +9,8 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from .errors import printable
+
 
 @dataclass(frozen=True)
 class ProcessIdentity:
@@ -68,7 +70,7 @@ class PeerWatch:
         with self._lock:
             self._last_sign = self._silent_from = time.monotonic()
             if phase is not None:
-                self._phase = phase
+                self._phase = printable(phase)
 
     def forgive(self) -> None:
         """This process itself slept: count the peer's silence from now on."""

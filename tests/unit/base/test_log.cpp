@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/log.hpp"
+#include "common/base/printable.hpp"
 
 namespace gabion {
 namespace {
@@ -40,6 +41,24 @@ TEST(Log, lines_of_the_file_carry_time_prefix_and_level_once) {
   EXPECT_TRUE(std::regex_match(lines[1], std::regex(time + R"(\[cpl\] warning: dt cut)")))
       << lines[1];
   EXPECT_TRUE(std::regex_match(lines[2], std::regex(time + R"(\[cpl\] error: lost)"))) << lines[2];
+}
+
+TEST(Log, texts_of_others_cannot_rule_a_terminal_or_forge_a_line) {
+  EXPECT_EQ(printable("plain, \t and höher: Δt ≤ 1"), "plain, \t and höher: Δt ≤ 1");
+  EXPECT_EQ(printable("\x1b[2Jred\x1b[31m\a\r"), "\\x1b[2Jred\\x1b[31m\\x07\\x0d");
+  EXPECT_EQ(printable("a\n[cpl] done"), "a\n    [cpl] done");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "2J\x7f"),
+            "\\xc2\\x9b"
+            "2J\\x7f");
+  EXPECT_EQ(printable("\xe2\x80\xae"
+                      "txt"),
+            "\\xe2\\x80\\xae"
+            "txt");
+  EXPECT_EQ(printable("\xff\xc0\xaf\xed\xa0\x80\xe2\x82"),
+            "\\xff\\xc0\\xaf\\xed\\xa0\\x80\\xe2\\x82");
+  EXPECT_EQ(printable(std::string_view("\0", 1)), "\\x00");
+  EXPECT_EQ(printable("\xf0\x9f\x8f\x94"), "\xf0\x9f\x8f\x94");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/run/list_lengths.hpp"
 #include "common/run/state.hpp"
 #include "common/run/time_steps.hpp"
 #include "tests/support/expect_error.hpp"
@@ -135,6 +136,44 @@ TEST(State, a_finished_run_is_extended) {
   EXPECT_EQ(third.time(), second.time());
   while (!third.finished()) third.accept();
   EXPECT_EQ(third.time(), 0.005);
+}
+
+TEST(State, numbers_that_do_not_fit_are_refused) {
+  State state;
+  state.integers["count"] = {std::int64_t{1} << 40};
+  state.integers["cells"] = {0, -(std::int64_t{1} << 31) - 1};
+  StateReader reader(state);
+  int count = 0;
+  std::vector<std::int32_t> cells(2);
+  test::expect_error<Error>([&] { reader.integer("count", count); },
+                            {"\"count\" is 1099511627776"});
+  test::expect_error<Error>([&] { reader.integers("cells", cells); }, {"\"cells\" is -2147483649"});
+  test::expect_error<Error>([] { require_values_each("x", 7, 3, 2); },
+                            {"\"x\" has 7 values for 3"});
+  require_values_each("x", 6, 3, 2);
+}
+
+TEST(State, a_run_does_not_go_on_from_nowhere) {
+  TimeSteps steps({1, 0.1, 1e-3});
+  State good;
+  StateWriter writer(good);
+  steps.visit_state(writer);
+  const auto refused = [&](const std::string& name, std::int64_t value) {
+    State state = good;
+    state.integers.at(name) = {value};
+    StateReader reader(state);
+    TimeSteps other({1, 0.1, 1e-3});
+    test::expect_error<Error>([&] { other.visit_state(reader); }, {"\"" + name + "\" is "});
+  };
+  refused("level", -100);
+  refused("level", 7);
+  refused("ticks", -5);
+  refused("step", 0);
+  refused("accepted_at_level", -1);
+  State state = good;
+  state.reals.at("time") = {std::nan("")};
+  StateReader reader(state);
+  test::expect_error<Error>([&] { steps.visit_state(reader); }, {"found time nan"});
 }
 
 }  // namespace

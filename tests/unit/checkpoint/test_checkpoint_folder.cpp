@@ -94,7 +94,44 @@ TEST_F(CheckpointFolder, damage_and_other_runs_are_refused) {
   expect_error<Error>([&] { read_checkpoint(path, "coupler"); },
                       {"soil.h5: found ", "the manifest says", "damaged"});
   std::ofstream(fs::path(path) / "manifest.json") << "{\"format\": ";
-  expect_error<Error>([&] { read_checkpoint(path, "coupler"); }, {"manifest.json: not valid JSON"});
+  expect_error<ConfigError>([&] { read_checkpoint(path, "coupler"); },
+                            {"manifest.json: not valid JSON"});
+}
+
+/// Of every type where another one is expected.
+TEST_F(CheckpointFolder, manifests_are_checked_key_by_key) {
+  write_checkpoint(results_, "coupler", made(3));
+  const std::string path = find_checkpoint(results_);
+  const fs::path file = fs::path(path) / "manifest.json";
+  const Json good = Json::parse(std::ifstream(file));
+  for (const auto& item : good.items()) {
+    for (const Json& wrong : {Json(), Json(-1), Json(0.5), Json("x"), Json({{"../x", 1}}),
+                              Json::array({1}), Json(1e300), Json(true)}) {
+      const std::string key = item.key();
+      if (key == "version" || key == "own_files" || (key == "time" && wrong.is_number_float())) {
+        continue;  // another version is only warned of, and no file of its own is told
+      }
+      Json manifest = good;
+      manifest[key] = wrong;
+      std::ofstream(file) << manifest;
+      const auto refused = [&] {
+        try {
+          read_checkpoint(path, "coupler");
+        } catch (const Error& problem) {
+          EXPECT_NE(std::string(problem.what()).find("manifest.json"), std::string::npos)
+              << problem.what();
+          return true;
+        }
+        return false;
+      };
+      EXPECT_TRUE(refused()) << manifest;
+    }
+  }
+  std::ofstream(file) << std::string(100000, '[');
+  expect_error<ConfigError>([&] { read_checkpoint(path, "coupler"); }, {"nested deeper"});
+  fs::create_directories(all_ / "step_99999999999999999999");
+  std::ofstream(all_ / "step_99999999999999999999" / "manifest.json") << "{}";
+  EXPECT_EQ(find_checkpoint(results_), path);
 }
 
 TEST_F(CheckpointFolder, a_failed_write_leaves_the_last_one) {

@@ -73,7 +73,7 @@ TEST_F(MatrixFiles, errors_name_file_line_and_what_is_allowed) {
   expect_refused("a.sti", "1 1 4\n1 2 1\n3 1 1\n", {"a.sti:3", "both triangles"});
   expect_refused("a.sti", "\n", {"a.sti", "no entry"});
   expect_error<ConfigError>([] { read_symmetric_matrix("/nowhere/a.mtx"); },
-                            {"/nowhere/a.mtx", "cannot be opened"});
+                            {"/nowhere/a.mtx", "cannot open this file of numbers"});
 }
 
 TEST_F(MatrixFiles, unknowns) {

@@ -82,7 +82,7 @@ TEST_F(GmshErrors, other_formats) {
 
 TEST_F(GmshErrors, missing_file_and_sections) {
   EXPECT_EQ(error_of<ConfigError>([] { read_gmsh<2>("/nowhere/a.msh"); }),
-            "/nowhere/a.msh: cannot open this mesh file");
+            "/nowhere/a.msh: cannot open this mesh file: No such file or directory");
   EXPECT_EQ(message("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"),
             "line 4: found the end of the file, expected a section $Nodes");
   EXPECT_EQ(message("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n"),

@@ -166,6 +166,28 @@ TEST_F(TriangleFiles, broken_files_are_refused_with_the_place) {
   std::string beyond = ply_text();
   beyond.replace(beyond.find("3 0 1 2"), 7, "3 0 1 4");
   expect_refused(beyond, ".ply", {"found the vertex 4, allowed: 0 to 3"});
+  const auto with_header = [](const std::string& lines) {
+    return "ply\nformat ascii 1.0\n" + lines + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  };
+  const std::string xyz =
+      "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n";
+  const std::string corners = "property list uint uint vertex_indices\n";
+  EXPECT_EQ(read(with_header(xyz + "element face 1\n" + corners), ".ply").triangles.size(), 1U);
+  std::filesystem::remove(path_);
+  expect_refused(with_header("element face 9000000000000000000\n"), ".ply", {"without a property"});
+  expect_refused(with_header(xyz + "element face 9000000000000000000\n" + corners), ".ply",
+                 {"more than the rest of the file"});
+  expect_refused(with_header(xyz + "element face 1\nproperty list uint float vertex_indices\n"),
+                 ".ply", {"\"vertex_indices\" of the type \"float\"", "whole numbers"});
+  expect_refused(with_header(xyz + "element face 1\nproperty list float uint vertex_indices\n"),
+                 ".ply", {"whole numbers for counts"});
+  std::string long_list = with_header(xyz + "element face 1\nproperty list uint uint tags\n");
+  long_list.replace(long_list.find("3 0 1 2"), 7, "4294967295");
+  expect_refused(long_list, ".ply", {"a list \"tags\" of 4294967295 numbers"});
+  auto far = triangles;
+  far[0][0][0] = 1e308;
+  far[1][0][0] = -1e308;
+  expect_refused(stl_text(far), ".stl", {"digits do not resolve"});
   const std::string binary = ply_bytes();
   expect_refused(binary.substr(0, binary.size() - 2), ".ply", {"byte ", "found the end"});
   expect_error<ConfigError>([] { read_triangles("none.stl", TriangleNormals::file); },

@@ -177,6 +177,8 @@ TEST(BoxGrid, refuses_what_has_no_cells) {
   refuses(low_2d, {2, 2}, "low < high");
   refuses(high_2d, {2, 0}, "found 0 cells");
   refuses(high_2d, {50000, 50000}, "32-bit");
+  refuses({1, 1e200}, {4, 4}, "found coordinates up to 1e+200 beside cells of");
+  refuses({1, 1e308}, {4, 1}, "the digits of the coordinates resolve");
   EXPECT_EQ(BoxGrid<2>(low_2d, high_2d, {40000, 50000}).num_cells_total(), 2000000000);
 }
 
