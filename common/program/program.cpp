@@ -13,6 +13,8 @@ namespace gabion {
 
 namespace {
 
+constexpr int other_error = 4;  // such as that of Error
+
 std::string default_output(const ProgramOptions& options, const std::string& program,
                            const MpiSession& session) {
   std::filesystem::path scene = std::filesystem::path(options.scene).lexically_normal();
@@ -54,7 +56,7 @@ int run_program(int argc, char** argv, const std::string& program,
     const bool by_signal = error.exit_code() > 128;
     return by_signal ? follow(error, 0) : fail(error.what(), error.exit_code());
   } catch (const std::exception& error) {
-    return fail(error.what(), 1);
+    return fail(error.what(), other_error);
   }
 }
 
