@@ -41,6 +41,7 @@ class ConvergenceError : public Error {
 class ProtocolError : public Error {
  public:
   using Error::Error;
+  int exit_code() const override { return 4; }
 };
 
 }  // namespace gabion
