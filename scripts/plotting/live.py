@@ -11,7 +11,7 @@ from enum import Enum
 from pathlib import Path
 
 from plotting.account import Cuts, Ledger, Steps
-from plotting.lock import Owner, owner_of
+from plotting.lock import MARKER, Owner, owner_of
 from plotting.results import ResultsError
 
 STEPS_SHOWN = 60
@@ -129,7 +129,7 @@ class Run:
                 return State.COMPLETED
             by_signal = self.summary.get("reason", "").startswith("interrupted by signal")
             return State.STOPPED if by_signal else State.FAILED
-        if self.owner is Owner.ENDED and (self.folder / ".gabion_results").exists():
+        if self.owner is Owner.ENDED and (self.folder / MARKER).exists():
             return State.FAILED
         if self.owner in (Owner.ALIVE, Owner.GONE):
             return State.RUNNING if self.owner is Owner.ALIVE else State.KILLED

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from plotting.results import ResultsError
 
+MARKER = ".gabion_results"
 LOCK = ".gabion_lock"  # of the run; a script adds its name
 MOST_TRIES = 100  # while others move the folder away
 
@@ -108,7 +109,7 @@ def writing(folder: Path, script: str) -> Iterator[None]:
 
 
 def writing_below(folder: Path, out: Path, script: str) -> contextlib.AbstractContextManager[None]:
-    """writing() where `out` is in the results folder; elsewhere nothing is locked."""
-    if out.resolve().is_relative_to(folder.resolve()):
+    """writing() where `out` is in the results folder of a run, which has a marker; elsewhere nothing is locked."""
+    if (folder / MARKER).exists() and out.resolve().is_relative_to(folder.resolve()):
         return writing(folder, script)
     return contextlib.nullcontext()

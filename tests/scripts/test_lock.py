@@ -19,6 +19,7 @@ class Lock(ScriptCase):
     def setUp(self) -> None:
         super().setUp()
         self.results = write_kind(self.folder / "results", "finished")
+        self.write("results/.gabion_results", "coupler\n")
 
     def hold(self, name: str, operation: int) -> None:
         """A lock on a file in the results, as another program holds it."""
@@ -70,6 +71,13 @@ class Lock(ScriptCase):
         page = self.folder / "elsewhere" / "page.html"
         self.assertEqual(self.python_script("report", self.results, "--out", page).returncode, 0)
         self.assertTrue(page.exists())
+
+    def test_a_folder_that_is_no_results_is_left_as_it_is(self) -> None:
+        folder = self.folder / "letters"
+        folder.mkdir()
+        for script in ("plot", "deposit"):
+            self.assertEqual(self.python_script(script, folder).returncode, 2)
+        self.assertEqual(list(folder.iterdir()), [])
 
     def test_no_such_folder(self) -> None:
         with self.assertRaisesRegex(ResultsError, "no such results folder"), lock.writing(Path("/nowhere"), "plot"):
