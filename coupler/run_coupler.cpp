@@ -10,8 +10,10 @@
 #include <set>
 
 #include "common/base/interrupt.hpp"
+#include "common/base/last_error.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/run/results_folder.hpp"
 #include "common/run/run_record.hpp"
 #include "common/settings/describe_keys.hpp"
 #include "coupler/checks/participant_check.hpp"
@@ -54,6 +56,16 @@ Json run_settings(const CouplerSettings& settings, const std::string& output) {
           {"checkpoints", true}};
 }
 
+/// A solver of the launch that cannot begin has said why at the same terminal.
+void say_last(const std::exception& error, const MpiSession& session) {
+  const auto* declined = dynamic_cast<const Declined*>(&error);
+  if (declined != nullptr && session.launched_with(declined->program())) {
+    log::last_error_to_file(error.what());
+  } else {
+    log::last_error(error.what());
+  }
+}
+
 void warn_all(const std::vector<std::string>& warnings) {
   for (const std::string& text : warnings) log::warn("{}", text);
 }
@@ -82,7 +94,7 @@ void check_scene(const CouplerSettings& settings, const Scene& scene,
   try {
     check_run(server, settings, expected, run, scene);
   } catch (const std::exception& error) {
-    log::last_error(error.what());
+    say_last(error, session);
     server.abort(error.what());
     throw;
   }
@@ -105,6 +117,13 @@ void list_participants(const CouplerSettings& settings, const Scene& scene) {
   }
   for (const std::string& item : items) std::fwrite(item.c_str(), 1, item.size() + 1, stdout);
 }
+
+/// A check found faults, as its table says.
+class CheckFailed : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 1; }
+};
 
 constexpr double check_answer_deadline = 60;  // [s]
 
@@ -148,7 +167,7 @@ void check_one(const CouplerSettings& settings, const Scene& scene, const Progra
         server.finish();
       }};
   const bool passed = all_passed(check_participant(*solvers.at(name), check));
-  require(passed, "participant \"{}\" would spoil a coupled run", name);
+  if (!passed) throw CheckFailed(fmt::format("participant \"{}\" would spoil a coupled run", name));
 }
 
 /// Whether all participants save their states; if not, says who does not.
@@ -224,7 +243,11 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
     if (!file->empty()) *file = scene.path(*file);
   }
   if (!options.coupler.empty()) settings.server.endpoint = options.coupler;
-  if (options.list_participants) return list_participants(settings, scene);
+  if (options.list_participants) {
+    const bool runs = !options.check && options.check_participant.empty();
+    if (runs) check_results_folder(options.output, "coupler");
+    return list_participants(settings, scene);
+  }
   if (!options.check_participant.empty()) {
     return check_one(settings, scene, options, session);
   }
@@ -251,7 +274,8 @@ void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   try {
     couple(server, {settings, scene, options, restart}, files);
   } catch (const std::exception& error) {
-    log::last_error(error.what());
+    say_last(error, session);
+    files.write_failure(error.what());
     server.abort(error.what());
     throw;
   }

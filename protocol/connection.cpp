@@ -70,6 +70,11 @@ void Connection::fail(const std::string& reason) {
   throw ProtocolError(reason);
 }
 
+void Connection::fail_at_start(const std::string& reason) {
+  failure_ = reason;
+  throw NeverBegun(reason);
+}
+
 Hello hello_of(const ParticipantSettings& settings, const Introduction& introduction) {
   Hello hello;
   hello.participant = settings.name;
@@ -106,10 +111,10 @@ void Connection::handshake(const Introduction& introduction) {
   send(to_message(hello));
   const Message answer = await_answer_to_hello();
   if (answer.type == "refused") {
-    fail(fmt::format("the coupler at {} refused participant \"{}\": {}", settings_.endpoint,
-                     settings_.name, answer.text("reason")));
+    fail_at_start(fmt::format("the coupler at {} refused participant \"{}\": {}",
+                              settings_.endpoint, settings_.name, answer.text("reason")));
   }
-  if (answer.type == "abort") fail("the coupler ended the run: " + answer.text("reason"));
+  if (answer.type == "abort") fail_at_start("the coupler ended the run: " + answer.text("reason"));
   if (answer.type != "welcome")
     fail("expected \"welcome\", the coupler sent \"" + answer.type + "\"");
   const Welcome welcome = read_welcome(answer);
@@ -190,7 +195,9 @@ std::optional<Connection::Request> Connection::receive_request(int milliseconds,
     throw ProtocolError(fmt::format("{} sent a message that is not understood: {}",
                                     coupler_->label(), problem.what()));
   }
+  if (!failure_.empty() && !has_begun_) fail_at_start(failure_);
   if (!failure_.empty()) throw ProtocolError(failure_);
+  has_begun_ = has_begun_ || message.type == "solve_step";
   coupler_->sign_of_life();
   if (message.type == "alive") return std::nullopt;
   require<ProtocolError>(message.sequence > last_sequence_,

@@ -17,6 +17,13 @@
 
 namespace gabion {
 
+/// The coupler refused this participant, or ended the run before its first step. It says why
+/// itself, too.
+class NeverBegun : public ProtocolError {
+ public:
+  using ProtocolError::ProtocolError;
+};
+
 struct ParticipantSettings {
   std::string endpoint;         ///< of the coupler, such as "tcp://127.0.0.1:40321"
   std::string name;             ///< of this participant in coupler.json
@@ -98,6 +105,7 @@ class Connection final : public RequestSource {
   bool waits_for_last_checkpoint();
   std::optional<Request> last_words();
   [[noreturn]] void fail(const std::string& reason);
+  [[noreturn]] void fail_at_start(const std::string& reason);
   bool send(const Message& message);
   void post(const Message& message);
 
@@ -106,6 +114,7 @@ class Connection final : public RequestSource {
   std::optional<ClientKeys> keys_;
   std::shared_ptr<SocketContext> context_;
   std::optional<Socket> socket_;  // empty when closed
+  bool has_begun_ = false;        // its first step
   std::unique_ptr<Heartbeat> heartbeat_;
   std::shared_ptr<PeerWatch> coupler_;  // the heartbeat's thread updates it
   Deadlines deadlines_;

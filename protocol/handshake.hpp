@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "common/base/process.hpp"
 #include "common/run/solver.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/message.hpp"
-#include "protocol/process.hpp"
 
 namespace gabion {
 

@@ -6,14 +6,14 @@ set(gabion_participant_package ${CMAKE_INSTALL_LIBDIR}/cmake/gabion_participant)
 
 install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_participant
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT gabion_participant)
-foreach(header base/error.hpp base/json.hpp base/timer.hpp run/solver.hpp run/state.hpp
+foreach(header base/error.hpp base/json.hpp base/process.hpp base/timer.hpp run/solver.hpp run/state.hpp
         settings/config_reader.hpp settings/json_text.hpp settings/keys.hpp settings/nearest_word.hpp)
   cmake_path(GET header PARENT_PATH room)
   install(FILES ${PROJECT_SOURCE_DIR}/common/${header}
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
 endforeach()
 install(FILES attention.hpp connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
-  process.hpp request_source.hpp serve.hpp socket.hpp state_machine.hpp step_order.hpp gabion_participant.h
+  request_source.hpp serve.hpp socket.hpp state_machine.hpp step_order.hpp gabion_participant.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake
   DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "protocol/process.hpp"
+#include "common/base/process.hpp"
 
 namespace gabion {
 

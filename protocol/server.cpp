@@ -39,8 +39,10 @@ std::string claimed_name(const Message& hello) {
 void require_beginning(const Message& abort, std::vector<std::string>& awaited) {
   const std::string name = text_or_empty(abort, "participant");
   if (std::erase(awaited, name) == 0) return;
-  throw ConfigError(fmt::format("participant \"{}\" ({}) cannot begin: {}", name,
-                                text_or_empty(abort, "program"), text_or_empty(abort, "reason")));
+  const std::string program = text_or_empty(abort, "program");
+  throw Declined(fmt::format("participant \"{}\" ({}) cannot begin: {}", name, program,
+                             text_or_empty(abort, "reason")),
+                 program);
 }
 
 std::string names_of(const std::vector<Expected>& participants) {

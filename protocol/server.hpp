@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/run/solver.hpp"
@@ -14,6 +15,18 @@
 #include "protocol/switchboard.hpp"
 
 namespace gabion {
+
+/// A participant says that it cannot begin.
+class Declined : public ConfigError {
+ public:
+  Declined(const std::string& message, std::string program)
+      : ConfigError(message), program_(std::move(program)) {}
+  /// That it names; a solver of this project has shown its reason.
+  const std::string& program() const { return program_; }
+
+ private:
+  std::string program_;
+};
 
 struct ServerSettings {
   /// Where to listen; `*` takes a free port. Other machines need tcp://0.0.0.0:PORT or an address
@@ -50,7 +63,7 @@ class Server {
   /// @param run  settings of the run for the participants: end time, dt, folders, ...
   /// @return     name -> RemoteSolver; must not outlive the server
   /// @throws ProtocolError  a participant does not fit (both values are named), or is late, or lost
-  /// @throws ConfigError    a participant says that it cannot begin
+  /// @throws Declined       a participant says that it cannot begin
   std::map<std::string, std::unique_ptr<Solver>> wait_for(const std::vector<Expected>& participants,
                                                           const Json& run = Json::object());
 

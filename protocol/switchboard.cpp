@@ -387,6 +387,7 @@ void Switchboard::beat_in_background() {
   std::unique_lock stop_lock(stop_mutex_);
   const auto period = std::chrono::duration<double>(deadlines_.heartbeat / 4);
   while (!stop_.wait_for(stop_lock, period, [this] { return stopping_; })) {
+    own_sleep_.tick();
     const std::unique_lock lock(socket_mutex_, std::try_to_lock);
     if (!lock.owns_lock()) continue;
     try {

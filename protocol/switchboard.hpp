@@ -12,13 +12,14 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/process.hpp"
 #include "common/base/timer.hpp"
 #include "protocol/attention.hpp"
 #include "protocol/deadlines.hpp"
 #include "protocol/handshake.hpp"
 #include "protocol/message.hpp"
+#include "protocol/own_sleep.hpp"
 #include "protocol/peer_watch.hpp"
-#include "protocol/process.hpp"
 #include "protocol/socket.hpp"
 #include "protocol/strangers.hpp"
 
@@ -146,6 +147,7 @@ class Switchboard {
   bool logs_waits_ = false;
   std::optional<Stopwatch> since_signal_;
   Stopwatch since_health_check_;
+  OwnSleep own_sleep_;
   int silent_looks_ = 0;  // one after the other in which somebody was silent
 
   std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below
@@ -166,6 +168,15 @@ auto Switchboard::guarded(Action action) {
   require_usable();
   try {
     return action();
+  } catch (const ProtocolError& problem) {
+    const double slept = own_sleep_.recent();
+    if (!failure_.empty() || slept < deadlines_.silence / 2) {
+      abort(problem.what());
+      throw;
+    }
+    const std::string reason = after_own_sleep(slept, problem.what());
+    abort(reason);
+    throw ProtocolError(reason);
   } catch (const Error& problem) {
     abort(problem.what());
     throw;

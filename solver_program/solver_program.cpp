@@ -7,11 +7,13 @@
 #include <optional>
 
 #include "common/base/interrupt.hpp"
+#include "common/base/last_error.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/program/programs.hpp"
+#include "common/run/folder_lock.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
 #include "common/settings/describe_keys.hpp"
@@ -120,6 +122,16 @@ void decline(const SolverRun& run, const std::string& endpoint, const std::strin
   }
 }
 
+/// The folder of this program below the results, whose lock file the coupler has signed where it
+/// runs on this machine.
+void lock_own_folder(const std::string& results, const std::string& folder,
+                     const std::string& program, std::vector<FolderLock>& locks) {
+  std::filesystem::create_directories(folder);
+  locks.emplace_back(results, FolderLock::Kind::beside);
+  locks.emplace_back(folder, FolderLock::Kind::alone);
+  locks.back().sign(program);
+}
+
 void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   const ProgramOptions& options = run.options;
   const bool is_main = options.name == run.program.participant;
@@ -129,16 +141,23 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   try {
     solver = run.make(run.scene, run.reader, run.session.comm(), folder, nullptr);
   } catch (const std::exception& problem) {
+    log::last_error(problem.what());
     if (run.session.is_root()) decline(run, endpoint, problem.what());
     throw;
   }
   interrupt::install();  // all ranks: the first one ends the run
+  std::vector<FolderLock> locks;
   const auto welcomed = [&](const Connection& connection) {
     if (options.check || connection.run_settings().value("check", Json()) == true) return;
-    std::filesystem::create_directories(folder);
+    lock_own_folder(options.output, folder, run.program.name, locks);
     write_json_file(folder + "/resolved_config.json", {{run.program.file, run.reader.resolved()}});
   };
-  serve_on_ranks(run.session.comm(), *solver, participant_settings(run, endpoint), welcomed);
+  try {
+    serve_on_ranks(run.session.comm(), *solver, participant_settings(run, endpoint), welcomed);
+  } catch (const NeverBegun& problem) {
+    if (run.session.launched_with("coupler")) log::last_error_of_another(problem.what());
+    throw;
+  }
 }
 
 /// The checkpoint that the run goes on from, if any; each rank reads it, but for the solver's file.
@@ -148,13 +167,11 @@ std::optional<Checkpoint> load_checkpoint(const SolverRun& run) {
   return Checkpoints::load(options.restart, options.output, run.program.name, run.scene);
 }
 
-void drive_alone(const SolverRun& run) {
+/// @param checkpoint  to go on from, if any
+void drive_alone(const SolverRun& run, RunRecord& record, const Checkpoint* checkpoint) {
   const ProgramOptions& options = run.options;
   const ProgramEntry& program = run.program;
   const MPI_Comm comm = run.session.comm();
-  const auto checkpoint = load_checkpoint(run);
-  RunRecord record(options.output, program.name, run.session.is_root());
-  MPI_Barrier(comm);
   AloneSettings alone;
   const auto inner = run.make(run.scene, run.reader, comm, record.path(program.folder), &alone);
   RankedSolver solver(comm, *inner);
@@ -163,7 +180,7 @@ void drive_alone(const SolverRun& run) {
     log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
   }
   std::optional<RestartPoint> start;
-  if (checkpoint) {
+  if (checkpoint != nullptr) {
     solver.load_state(checkpoint->state_of(program.folder));
     start = restart_point(options.restart, *checkpoint);
   }
@@ -178,6 +195,18 @@ void drive_alone(const SolverRun& run) {
        .agree = [comm](int value) { return static_cast<int>(max_over_ranks(comm, value)); }},
       std::move(start));
   run_alone(solver, alone.time, alone.output_interval, record, &checkpoints);
+}
+
+void drive_alone(const SolverRun& run) {
+  const auto checkpoint = load_checkpoint(run);
+  RunRecord record(run.options.output, run.program.name, run.session.is_root());
+  MPI_Barrier(run.session.comm());
+  try {
+    drive_alone(run, record, checkpoint ? &*checkpoint : nullptr);
+  } catch (const std::exception& error) {
+    record.write_failure(error.what());
+    throw;
+  }
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace gabion {
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Exit code of a program that ends with this error.
-  virtual int exit_code() const { return 1; }
+  /// Exit code of a program that ends with this error; 1 is for a check that found faults.
+  virtual int exit_code() const { return 4; }
 };
 
 /// Wrong input: the message carries file, JSON pointer, what was found and what is allowed.

@@ -13,8 +13,10 @@ namespace {
 std::atomic<int> came = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes it");
 
+/// The first one is the reason: a launcher sends SIGTERM after whatever made it end.
 extern "C" void note_signal(int signal) {
-  came.store(signal);
+  int none = 0;
+  came.compare_exchange_strong(none, signal);
 }
 
 }  // namespace
@@ -30,6 +32,8 @@ void install() {
   struct sigaction action = {};
   action.sa_handler = note_signal;
   sigemptyset(&action.sa_mask);
+  sigaddset(&action.sa_mask, SIGINT);  // of two that wait, the one that is handled first counts
+  sigaddset(&action.sa_mask, SIGTERM);
   action.sa_flags = SA_RESETHAND;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -24,7 +24,7 @@ namespace interrupt {
 /// of the same kind ends the process at once.
 void install();
 
-/// The signal that came, 0 = none. Long computations may look at it between their steps.
+/// The signal that came first, 0 = none. Long computations may look at it between their steps.
 int requested();
 
 /// [s] after a signal in which a run may still write a checkpoint: what mpirun leaves until it

@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/last_error.hpp"
 #include "common/base/printable.hpp"
 
 namespace gabion::log {
@@ -36,6 +38,11 @@ spdlog::level::level_enum to_spdlog(Level level) {
 }
 
 std::string pattern = "[program] %^%v%$";
+
+bool is_new_error(const std::string& text) {
+  static std::string said;
+  return std::exchange(said, text) != text;
+}
 
 }  // namespace
 
@@ -71,10 +78,20 @@ void write(Level level, std::string_view text) {
 }
 
 void last_error(const std::string& text) {
-  static std::string said;
-  if (text == said) return;
-  said = text;
+  if (is_new_error(text)) write(Level::error, text);
+}
+
+void last_error_of_another(const std::string& text) {
+  if (is_new_error(text)) write(Level::debug, text);
+}
+
+void last_error_to_file(const std::string& text) {
+  if (!is_new_error(text)) return;
+  auto& terminal = logger().sinks().front();
+  const auto level = terminal->level();
+  terminal->set_level(spdlog::level::off);
   write(Level::error, text);
+  terminal->set_level(level);
 }
 
 }  // namespace gabion::log

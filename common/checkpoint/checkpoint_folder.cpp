@@ -20,6 +20,7 @@
 #include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
 #include "common/checkpoint/state_file.hpp"
+#include "common/run/result_files.hpp"
 #include "common/run/run_record.hpp"
 #include "common/settings/json_text.hpp"
 
@@ -59,7 +60,7 @@ void remove_others(const fs::path& checkpoints, const fs::path& kept) {
   }
   for (const auto& other : others) {
     fs::remove(other / manifest_name);  // first: a part of a checkpoint must not count
-    fs::remove_all(other);
+    remove_checkpoint_files(other);
   }
 }
 
@@ -104,7 +105,7 @@ void begin_checkpoint(const std::string& results, const RunPoint& point) {
   const fs::path folder = checkpoint_path(results, point);
   try {
     fs::remove(folder / manifest_name);
-    fs::remove_all(folder);
+    if (fs::exists(folder)) remove_checkpoint_files(folder);
     fs::create_directories(folder);
   } catch (const fs::filesystem_error& error) {
     throw Error(fmt::format("checkpoint: {}", error.what()));

@@ -8,7 +8,7 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/run/run_record.hpp"
+#include "common/run/results_folder.hpp"
 #include "common/settings/scene_identity.hpp"
 
 namespace gabion {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/program/mpi_session.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -8,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 #include <thread>
 
 #include "common/base/require.hpp"
@@ -27,6 +30,17 @@ void stay_off_the_network() {
     setenv("OMPI_MCA_btl", "^tcp,ofi", /*overwrite=*/0);
   }
 }
+
+/// Open MPI's shared memory has names in /dev/shm, which mpirun removes; one that is killed leaves
+/// them. All processes have opened it by now, and need the names no more.
+/// @note  After a barrier.
+void remove_names_of_shared_memory() {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    const std::size_t name = line.find("/dev/shm/vader_segment.");
+    if (name != std::string::npos) unlink(line.c_str() + name);
+  }
+}
 }  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
@@ -42,6 +56,7 @@ MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
   std::vector<char> all(static_cast<std::size_t>(world_size) * name_length);
   MPI_Allgather(own.data(), name_length, MPI_CHAR, all.data(), name_length, MPI_CHAR,
                 MPI_COMM_WORLD);
+  remove_names_of_shared_memory();
   for (int r = 0; r < world_size; ++r) programs_.emplace_back(all.data() + r * name_length);
 
   const auto color = std::find(programs_.begin(), programs_.end(), program) - programs_.begin();

@@ -14,6 +14,8 @@ namespace gabion {
 
 namespace {
 
+constexpr int other_error = 4;  // such as that of Error
+
 std::string default_output(const ProgramOptions& options, const std::string& program,
                            const MpiSession& session) {
   std::filesystem::path scene = std::filesystem::path(options.scene).lexically_normal();
@@ -59,7 +61,7 @@ int run_program(int argc, char** argv, const std::string& program,
                     "--check says how large the run will be",
                 1);
   } catch (const std::exception& error) {
-    return fail(error.what(), 1);
+    return fail(error.what(), other_error);
   }
 }
 

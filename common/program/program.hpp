@@ -37,7 +37,7 @@ struct ProgramOptions {
 ///     }
 ///
 /// Options are read before MPI starts, so --help needs no launch. An Error ends the program with
-/// its exit_code(), any other exception with 1; other programs of the launch are taken down.
+/// its exit_code(), any other exception with 4; other programs of the launch are taken down.
 /// Without --output, results go to results/<scene>, or results/<scene>_<program> for a solver that
 /// runs without coupler.
 ///

@@ -1,97 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/run/run_record.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gabion_version.hpp>
 
 #include "common/base/log.hpp"
 #include "common/base/names.hpp"
 #include "common/base/require.hpp"
+#include "common/run/results_folder.hpp"
 
 namespace gabion {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr const char* marker_name = ".gabion_results";
-
-std::string first_line(const fs::path& path) {
-  std::ifstream in(path);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
-
-/// A summary that is missing or cannot be read is that of a run which was not completed.
-bool completed(const fs::path& folder) {
-  std::ifstream in(folder / "summary.json");
-  const Json summary = Json::parse(in, nullptr, /*allow_exceptions=*/false);
-  return summary.is_object() && summary.contains("completed") && summary.at("completed") == true;
-}
-
-fs::path without_last_slash(const std::string& name) {
-  fs::path folder = fs::path(name).lexically_normal();
-  return folder.filename().empty() ? folder.parent_path() : folder;
-}
-
-void move_earlier_results(const fs::path& folder, const std::string& kind) {
-  const fs::path marker = folder / marker_name;
-  require<ConfigError>(
-      fs::exists(marker),
-      "output folder {}: found files that are not Gabion results, allowed: a new or "
-      "empty folder, or one with earlier results",
-      folder.string());
-  const std::string found = first_line(marker);
-  require<ConfigError>(found == kind,
-                       "output folder {}: found results of \"{}\", allowed: results of "
-                       "\"{}\"; give another folder with --output",
-                       folder.string(), found, kind);
-  const fs::path place = place_of_earlier_results(folder.string());
-  if (fs::exists(place)) {
-    require<ConfigError>(fs::exists(place / marker_name),
-                         "{}: is to take the earlier results, but holds files that are "
-                         "not Gabion results; move it away",
-                         place.string());
-    fs::remove_all(place);
-  }
-  const bool failed = place.extension() == ".failed";
-  fs::rename(folder, place);
-  log::info("earlier results{} moved to {}", failed ? ", of a run that was not completed," : "",
-            place.string());
-}
-
-void prepare_folder(const std::string& name, const std::string& kind) {
-  const fs::path folder = without_last_slash(name);
-  try {
-    require<ConfigError>(!fs::exists(folder) || fs::is_directory(folder),
-                         "output folder {}: is not a folder", name);
-    if (fs::exists(folder) && !fs::is_empty(folder)) move_earlier_results(folder, kind);
-    fs::create_directories(folder);
-  } catch (const fs::filesystem_error& error) {
-    throw ConfigError(fmt::format("output folder {}: {}", name, error.what()));
-  }
-  std::ofstream marker(folder / marker_name);
-  marker << kind << '\n';
-  marker.flush();
-  require(marker.good(), "output folder {}: cannot be written", name);
-}
-
-}  // namespace
-
-std::string place_of_earlier_results(const std::string& folder) {
-  const std::string name = without_last_slash(folder).string();
-  const bool worse = completed(name + ".previous") && !completed(name);
-  return name + (worse ? ".failed" : ".previous");
-}
-
 RunRecord::RunRecord(const std::string& folder, const std::string& kind, bool writes)
     : folder_(folder), kind_(kind), writes_(writes) {
-  if (writes_) prepare_folder(folder_, kind_);
+  if (writes_) lock_.emplace(prepare_results_folder(folder_, kind_));
 }
 
 std::string RunRecord::path(const std::string& file) const {
@@ -122,6 +49,19 @@ void write_json_file(const std::string& path, const Json& value) {
 
 void RunRecord::write_json(const std::string& file, const Json& value) const {
   if (writes_) write_json_file(path(file), value);
+}
+
+void RunRecord::write_failure(const std::string& reason) const {
+  if (!writes_ || fs::exists(path("summary.json"))) return;
+  try {
+    write_json("summary.json", {{"program", kind_},
+                                {"version", version},
+                                {"completed", false},
+                                {"reason", reason},
+                                {"end_time", 0}});
+  } catch (const Error& error) {
+    log::error("{}", error.what());
+  }
 }
 
 double OutputClock::multiples(double time) const {

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/json.hpp"
 #include "common/run/csv_writer.hpp"
+#include "common/run/folder_lock.hpp"
 #include "common/run/state.hpp"
 
 namespace gabion {
@@ -16,21 +18,15 @@ namespace gabion {
 /// @throws Error  the file could not be written
 void write_json_file(const std::string& path, const Json& value);
 
-/// Where a new run in `folder` moves the earlier results: "<folder>.previous"; "<folder>.failed" if
-/// their run was not completed (summary.json) but the one in "<folder>.previous" was.
-std::string place_of_earlier_results(const std::string& folder);
-
 /// The folder of one run's results and the tables in it.
 ///
-/// A marker file makes the folder ours. Results of an earlier run of the same kind are moved to
-/// place_of_earlier_results(), which replaces what was there; a folder that holds anything else is
-/// refused.
+/// The folder is that of prepare_results_folder(), locked as long as this lives.
 class RunRecord {
  public:
   /// @param folder  created with its parents
   /// @param kind    who writes here: "coupler", "mpm_solver", "fem_solver"
   /// @param writes  false on all ranks but the first: nothing is touched, tables ignore their rows
-  /// @throws ConfigError  the folder holds something else, or results of another kind
+  /// @throws ConfigError  the folder is in use, holds something else, or results of another kind
   /// @note  Other ranks may use the folder only after the first one has constructed its record.
   RunRecord(const std::string& folder, const std::string& kind, bool writes = true);
 
@@ -47,11 +43,15 @@ class RunRecord {
 
   /// write_json_file() below the folder; nothing where this record does not write.
   void write_json(const std::string& file, const Json& value) const;
+  /// A summary.json of a run that ended before its time loop could write one; an error in writing
+  /// it is logged.
+  void write_failure(const std::string& reason) const;
 
  private:
   std::string folder_;
   std::string kind_;
   bool writes_;
+  std::optional<FolderLock> lock_;
   std::map<std::string, CsvWriter> tables_;
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/require.hpp"
+#include "common/settings/json_fault.hpp"
 
 namespace gabion {
 
@@ -101,10 +102,10 @@ Json parse_settings(const std::string& text, const std::string& source) {
   try {
     return Json::parse(text, see, true, /*ignore_comments=*/true);
   } catch (const Json::parse_error& error) {
-    throw ConfigError(fmt::format("{}: not valid JSON: {}", source, error.what()));
+    throw ConfigError(fmt::format("{}: not valid JSON: {}", source, fault_of(text, error)));
   } catch (const Json::out_of_range& error) {
-    throw ConfigError(
-        fmt::format("{}: {}, allowed: numbers up to 1.8e308", watch.where(), error.what()));
+    throw ConfigError(fmt::format("{}: {}, allowed: numbers up to 1.8e308", watch.where(),
+                                  without_label(error.what())));
   }
 }
 

@@ -11,6 +11,7 @@ from enum import Enum
 from pathlib import Path
 
 from plotting.account import Cuts, Ledger, Steps
+from plotting.lock import MARKER, Owner, owner_of
 from plotting.results import ResultsError
 
 STEPS_SHOWN = 60
@@ -54,13 +55,17 @@ class State(Enum):
     SILENT = "silent"  # without an end and without a new row for long; nobody can be asked
     KILLED = "killed"  # without an end, and its processes are gone
 
+    @property
+    def is_end(self) -> bool:
+        return self not in (State.RUNNING, State.SILENT)
+
 
 class Run:
     """What a results folder tells so far.
 
     end: simulated time [s] at which the run is done, NaN if not known; steps: the last rows of steps.csv;
     iterations: the rows of iterations.csv of the last step tried; account, ledger, cuts: sums over all rows;
-    summary: summary.json once the run has ended.
+    summary: summary.json once the run has ended; owner: whether the process that writes here lives.
     """
 
     def __init__(self, folder: Path):
@@ -73,10 +78,13 @@ class Run:
         self.account, self.ledger, self.cuts = Steps(), Ledger(), Cuts()
         self.participants: dict[str, tuple[str, int]] = {}  # name -> program, process id, as the log has them
         self.summary: dict | None = None
+        self.owner = Owner.NONE
+        self._error = ""  # the last one in the log
         self._tails = {name: Tail(folder / name)
                        for name in ("steps.csv", "iterations.csv", "probes.csv", "coupler.log")}
 
     def read_on(self) -> None:
+        self.owner = owner_of(self.folder)  # before the summary, which a run writes before it ends
         self._read_settings()
         new = self._tails["steps.csv"].rows()
         for row in new:
@@ -91,6 +99,7 @@ class Run:
             self.ledger.add(row)
         for line in self._tails["coupler.log"].lines():
             self.cuts.add_line(line)
+            self._error = line.partition("error: ")[2] or self._error
             for name, program, pid in HERE.findall(line):
                 self.participants[name] = (program, int(pid))
         summary = self.folder / "summary.json"
@@ -120,11 +129,20 @@ class Run:
                 return State.COMPLETED
             by_signal = self.summary.get("reason", "").startswith("interrupted by signal")
             return State.STOPPED if by_signal else State.FAILED
+        if self.owner is Owner.ENDED and (self.folder / MARKER).exists():
+            return State.FAILED
+        if self.owner in (Owner.ALIVE, Owner.GONE):
+            return State.RUNNING if self.owner is Owner.ALIVE else State.KILLED
         quiet = self.seconds_since_last_row()
         if self.participants:
             gone = not any(is_alive(program, pid) for program, pid in self.participants.values())
             return State.KILLED if gone and quiet > QUIET else State.RUNNING
         return State.SILENT if quiet > LOST else State.RUNNING
+
+    @property
+    def reason(self) -> str:
+        """Why it was not completed."""
+        return (self.summary or {}).get("reason") or self._error or "no reason given"
 
     def checkpoint(self) -> int | None:
         """Step of the last checkpoint."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from plotting.account import FINE
 from plotting.live import QUIET, Run, State
+from plotting.lock import Owner
 from plotting.words import count, duration, percent, seconds
 
 SLOW = 10  # medians from which on a step is slow
@@ -41,7 +42,6 @@ def headline(run: Run) -> str:
 
 def _end(run: Run) -> Iterator[Statement]:
     state, steps = run.state(), run.account
-    reason = (run.summary or {}).get("reason", "no reason given")
     until = f"{count(steps.count, 'step')} to t = {steps.time:.6g} s"
     if state is State.COMPLETED:
         wall = (run.summary or {}).get("wall_seconds")
@@ -53,10 +53,11 @@ def _end(run: Run) -> Iterator[Statement]:
         yield Statement("note", "end", f"Under way: {until}{share}. All that follows is of these steps.")
         return
     quiet = duration(run.seconds_since_last_row())
+    where = "Killed" if run.owner is Owner.GONE else "Killed, or running on another machine"
     text = {
-        State.FAILED: f"Failed after {until}: {reason.rstrip('.')}.",
-        State.STOPPED: f"Stopped after {until}: {reason.rstrip('.')}.",
-        State.KILLED: f"Killed, or running on another machine: {until}, no summary.json, no new row for {quiet}, "
+        State.FAILED: f"Failed after {until}: {run.reason.rstrip('.')}.",
+        State.STOPPED: f"Stopped after {until}: {run.reason.rstrip('.')}.",
+        State.KILLED: f"{where}: {until}, no summary.json, no new row for {quiet}, "
                       "and none of its processes is here.",
         State.SILENT: f"Killed, or in a step that takes long: {until}, no summary.json and no new row for "
                       f"{quiet}.",

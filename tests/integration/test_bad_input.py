@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Wrong input through the real programs: exit code 2, file and place named, the whole launch ends."""
 
+import json
+
 import launch
 from launch import IntegrationCase, meeting
 
@@ -11,11 +13,13 @@ class BadInput(IntegrationCase):
         self.write_scene(files)
         ended = self.run_launch(code=2)
         self.assert_says(ended.text, "error: ", *words)
+        said = [line for line in ended.text.splitlines() if "error: " in line and words[1] in line]
+        self.assertEqual(len(said), 1, ended.text)  # at the one terminal of all
         for program, participant in (("mpm_solver", "soil"), ("fem_solver", "structure")):
-            if words[0] == f"[{program[:3]}]":  # the coupler's own log has the reason, not the launcher's signal
-                self.assert_says(ended.text, f'[cpl] error: participant "{participant}" ({program}) cannot begin: ',
-                                 words[1])
-                self.assertNotIn("[cpl] error: interrupted by signal", ended.text)
+            if words[0] == f"[{program[:3]}]":  # which tells the coupler
+                self.assert_says((self.out / "coupler.log").read_text(),
+                                 f'[cpl] error: participant "{participant}" ({program}) cannot begin: ', words[1])
+                self.assertIn("cannot begin", json.loads((self.out / "summary.json").read_text())["reason"])
 
     def test_unknown_key(self) -> None:
         files = meeting()

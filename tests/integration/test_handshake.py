@@ -46,7 +46,7 @@ class Handshake(IntegrationCase):
         words = ('participant "structure"', "was refused", "scene hash", "coupler ", "participant ")
         self.assert_says(ended.text, "[cpl] error: ", *words)
         self.assert_says((self.out / "coupler.log").read_text(), *words)
-        self.assert_says(ended.text, "[fem] error: ", "refused", "scene hash")
+        self.assertEqual(ended.text.count("error: "), 1, ended.text)  # both solvers know it, and have the same terminal
 
     def test_the_same_name_twice_is_refused(self) -> None:
         ended = self.run_launch(code=4, own={"fem_solver": ["--name", "soil"]})

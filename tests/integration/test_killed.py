@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Programs that are killed or stopped in mid-run take the run down at once, named; what was written stays."""
 
+import json
 import os
 import signal
 import time
+from pathlib import Path
+from unittest import mock
 
 import launch
-from launch import Ended, IntegrationCase, Launch, endless, read_table
+from launch import PROGRAMS, Ended, IntegrationCase, Launch, endless, read_table
 
 SILENCE = 40  # [s] long enough that a death which is named was noticed without it
 PARTICIPANT = {"mpm_solver": "soil", "fem_solver": "structure"}
@@ -109,6 +112,30 @@ class Killed(IntegrationCase):
         self.assert_says(ended.text, "[cpl]", *words)
         self.assert_says((self.out / "coupler.log").read_text(), *words)
         self.check_results(in_contact=True)
+
+    def test_shared_memory_has_no_names(self) -> None:
+        """So that it is gone with the processes, whatever ends them and mpirun."""
+        self.write_scene(endless(in_contact=True))
+        run = self.start_and_step(ranks={"mpm_solver": 2})
+        for pid, name in run.alive().items():
+            if name not in PROGRAMS:
+                continue
+            maps = [line for line in Path(f"/proc/{pid}/maps").read_text().splitlines() if "/dev/shm/" in line]
+            self.assertTrue(all(line.endswith("(deleted)") for line in maps), maps)
+
+    def test_stopped_coupler_says_that_it_was_stopped(self) -> None:
+        """The solvers give it up; what it says when it runs again does not blame them."""
+        files = endless(in_contact=True)
+        files["coupler"]["protocol"] = {"silence_deadline": 2, "heartbeat": 0.2}
+        self.write_scene(files)
+        with mock.patch.dict(os.environ, {"OMPI_MCA_odls_base_sigkill_timeout": "100"}):
+            run = self.start_and_step()
+            os.kill(run.pid_of("coupler"), signal.SIGSTOP)
+            run.wait_programs_gone()  # mpirun, which the end of a solver wakes, lets the coupler go on
+        self.assertNotEqual(run.wait().code, 0)
+        words = "the coupler's own process did not run for"
+        self.assertIn(words, json.loads((self.out / "summary.json").read_text())["reason"])
+        self.assert_says((self.out / "coupler.log").read_text(), "error: ", words, "it was stopped")
 
 
 class Interrupted(IntegrationCase):

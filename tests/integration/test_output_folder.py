@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The folder of results: foreign files are never touched, failed writes are errors."""
 
+import json
 import resource
+import subprocess
+from pathlib import Path
 
 import launch
 from launch import Ended, IntegrationCase, endless, meeting, read_table
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
 class OutputFolder(IntegrationCase):
@@ -37,6 +42,66 @@ class OutputFolder(IntegrationCase):
         self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}", "is not a folder")
         self.assertEqual(self.out.read_text(), "mine")
 
+    def test_nothing_is_kept_of_what_programs_and_scripts_wrote(self) -> None:
+        """Only a file of the user's is, when the results that it came to are replaced."""
+        short = ("--set", "coupler.json:/time/end=0.001", "--set", 'coupler.json:/checkpoint={"steps": 1}')
+        kept = self.folder / "out.kept"
+        self.run_launch(*short, code=0)
+        for script in ("plot", "report", "deposit"):
+            command = [str(SCRIPTS / script), str(self.out), *(["--animate"] if script == "plot" else [])]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(list(self.out.glob("plots/*.png")) and list(self.out.glob("deposit/*")))
+        self.run_launch(*short, code=0)
+        self.run_launch(*short, code=0)
+        self.assertFalse(kept.exists(), [str(path) for path in kept.rglob("*")])
+        (self.out / "notes.txt").write_text("mine")
+        self.run_launch(*short, code=0)
+        self.assertTrue((self.folder / "out.previous" / "notes.txt").exists())
+        ended = self.run_launch(*short, code=0)
+        self.assert_says(ended.text, "have not written are kept in", str(kept))
+        self.assertEqual([path.name for path in kept.iterdir()], ["notes.txt"])
+        self.assertFalse((self.folder / "out.previous" / "notes.txt").exists())
+
+
+class InUse(IntegrationCase):
+    """A second run into one folder, while the first one lives and after it was killed."""
+
+    def test_second_coupled_run(self) -> None:
+        self.write_scene(endless(in_contact=True))
+        run = self.start_and_step()
+        pids = {name: pid for pid, name in run.alive().items()}
+        ended = self.run_launch(code=2)
+        self.assert_says(ended.text, "[cpl] error: ", f"output folder {self.out}: in use by coupler",
+                         f"(pid {pids['coupler']} on ", f"{self.out}/.gabion_lock")
+        self.assertFalse((self.folder / "out.previous").exists())
+        for program, folder in (("coupler", "."), ("mpm_solver", "mpm"), ("fem_solver", "fem")):
+            signed = json.loads((self.out / folder / ".gabion_lock").read_text())
+            self.assertEqual((signed["program"], signed["pid"]), (program, pids[program]))
+        rows = len(read_table(self.out / "steps.csv"))
+        run.wait_until(lambda: (self.out / "steps.csv").read_text().count("\n") > rows + 2, "more steps")
+
+        run.end()  # by SIGKILL
+        run.wait_none_left()
+        self.assertIn('"coupler"', (self.out / ".gabion_lock").read_text())
+        self.run_launch("--set", "coupler.json:/time/end=0.001", code=0)
+        self.assertGreater(len(read_table(self.folder / "out.previous" / "steps.csv")), rows)
+        self.assertEqual((self.out / ".gabion_lock").read_text(), "")
+        self.assertEqual((self.out / "mpm" / ".gabion_lock").read_text(), "")
+
+    def test_solvers_that_run_alone(self) -> None:
+        """By hand, without scripts/run; the second one on two ranks."""
+        files = endless(in_contact=False)
+        self.write_scene({"mpm": {**files["mpm"], **launch.ALONE, "interfaces": []}})
+        options = ("--set", "mpm.json:/time/end=1000")
+        run = self.start(*options, programs=("mpm_solver",))
+        rows = self.out / "steps.csv"
+        run.wait_until(lambda: rows.exists() and rows.read_text().count("\n") > 2, "steps")
+        for ranks in (1, 2):
+            ended = self.run_launch(*options, code=2, programs=("mpm_solver",), ranks={"mpm_solver": ranks})
+            self.assert_says(ended.text, "[mpm] error: ", "in use by mpm_solver", f"{self.out}/.gabion_lock")
+        self.assertIsNone(run.process.poll())
+
 
 class NoSpace(IntegrationCase):
     """A limit on the size of files stands in for a full disk: writes of a run under way fail with EFBIG instead
@@ -48,7 +113,7 @@ class NoSpace(IntegrationCase):
         run = self.start_and_step(ignored_signal="XFSZ")
         resource.prlimit(run.pid_of(program), resource.RLIMIT_FSIZE, (size, size))
         ended = run.wait()
-        self.assertEqual(ended.code, 1, ended.text)
+        self.assertEqual(ended.code, 4, ended.text)
         run.wait_none_left()
         self.assertGreater(len(read_table(self.out / "steps.csv")), 48)
         return ended

@@ -4,7 +4,10 @@
 
 import csv
 import math
+import os
 import shutil
+import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -428,6 +431,29 @@ class Problems(CalculixCase):
             path.write_bytes(content)
             with self.assertRaisesRegex(RestartFileError, word):
                 read_nodal_state(path)
+
+
+class Killed(CalculixCase):
+    def test_no_temporary_folder_is_left(self) -> None:
+        """Whatever ends the program while it waits for a coupler that is not there."""
+        write(self.folder, solid())
+        scratch = self.folder / "scratch"
+        scratch.mkdir()
+        environment = {**os.environ, "TMPDIR": str(scratch), "PYTHONPATH": str(ROOT / "protocol" / "python")}
+        command = [ROOT / "structures" / "calculix" / "calculix_structure", "--coupler", "tcp://127.0.0.1:9"]
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            with self.subTest(number.name), subprocess.Popen(command, cwd=self.folder, env=environment,
+                                                             stderr=subprocess.DEVNULL) as program:
+                while not list(scratch.glob("gabion_calculix_*")):
+                    self.assertIsNone(program.poll(), "it ended too early")
+                    time.sleep(0.02)
+                (next(scratch.iterdir()) / "step.rout").write_text("of ccx")
+                program.send_signal(number)
+                self.assertNotEqual(program.wait(), 0)
+                end = time.monotonic() + 120
+                while list(scratch.iterdir()) and time.monotonic() < end:
+                    time.sleep(0.02)
+                self.assertEqual(list(scratch.iterdir()), [])
 
 
 if __name__ == "__main__":

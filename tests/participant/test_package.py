@@ -23,11 +23,11 @@ build = binaries = Path()  # set at the end
 
 # All that is installed: a header more is a promise more.
 HEADERS = {
-    "common/base": ("error.hpp", "json.hpp", "timer.hpp"),
+    "common/base": ("error.hpp", "json.hpp", "process.hpp", "timer.hpp"),
     "common/run": ("solver.hpp", "state.hpp"),
     "common/settings": ("config_reader.hpp", "json_text.hpp", "keys.hpp", "nearest_word.hpp"),
     "protocol": ("attention.hpp", "connection.hpp", "deadlines.hpp", "gabion_participant.h", "handshake.hpp",
-                 "heartbeat.hpp", "keys.hpp", "message.hpp", "participant.hpp", "peer_watch.hpp", "process.hpp",
+                 "heartbeat.hpp", "keys.hpp", "message.hpp", "participant.hpp", "peer_watch.hpp",
                  "request_source.hpp", "serve.hpp", "socket.hpp", "state_machine.hpp", "step_order.hpp"),
 }
 LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"

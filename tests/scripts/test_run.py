@@ -7,10 +7,13 @@ What it starts it ends when a command fails.
 
 import json
 import os
+import re
 import shutil
+import signal
 import subprocess
 import time
 import unittest
+from pathlib import Path
 
 from script_case import ROOT, ScriptCase
 
@@ -94,7 +97,22 @@ exit $code
 """
 
 
-class FailedCommand(ScriptCase):
+class MadeUpCase(ScriptCase):
+    """scripts/run with programs that only look like ours."""
+
+    def made_up(self, coupler: str, mpirun: str) -> list[object]:
+        """The words that start scripts/run."""
+        self.write("scene/coupler.json", json.dumps({}))
+        self.write("scripts/setup", SETUP.format(folder=self.folder))
+        self.write("bin/coupler", coupler).chmod(0o755)
+        self.write("bin/mpirun", mpirun).chmod(0o755)
+        shutil.copy(ROOT / "scripts" / "run", self.folder / "scripts" / "run")
+        (self.folder / "scripts" / "running").unlink(missing_ok=True)
+        (self.folder / "scripts" / "running").symlink_to(ROOT / "scripts" / "running")
+        return [self.folder / "scripts" / "run", self.folder / "scene", "--no-plots"]
+
+
+class FailedCommand(MadeUpCase):
     """Commands of participants that end at once, with a coupler and an mpirun that never were."""
 
     def run_with(self, command: str, coupler: int, mpirun: int, first: str = ":") -> tuple[int, list[str], float]:
@@ -104,14 +122,10 @@ class FailedCommand(ScriptCase):
 
         returns: exit code, lines but those of what is started, seconds until the output ends
         """
-        self.write("scene/coupler.json", json.dumps({}))
-        self.write("scripts/setup", SETUP.format(folder=self.folder))
-        self.write("bin/coupler", COUPLER.format(command=command, tenths=coupler, first=first)).chmod(0o755)
-        self.write("bin/mpirun", MPIRUN.format(folder=self.folder, tenths=mpirun)).chmod(0o755)
-        shutil.copy(ROOT / "scripts" / "run", self.folder / "scripts" / "run")
+        words = self.made_up(COUPLER.format(command=command, tenths=coupler, first=first),
+                             MPIRUN.format(folder=self.folder, tenths=mpirun))
         start = time.monotonic()
-        command = [self.folder / "scripts" / "run", self.folder / "scene", "--no-plots"]
-        done = subprocess.run(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        done = subprocess.run(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               timeout=300, check=False)
         return done.returncode, done.stdout.splitlines()[2:], time.monotonic() - start
 
@@ -152,6 +166,72 @@ class FailedCommand(ScriptCase):
         code, lines, _ = self.run_with("false", coupler=30, mpirun=85)
         self.assertEqual(code, 4, lines)
         self.assertNotIn("mpirun was hit", lines)
+
+
+LONE_COUPLER = """#!/usr/bin/python3
+import ctypes, signal, sys, time
+if "--list-participants" in sys.argv:
+    print("tcp://127.0.0.1:*", end="\\0")
+    sys.exit()
+ctypes.CDLL(None).prctl(15, b"coupler")  # as a compiled program is called
+def end(number, _):
+    print("the coupler got", number, flush=True)
+    sys.exit(5)
+signal.signal(signal.SIGINT, end)
+signal.signal(signal.SIGTERM, end)
+print("begun", flush=True)
+time.sleep(600)
+"""
+OTHER_SIGNAL = """#!/usr/bin/python3
+import signal, subprocess, sys
+coupler = subprocess.Popen(["{folder}/bin/coupler"])
+signal.signal(signal.SIGTERM, lambda *_: coupler.poll() is None and coupler.send_signal(signal.SIGTERM))
+sys.exit(coupler.wait())
+"""
+STOPPED = """#!/bin/bash
+trap '' TERM
+sleep 600 &
+echo "child $!"
+echo begun
+kill -STOP $$
+echo goes on
+while :; do sleep 0.1; done
+"""
+
+
+class Stopped(MadeUpCase):
+    """scripts/run gets a signal."""
+
+    def stop(self, mpirun: str, number: signal.Signals) -> tuple[int, str]:
+        """Exit code and output, after the programs have begun."""
+        with subprocess.Popen(self.made_up(LONE_COUPLER, mpirun.format(folder=self.folder)), text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as run:
+            said = ""
+            while "begun" not in said:
+                line = run.stdout.readline()
+                self.assertTrue(line, said)
+                said += line
+            run.send_signal(number)
+            said += run.stdout.read()
+            return run.wait(), said
+
+    def test_programs_get_the_signal_itself(self) -> None:
+        """mpirun makes SIGTERM of each."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            code, said = self.stop(OTHER_SIGNAL, number)
+            self.assertEqual(code, 128 + number, said)
+            self.assertIn(f"the coupler got {number.value}\n", said)
+            self.assertEqual(said.count("the coupler got"), 1)
+            self.assertIn("Stopped.", said)
+
+    def test_mpirun_that_does_not_end(self) -> None:
+        """It is stopped, and no SIGTERM ends it when it goes on: it is killed, and what it has started."""
+        code, said = self.stop(STOPPED, signal.SIGTERM)
+        self.assertEqual(code, 143, said)
+        self.assertIn("goes on", said)
+        child = int(re.search(r"child (\d+)", said)[1])
+        status = Path(f"/proc/{child}/status")
+        self.assertTrue(not status.exists() or "State:\tZ" in status.read_text(), "it still runs")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/setup: which packages are missing, and what scripts/test says of tests that need another one."""
 
+import os
 import re
+import shutil
 import subprocess
 import unittest
+from pathlib import Path
 
 from script_case import ROOT, ScriptCase
 
@@ -59,6 +62,76 @@ class Setup(ScriptCase):
             folder = ROOT / LISTS[kind]
             self.assertIn(f"{kind}.{name} PROPERTIES SKIP_RETURN_CODE 77", (folder / "CMakeLists.txt").read_text())
             self.assertIn("sys.exit(77)", (folder / f"test_{name}.py").read_text())
+
+
+class Tree(ScriptCase):
+    """A tree of its own with scripts/setup in it."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.folder.chmod(0o755)
+        self.tree = self.folder / "tree"
+        (self.tree / "scripts").mkdir(parents=True)
+        shutil.copy(ROOT / "scripts" / "setup", self.tree / "scripts" / "setup")
+        self.write("tree/CMakeLists.txt", "")
+
+    def sourced(self, commands: str, *prefix: str, **environment: str) -> tuple[int, str]:
+        """Exit code and output of commands after `source scripts/setup`; cmake and ninja only say their words."""
+        fakes = "cmake() { echo cmake \"$@\" >&2; }; ninja() { echo \"$said\"; }"
+        script = f"set -euo pipefail; source scripts/setup; {fakes}; {commands}"
+        done = subprocess.run([*prefix, "bash", "-c", script, "scripts/run"], cwd=self.tree, text=True, check=False,
+                              env={"PATH": "/usr/bin:/bin", "said": "", **environment}, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT)
+        return done.returncode, done.stdout
+
+    def configured_for(self, home: Path) -> None:
+        """As if everything was configured, for the sources in `home`."""
+        self.write("tree/build/release/CMakeCache.txt", f"A:BOOL=ON\nCMAKE_HOME_DIRECTORY:INTERNAL={home}\n")
+        self.write("tree/build/release/build.ninja", "")
+        self.write("tree/build/release/cmake_lists.txt", "./CMakeLists.txt\n")
+
+    def test_cdpath(self) -> None:
+        code, said = self.sourced('printf "%s|" "$root"; cd scripts; env', CDPATH=f"{self.tree}:/tmp")
+        self.assertEqual((code, said.split("|")[0]), (0, str(self.tree)), said)
+        self.assertNotIn("CDPATH", said.split("|")[1])
+
+    def test_build_folder_of_another_tree_is_configured_anew(self) -> None:
+        self.configured_for(self.tree)
+        self.assertEqual(self.sourced("configure"), (0, ""))
+        (self.folder / "link").symlink_to(self.tree)
+        self.configured_for(self.folder / "link")
+        self.assertEqual(self.sourced("configure"), (0, ""))
+        for home in (self.folder, self.folder / "gone"):  # copied, moved
+            self.configured_for(home)
+            code, said = self.sourced("configure; cat build/configure.log")
+            self.assertEqual(code, 0, said)
+            self.assertIn("build/release comes from another folder: everything is built anew", said)
+            self.assertIn("cmake --fresh --preset release", said)
+
+    def as_somebody_else(self) -> list[str]:
+        """Words before a command that make it run without the right to write in the tree."""
+        if os.geteuid() == 0:
+            return ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
+        for path in (self.tree, *self.tree.rglob("*")):
+            path.chmod(path.stat().st_mode & ~0o222)
+            self.addCleanup(path.chmod, 0o755)
+        return []
+
+    def test_tree_of_somebody_else(self) -> None:
+        refusal = f"scripts/run: {self.tree}/build cannot be written by "
+        code, said = self.sourced("build_targets coupler", *self.as_somebody_else())
+        self.assertEqual(code, 2)
+        self.assertIn(refusal, said)
+        self.assertIn("its owner can build them with scripts/setup", said)
+
+    def test_built_tree_of_somebody_else(self) -> None:
+        self.configured_for(self.tree)
+        self.write("tree/build/lock", "")
+        other = self.as_somebody_else()
+        self.assertEqual(self.sourced("build_targets coupler", *other, said="ninja: no work to do."), (0, ""))
+        code, said = self.sourced("build_targets coupler", *other, said="[1/2] Building")
+        self.assertEqual(code, 2, said)
+        self.assertIn("are older than their sources", said)
 
 
 if __name__ == "__main__":

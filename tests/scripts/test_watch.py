@@ -2,9 +2,10 @@
 """scripts/watch: what it says of a run under way, done or failed."""
 
 import json
+import os
 import unittest
 
-from made_up_results import KINDS, write_kind
+from made_up_results import KINDS, pid_of_the_dead, write_kind
 from script_case import ScriptCase
 
 CONFIG = json.dumps({"coupler.json": {"time": {"end": 0.5}}})
@@ -66,6 +67,41 @@ class WatchTest(ScriptCase):
         failed = self.python_script("watch", self.folder)
         self.assertEqual(failed.returncode, 1)
         self.assertIn("Failed after 2 steps to t = 0.2 s: dt below dt_min.", failed.stdout)
+
+    def write_owner(self, **changes: object) -> None:
+        """Signature of the run, as the programs write it; without changes of this process."""
+        from plotting.lock import process  # noqa: PLC0415
+        self.write(".gabion_results", "mpm_solver\n")
+        self.write(".gabion_lock", json.dumps({"program": "mpm_solver", "since": "2026-01-02 03:04:05 UTC",
+                                               **process.this_process().to_fields(), **changes}))
+
+    def test_ends_when_the_process_is_gone(self) -> None:
+        """Without a summary and without a coupler's log; old or new, whose number was given away or not."""
+        self.write("steps.csv", STEPS)
+        for changes in ({"pid": pid_of_the_dead()}, {"start_time": 1}):
+            self.write_owner(**changes)
+            killed = self.python_script("watch", self.folder)
+            self.assertEqual(killed.returncode, 1)
+            self.assertIn("Killed: 2 steps to t = 0.2 s, no summary.json", killed.stdout)
+
+    def test_a_long_step_is_not_an_end(self) -> None:
+        rows = self.write("steps.csv", STEPS)
+        self.write_owner()
+        os.utime(rows, (0, 0))
+        code, text = self.show()
+        self.assertEqual(code, 0)
+        self.assertIn("running, no new row for", text)
+        self.write_owner(host="elsewhere/boot/pid:[1]")  # nobody can be asked
+        self.assertIn("silent", self.show()[1])
+
+    def test_a_run_that_ended_without_summary(self) -> None:
+        """It could not begin: its lock is cleared, the log says why."""
+        self.write_owner()
+        self.write(".gabion_lock", "")
+        self.write("coupler.log", "2026-01-02 03:04:05.678 [cpl] error: participants did not connect\n")
+        failed = self.python_script("watch", self.folder)
+        self.assertEqual(failed.returncode, 1)
+        self.assertIn("Failed after 0 steps to t = 0 s: participants did not connect.", failed.stdout)
 
     def test_words_of_the_verdict(self) -> None:
         """The same as on the page of scripts/report, one after the other, a mark in front of each."""

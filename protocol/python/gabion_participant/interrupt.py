@@ -25,7 +25,7 @@ def install() -> None:
 
     def note(number: int, _frame: object) -> None:
         global _came
-        _came = number
+        _came = _came or number  # a launcher sends SIGTERM after whatever made it end
         signal.signal(number, signal.SIG_DFL)
 
     for number in (signal.SIGINT, signal.SIGTERM):

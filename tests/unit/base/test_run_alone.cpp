@@ -1,41 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <functional>
 
 #include "common/run/progress.hpp"
+#include "common/run/results_folder.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace gabion {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder below the system's temporary one that goes away with the test.
-class TempFolder {
- public:
-  TempFolder()
-      : path_(fs::temp_directory_path() /
-              ("gabion_base_" + std::to_string(getpid()) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~TempFolder() { fs::remove_all(path_); }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  TempFolder(TempFolder&&) = delete;
-  TempFolder& operator=(TempFolder&&) = delete;
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
 
 std::vector<std::string> lines(const std::string& path) {
   std::ifstream in(path);
@@ -85,7 +65,7 @@ TEST(Progress, wall_times_as_text) {
 }
 
 TEST(RunAlone, steps_probes_frames_and_summary) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   ClockSolver solver;
   RunRecord record(temp / "out", "fem_solver");
   run_alone(solver, {0.9, 0.2, 0.05}, 0.3, record);
@@ -112,7 +92,7 @@ TEST(RunAlone, steps_probes_frames_and_summary) {
 }
 
 TEST(RunAlone, a_failing_step_is_cut_and_counted) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   ClockSolver solver;
   solver.on_solve = [](const StepRequest& request) {
     if (request.step == 2 && request.dt > 0.06) throw ConvergenceError("too large");
@@ -125,7 +105,7 @@ TEST(RunAlone, a_failing_step_is_cut_and_counted) {
 }
 
 TEST(RunAlone, a_run_that_fails_says_so_and_keeps_the_last_state) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   ClockSolver solver;
   solver.on_solve = [](const StepRequest& request) {
     if (request.time > 0.3) throw ConvergenceError("soil exploded");
@@ -145,7 +125,7 @@ TEST(RunAlone, a_run_that_fails_says_so_and_keeps_the_last_state) {
 }
 
 TEST(RunAlone, ranks_that_do_not_write_touch_nothing) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   ClockSolver solver;
   RunRecord record(temp / "out", "fem_solver", /*writes=*/false);
   run_alone(solver, {1, 0.2, 0.01}, 0.5, record);
@@ -154,7 +134,7 @@ TEST(RunAlone, ranks_that_do_not_write_touch_nothing) {
 }
 
 TEST(RunRecord, earlier_results_of_the_same_kind_move_to_previous) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   for (const std::string text : {"first", "second", "third"}) {
     RunRecord record(temp / "out/", "coupler");
     record.write_json("summary.json", {{"run", text}});
@@ -169,7 +149,7 @@ void expect_folder_refused(const std::string& folder, const std::string& kind,
 }
 
 TEST(RunRecord, completed_results_are_not_replaced_by_those_of_a_failed_run) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   const auto run = [&](int number, const Json& summary) {
     RunRecord record(temp / "out", "coupler");
     std::ofstream(temp / "out/number") << number;
@@ -202,7 +182,7 @@ TEST(RunRecord, completed_results_are_not_replaced_by_those_of_a_failed_run) {
 }
 
 TEST(RunRecord, foreign_files_are_never_touched) {
-  const TempFolder temp;
+  const test::TempFolder temp;
   fs::create_directories(temp / "papers");
   std::ofstream(temp / "papers/thesis.tex") << "years of work";
   expect_folder_refused(temp / "papers", "coupler", {"not Gabion results"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "protocol/process.hpp"
+#include "common/base/process.hpp"
 
 #include <unistd.h>
 

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <string>
+
+#include "common/base/timer.hpp"
+
+namespace gabion {
+
+/// Notices that this process did not run: it was stopped, or the machine had no time for it. What
+/// others say of it afterwards, they say because of that. Safe to use from several threads.
+class OwnSleep {
+ public:
+  /// A thread that does nothing else calls this again and again.
+  void tick() {
+    const std::lock_guard lock(mutex_);
+    const double gap = since_tick_.seconds();
+    since_tick_ = Stopwatch();
+    if (gap < least) return;
+    last_ = gap;
+    since_sleep_ = Stopwatch();
+  }
+
+  /// Length of a sleep that ended a moment ago, or has just ended [s]; 0: there was none.
+  double recent() const {
+    const std::lock_guard lock(mutex_);
+    const double gap = since_tick_.seconds();
+    const double last = since_sleep_.seconds() < moment ? last_ : 0;
+    return std::max(gap < least ? 0 : gap, last);
+  }
+
+ private:
+  static constexpr double least = 1;    // [s] between two ticks
+  static constexpr double moment = 10;  // [s]
+
+  mutable std::mutex mutex_;
+  Stopwatch since_tick_;
+  Stopwatch since_sleep_;
+  double last_ = 0;  // [s]
+};
+
+/// Participants give up a coupler that did not run for long; it must not blame them.
+/// @param reason  that it would give
+inline std::string after_own_sleep(double seconds, const std::string& reason) {
+  return fmt::format(
+      "the coupler's own process did not run for {:.1f} s: it was stopped, or the machine had no "
+      "time for it; then {}",
+      seconds, reason);
+}
+
+}  // namespace gabion
