@@ -272,5 +272,24 @@ TEST(Seams, sand_keeps_its_speed_on_a_floor_in_pieces) {
       1e-9);
 }
 
+/// The middle of the floor is a structure that does not move; its forces are its own.
+TEST(Seams, sand_slides_over_a_structure_flush_in_a_floor) {
+  Json json = sand_on({{{1.4, 0}, {0.9, 0}}, {{0.5, 0}, {-0.1, 0}}});
+  json["interfaces"] = {{{"name", "slab"},
+                         {"mode", "slip"},
+                         {"surface", {{"polyline", {{0.9, 0}, {0.5, 0}}}, {"spacing", 0.07}}}}};
+  const auto solver = make_mpm(json);
+  double largest = 0;
+  for (int n = 1; n <= 60; ++n) {
+    const StepRequest request{n, 0, (n - 1) * 0.005, 0.005};
+    InterfaceValues sent;
+    solver->solve_step(request, {}, sent);
+    solver->accept_step(request, true);
+    for (const double f : sent.at("slab")) largest = std::max(largest, std::abs(f));
+  }
+  EXPECT_NEAR(probe(*solver, "momentum_x") / probe(*solver, "mass"), 2, 1e-9);
+  EXPECT_GT(largest, 10);
+}
+
 }  // namespace
 }  // namespace gabion::test
