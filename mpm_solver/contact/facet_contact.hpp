@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -67,7 +68,8 @@ class FacetContact final : public Contact<dim> {
   ContactCounts counts(std::size_t member = 0) const override;
   double approach_step(double dt, double margin) const override;
   double allowed_way(std::size_t member = 0) const override {
-    return members_[member].watched - members_[member].motion;
+    const Member& own = members_[member];
+    return own.dropped ? std::numeric_limits<double>::infinity() : own.watched - own.motion;
   }
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;

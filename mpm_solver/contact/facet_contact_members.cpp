@@ -51,7 +51,7 @@ void FacetContact<dim>::set_displacement(std::span<const double> displacement, s
 template <int dim>
 void FacetContact<dim>::find_motion(Member& member) {
   member.motion = 0;
-  for (std::int32_t k = 0; k < member.num_vertices; ++k) {
+  for (std::int32_t k = 0; k < member.num_vertices && !member.dropped; ++k) {
     const std::int32_t v = member.first_vertex + k;
     member.motion = std::max(member.motion, (end_[v] - start_[v]).norm());
   }
