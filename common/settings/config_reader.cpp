@@ -169,14 +169,27 @@ int ConfigReader::integer_or(const std::string& key, int computed) {
   return computed;
 }
 
-bool ConfigReader::boolean(const std::string& key) {
-  const Key& entry = key_of(key, KeyType::boolean);
-  const Json& value = falls_back(entry) ? entry.fallback : require_key(key);
+bool ConfigReader::given_boolean(const std::string& key) {
+  const Json& value = require_key(key);
   if (!value.is_boolean()) {
     fail(key, fmt::format("found {}, allowed: true or false", shown(value)));
   }
   note(key, value);
   return value.get<bool>();
+}
+
+bool ConfigReader::boolean(const std::string& key) {
+  const Key& entry = key_of(key, KeyType::boolean);
+  if (!falls_back(entry)) return given_boolean(key);
+  note(key, entry.fallback);
+  return entry.fallback.get<bool>();
+}
+
+bool ConfigReader::boolean_or(const std::string& key, bool computed) {
+  key_of(key, KeyType::boolean, Absence::computed);
+  if (has(key)) return given_boolean(key);
+  note(key, computed);
+  return computed;
 }
 
 std::string ConfigReader::given_text(const std::string& key) {

@@ -54,6 +54,7 @@ class ConfigReader {
   // A missing key gives `computed`, a default that follows from other settings.
   double number_or(const std::string& key, double computed);
   int integer_or(const std::string& key, int computed);
+  bool boolean_or(const std::string& key, bool computed);
   std::string choice_or(const std::string& key, const std::string& computed);
   std::vector<std::string> texts_or(const std::string& key,
                                     const std::vector<std::string>& computed);
@@ -95,6 +96,7 @@ class ConfigReader {
   bool falls_back(const Key& key) const;
   double given_number(const std::string& key, const Range& range);
   int given_integer(const std::string& key, const Range& range);
+  bool given_boolean(const std::string& key);
   std::string given_text(const std::string& key);
   std::string given_choice(const std::string& key, const std::vector<std::string>& allowed);
   std::vector<double> given_numbers(const std::string& key, int count, const Range& range);

@@ -80,7 +80,7 @@ BoxShape<dim> read_box(ConfigReader in) {
   const CellType brick = dim == 2 ? CellType::quad4 : CellType::hex8;
   const bool cut = in.choice("type", {name(simplex), name(brick)}) == name(simplex);
   box.cell_type = cut ? simplex : brick;
-  box.alternate = in.boolean("alternate");
+  box.alternate = in.boolean_or("alternate", box.cell_type == CellType::tet4);
   if (box.alternate && !cut) {
     in.fail("alternate", fmt::format("found true, allowed: only with type {}", name(simplex)));
   }
@@ -98,9 +98,10 @@ KeyTable box_keys() {
            key::choice("type", {"tri3", "quad4", "tet4", "hex8"},
                        "Cells: in 2D `tri3` or `quad4`, in 3D `tet4` or `hex8`."),
            key::boolean("alternate",
-                        "Diagonals of `tri3` and `tet4` change direction from cell to cell; five "
-                        "tetrahedra a brick instead of six.")
-               .or_else(false)}};
+                        "Diagonals of `tri3` and `tet4` change direction from cell to cell, which "
+                        "favours no side where the numbers of cells are even; five tetrahedra a "
+                        "brick instead of six.")
+               .or_computed("true with `tet4`, else false")}};
 }
 
 }  // namespace

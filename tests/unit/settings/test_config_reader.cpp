@@ -30,6 +30,7 @@ KeyTable all_keys() {
            key::integer("count", "A count.").in(at_least(1)).or_else(3),
            key::integer("parts", "Parts.").or_computed("count"),
            key::boolean("closed", "Whether.").or_else(true),
+           key::boolean("painted", "Whether.").or_computed("closed"),
            key::text("file", "A file.").or_else("a.msh"),
            key::choice("colour", {"red", "green"}, "A colour.").or_else("red"),
            key::choice("shade", {"dark", "light"}, "A shade.").or_computed("dark"),
@@ -66,21 +67,11 @@ void expect_refused(const Json& json, const Reading& reading,
 }
 
 TEST(ConfigReader, values_that_are_there) {
-  const Json json = {{"height", 0},
-                     {"depth", 1.5},
-                     {"weight", -3},
-                     {"limit", nullptr},
-                     {"count", 7},
-                     {"parts", 2},
-                     {"closed", false},
-                     {"file", "b.msh"},
-                     {"colour", "green"},
-                     {"shade", "light"},
-                     {"gravity", {0, -9.81}},
-                     {"cells", {4, 2}},
-                     {"sides", {"left"}},
-                     {"groups", {"a", "b"}},
-                     {"table", {{0, 1}, {2, 3}}}};
+  const Json json = {
+      {"height", 0},     {"depth", 1.5},      {"weight", -3},         {"limit", nullptr},
+      {"count", 7},      {"parts", 2},        {"closed", false},      {"painted", true},
+      {"file", "b.msh"}, {"colour", "green"}, {"shade", "light"},     {"gravity", {0, -9.81}},
+      {"cells", {4, 2}}, {"sides", {"left"}}, {"groups", {"a", "b"}}, {"table", {{0, 1}, {2, 3}}}};
   auto in = reader(json);
   EXPECT_EQ(in.number("width"), 4);
   EXPECT_EQ(in.number("height"), 0);
@@ -90,6 +81,7 @@ TEST(ConfigReader, values_that_are_there) {
   EXPECT_EQ(in.integer("count"), 7);
   EXPECT_EQ(in.integer_or("parts", 9), 2);
   EXPECT_FALSE(in.boolean("closed"));
+  EXPECT_TRUE(in.boolean_or("painted", false));
   EXPECT_EQ(in.text("file"), "b.msh");
   EXPECT_EQ(in.choice("colour"), "green");
   EXPECT_EQ(in.choice_or("shade", "dark"), "light");
@@ -129,6 +121,7 @@ TEST(ConfigReader, missing_keys_take_the_defaults_of_the_table_and_show_them) {
   EXPECT_EQ(in.integer("count"), 3);
   EXPECT_EQ(in.integer_or("parts", 9), 9);
   EXPECT_TRUE(in.boolean("closed"));
+  EXPECT_FALSE(in.boolean_or("painted", false));
   EXPECT_EQ(in.text("file"), "a.msh");
   EXPECT_EQ(in.choice("colour"), "red");
   EXPECT_EQ(in.choice_or("shade", "light"), "light");
@@ -138,13 +131,11 @@ TEST(ConfigReader, missing_keys_take_the_defaults_of_the_table_and_show_them) {
   EXPECT_FALSE(in.optional_object("origin"));
   EXPECT_EQ(in.object("margin").number("x"), 7);
   EXPECT_TRUE(in.objects("points").empty());
-  const Json expected = {{"height", 2},          {"depth", 9},
-                         {"limit", 0.5},         {"count", 3},
-                         {"parts", 9},           {"closed", true},
-                         {"file", "a.msh"},      {"colour", "red"},
-                         {"shade", "light"},     {"gloss", 1},
-                         {"gravity", {0, 0, 0}}, {"sides", {"x"}},
-                         {"margin", {{"x", 7}}}, {"points", Json::array()}};
+  const Json expected = {{"height", 2},      {"depth", 9},           {"limit", 0.5},
+                         {"count", 3},       {"parts", 9},           {"closed", true},
+                         {"painted", false}, {"file", "a.msh"},      {"colour", "red"},
+                         {"shade", "light"}, {"gloss", 1},           {"gravity", {0, 0, 0}},
+                         {"sides", {"x"}},   {"margin", {{"x", 7}}}, {"points", Json::array()}};
   EXPECT_EQ(in.resolved(), expected);
 }
 
