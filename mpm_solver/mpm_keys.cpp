@@ -54,9 +54,7 @@ KeyTable locking_keys() {
           {key::choice("method", {"fbar", "none"},
                        "`fbar`: points of a cell (tri3, tet4: of a patch) share their volume.")
                .or_computed(fmt::format(
-                   "`fbar` when a body has a law that yields at constant volume (tresca; "
-                   "mohr_coulomb, drucker_prager with `dilation_angle` 0) or `poisson_ratio` > {}, "
-                   "else `none`",
+                   "`fbar` when a body has a law that yields or `poisson_ratio` > {}, else `none`",
                    locking_poisson_ratio))}};
 }
 

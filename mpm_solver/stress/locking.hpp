@@ -17,8 +17,8 @@ struct LockingCure {
   std::string reason;
 };
 
-/// The default: F-bar when a body flows at constant volume once it yields, or is nearly
-/// incompressible (locking_poisson_ratio).
+/// The default: F-bar when a body may yield, whatever its dilation, or is nearly incompressible
+/// (locking_poisson_ratio).
 template <int dim>
 LockingCure default_locking_cure(const std::vector<Body<dim>>& bodies);
 

@@ -142,16 +142,21 @@ TEST(MpmConfig, volumes_are_averaged_where_soil_would_lock) {
   material["law"] = "mohr_coulomb";
   material["friction_angle"] = 30;
   EXPECT_EQ(locking_method(json), "fbar");
-  material["dilation_angle"] = 1;
+  for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
+    material["law"] = law;
+    for (const double dilation_angle : {1e-9, 1.0, 30.0}) {
+      material["dilation_angle"] = dilation_angle;
+      EXPECT_EQ(locking_method(json), "fbar") << law << ", " << dilation_angle;
+    }
+  }
+  json["locking"] = {{"method", "none"}};
   EXPECT_EQ(locking_method(json), "none");
-  json["locking"] = {{"method", "fbar"}};
-  EXPECT_EQ(locking_method(json), "fbar");
   json["locking"] = {{"method", "bbar"}};
   expect_refused(json, {"/locking/method", "bbar", "fbar, none"});
   json["locking"] = {{"mode", "fbar"}};
   expect_refused(json, {"/locking/mode", "did you mean \"method\"?"});
   json["locking"] = Json::object();
-  EXPECT_EQ(locking_method(json), "none");
+  EXPECT_EQ(locking_method(json), "fbar");
 }
 
 TEST(MpmConfig, small_cuts) {
