@@ -2,7 +2,6 @@
 #include "protocol/switchboard.hpp"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
 #include "common/base/interrupt.hpp"
@@ -93,9 +92,9 @@ std::optional<Switchboard::Arrival> Switchboard::next_arrival() {
   require_usable();
   if (arrivals_.empty()) listen(nullptr);
   if (arrivals_.empty()) return std::nullopt;
-  Arrival arrival = std::move(arrivals_.front());
+  std::optional<Arrival> first(std::move(arrivals_.front()));
   arrivals_.erase(arrivals_.begin());
-  return arrival;
+  return first;
 }
 
 std::uint64_t Switchboard::send(const std::string& participant, Message request) {

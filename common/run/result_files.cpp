@@ -62,7 +62,7 @@ bool is_of_script(const std::string& folder, const std::string& name) {
       names({R"((probes|residuals|iterations|energies|forces|wall_forces|moments|removed)\.png)",
              R"((gauges|column|compare|contact_.+)\.png)", R"((scene|space)\.(png|gif))"});
   static const Names rasters =
-      names({R"((depth|max_depth|max_speed)\.asc)", R"(deposit\.(csv|png))"});
+      names({R"((depth|opened|max_depth|max_speed)\.asc)", R"(deposit\.(csv|png))"});
   return is_one_of(name, folder == "plots" ? pictures : rasters);
 }
 

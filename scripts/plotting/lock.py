@@ -6,9 +6,9 @@ All that write in a folder share the file .gabion_lock there, which a run that m
 
 import contextlib
 import fcntl
-import importlib.util
 import json
 import os
+import sys
 import time
 from collections.abc import Iterator
 from enum import Enum
@@ -20,10 +20,8 @@ MARKER = ".gabion_results"
 LOCK = ".gabion_lock"  # of the run; a script adds its name
 MOST_TRIES = 100  # while others move the folder away
 
-_SPEC = importlib.util.spec_from_file_location(
-    "gabion_process", Path(__file__).resolve().parents[2] / "protocol/python/gabion_participant/process.py")
-process = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(process)
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "protocol" / "python"))
+from gabion_participant import process  # noqa: E402
 
 
 class Owner(Enum):

@@ -337,7 +337,8 @@ class Scenes(TerrainCase):
             heap = np.ones((12, 20))
             heap[4, 4] = depth
             self.raster("depth.asc", heap)
-            self.refused("m deep at (", "cells of 1 m, allowed: 1e+07", slide={"depth": "depth.asc", "polygon": polygon})
+            self.refused("depth.asc: found", "allowed: metres", slide={"depth": "depth.asc", "polygon": polygon})
+        self.refused("the deepest column 1e+07 m", "allowed: 10000000 cells", slide={"depth": 1e7, "polygon": polygon})
         self.raster("depth.asc", np.ones((4, 4)), "xllcorner 0\nyllcorner 0\n")
         self.refused("found no mass", "depth.asc: the raster reaches from (1, 1) to (7, 7)", slide={"depth": "depth.asc"})
         result = self.python_script("terrain", self.plan(), self.folder / "plan.json" / "scene")
