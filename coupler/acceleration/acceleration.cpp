@@ -14,12 +14,11 @@ namespace {
 
 const std::vector<std::string> methods = {"constant", "aitken", "iqn_ils", "mvqn"};
 
-std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings,
-                                          const std::vector<Eigen::Index>& fields) {
+std::unique_ptr<Acceleration> make_method(const AccelerationSettings& settings) {
   if (settings.method == "constant") return std::make_unique<Constant>(settings.relaxation);
   if (settings.method == "aitken") return std::make_unique<Aitken>(settings.relaxation);
   if (settings.method == "iqn_ils" || settings.method == "mvqn") {
-    return std::make_unique<QuasiNewton>(settings, fields.size());
+    return std::make_unique<QuasiNewton>(settings);
   }
   throw ConfigError(fmt::format("acceleration: found \"{}\", allowed: {}", settings.method,
                                 fmt::join(methods, ", ")));
@@ -78,7 +77,7 @@ const std::vector<std::string>& acceleration_methods() {
 
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
                                                 const std::vector<Eigen::Index>& fields) {
-  auto method = make_method(settings, fields);
+  auto method = make_method(settings);
   if (fields.size() == 1) return method;
   return std::make_unique<ScaledFields>(std::move(method), fields);
 }

@@ -89,13 +89,11 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
     basis_.add(1, t_left - t, left);  // V c
     result -= (1 - settings_.damping) * left;
   }
-  return counters_.fell_back || !bounded_ ? result : shortened(x, result);
+  return counters_.fell_back ? result : shortened(x, result);
 }
 
 // The update of an exact Jacobian is no longer than the residual where a force that answers a
-// displacement pushes against it, as between soil and structure: -(1 + A B) with A, B >= 0. The
-// Jacobian of [u; f] is that of [-1, A; -B, -1], whose update of f has the length of B times the
-// residual of u.
+// displacement pushes against it, as between soil and structure.
 Eigen::VectorXd QuasiNewton::shortened(const Eigen::VectorXd& x,
                                        const Eigen::VectorXd& next_x) const {
   constexpr double longest = 2;  // of an update, over the residual

@@ -43,18 +43,16 @@ class ProgressWatch {
 ///     c  = argmin |V c + r|      over the columns of this and of earlier steps
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// Without any column x+ = x + omega r. Where contact has changed, columns of before mislead: with
-/// one field no update is longer than twice the residual. With two, [u; f], there is no such bound:
-/// a small residual of u asks for a change of f that is as much larger as the soil is stiff. This
-/// is IQN-ILS, and the multi-vector update that keeps what earlier steps found, N V_prev = W_prev:
-/// the two are the same (docs/theory/coupling.md, (C8)).
+/// Without any column x+ = x + omega r. Where contact has changed, columns of before mislead: no
+/// update is longer than twice the residual. This is IQN-ILS, and the multi-vector update that
+/// keeps what earlier steps found, N V_prev = W_prev: the two are the same
+/// (docs/theory/coupling.md, (C8)).
 /// @see Degroote, Bathe, Vierendeels (2009); Bogaers et al. (2014) for the multi-vector idea; Gay,
 ///      Schnabel (1978) for updates that keep earlier secants
 class QuasiNewton : public Acceleration {
  public:
-  /// @param num_fields  that x consists of
-  explicit QuasiNewton(const AccelerationSettings& settings, std::size_t num_fields = 1)
-      : settings_(settings), filter_(settings.filter), bounded_(num_fields == 1) {}
+  explicit QuasiNewton(const AccelerationSettings& settings)
+      : settings_(settings), filter_(settings.filter) {}
 
   void begin_step() override { discard_step(); }
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
@@ -84,7 +82,6 @@ class QuasiNewton : public Acceleration {
   AccelerationSettings settings_;
   AccelerationCounters counters_;
   Filter filter_;  // in use
-  bool bounded_;   // the length of an update, by that of the residual
 
   ProgressWatch watch_;
   SecantBasis basis_;

@@ -440,35 +440,6 @@ TEST(ScaledFields, units_do_not_matter) {
   }
 }
 
-/// A mass that a stiff soil pushes, [u; f] at once: u = u_0 + A f, f = f_0 - B u. Little of the
-/// force residual and much of that of u ask for a large change of f.
-TEST(Acceleration, two_fields_of_unequal_stiffness_take_few_iterations_a_step) {
-  const auto acceleration = make_acceleration(settings("mvqn", 1e-2, 2), {1, 1});
-  constexpr double A = 8e-9;  // [m/N]
-  Eigen::Vector2d before = Eigen::Vector2d::Zero(), last = before;
-  for (int step = 1; step <= 60; ++step) {
-    const double B = 8e6 * (1 + 0.05 * std::sin(step));  // [N/m]
-    const double u_0 = 2e-5 * std::sin(0.05 * step), f_0 = 160 * std::sin(0.04 * step);
-    acceleration->begin_step();
-    Eigen::Vector2d x = 2 * last - before, answer;
-    int iterations = 0;
-    for (;; ++iterations) {
-      answer << u_0 + A * x(1), f_0 - B * x(0);
-      const Eigen::Vector2d r = answer - x;
-      if (std::abs(r(0)) < 1e-5 * std::abs(answer(0)) &&
-          std::abs(r(1)) < 1e-4 * std::abs(answer(1)))
-        break;
-      ASSERT_LT(iterations, 50) << "step " << step;
-      x = acceleration->next(x, answer);
-    }
-    acceleration->end_step(x, answer);
-    if (step > 3) {
-      EXPECT_LE(iterations, 5) << "step " << step;
-    }
-    before = std::exchange(last, answer);
-  }
-}
-
 TEST(Acceleration, equal_residuals_give_no_column_and_no_nan) {
   for (const std::string& method : acceleration_methods()) {
     const auto acceleration = make_acceleration(settings(method, 0, 5), {3});

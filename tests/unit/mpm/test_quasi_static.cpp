@@ -100,7 +100,7 @@ void check_newton(const std::string& locking, int most_iterations) {
 
 TEST(QuasiStatic, newton_converges_quadratically_in_yielding_soil) {
   check_newton("none", 7);
-  check_newton("fbar", 8);
+  check_newton("fbar", 9);
 }
 
 std::int32_t join(SoilPatch<2>& soil, const mpm::WallConditions<2>& walls, double share) {

@@ -262,8 +262,8 @@ TEST_F(LastWords, a_participant_that_is_told_to_finish_ends_well_when_a_signal_c
 
 TEST_F(LastWords, a_participant_is_told_why_the_coupler_ended) {
   GoneCoupler coupler(gone(), {request("abort", {{"reason", "dt_min reached"}})});
-  expect_error<ProtocolError>([&] { serve_gone(coupler); },
-                              {"the coupler ended the run: dt_min reached"});
+  expect_error<NeverBegun>([&] { serve_gone(coupler); },
+                           {"the coupler ended the run: dt_min reached"});
 }
 
 TEST_F(LastWords, what_else_a_coupler_asked_that_is_gone_nobody_awaits) {

@@ -304,7 +304,8 @@ TEST(RankedSolver, a_damaged_file_is_refused_on_all_ranks) {
   RankedSolver solver(comm(), recorder);
   State state;
   state.file = path;
-  expect_error<Error>([&] { solver.load_state(state); }, {path, "cannot read this file"});
+  expect_error<ConfigError>([&] { solver.load_state(state); },
+                            {path, "cannot open this HDF5 file"});
   solver.save_state_to(path);
   if (rank() == 0) {
     State other = gather_state(MPI_COMM_SELF, recorder.save_state());
