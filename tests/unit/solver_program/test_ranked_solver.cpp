@@ -304,8 +304,15 @@ TEST(RankedSolver, a_damaged_file_is_refused_on_all_ranks) {
   RankedSolver solver(comm(), recorder);
   State state;
   state.file = path;
-  expect_error<ConfigError>([&] { solver.load_state(state); },
-                            {path, "cannot open this HDF5 file"});
+  int num_ranks = 0;
+  MPI_Comm_size(comm(), &num_ranks);
+  const auto load = [&] { solver.load_state(state); };
+  const std::vector<std::string_view> words = {path, "cannot open this HDF5 file"};
+  if (num_ranks == 1) {
+    expect_error<ConfigError>(load, words);
+  } else {
+    expect_error<Error>(load, words);  // on which the ranks agree
+  }
   solver.save_state_to(path);
   if (rank() == 0) {
     State other = gather_state(MPI_COMM_SELF, recorder.save_state());
