@@ -59,7 +59,7 @@ int run_program(int argc, char** argv, const std::string& program,
   } catch (const std::bad_alloc&) {
     return fail(options.scene + ": the memory of this machine is not enough for this scene; " +
                     "--check says how large the run will be",
-                1);
+                other_error);
   } catch (const std::exception& error) {
     return fail(error.what(), other_error);
   }
