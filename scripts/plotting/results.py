@@ -59,6 +59,16 @@ def _numbers_or_texts(cells: list[str]) -> np.ndarray:
         return np.array(cells, dtype=object)
 
 
+def require_time(option: str, time: float, first: float, last: float) -> None:
+    """A time from the first to the last frame, to the digits in which a title shows it.
+
+    @raises ResultsError  another time
+    """
+    if not min(first, float(f"{first:.3g}")) <= time <= max(last, float(f"{last:.3g}")):
+        raise ResultsError(f"{option}: found {time:g}, allowed: {first:g} to {last:g} s, the times of the first and the "
+                           "last frame")
+
+
 @dataclass
 class Frame:
     """One instant of a time series.
@@ -101,14 +111,8 @@ class Series:
         return int(np.argmin(np.abs(self.times - time)))
 
     def nearest_within(self, time: float) -> int:
-        """The same, for a time from the first to the last frame, to the digits in which a title shows it.
-
-        @raises ResultsError  another time
-        """
-        first, last = float(self.times[0]), float(self.times[-1])
-        if not min(first, float(f"{first:.3g}")) <= time <= max(last, float(f"{last:.3g}")):
-            raise ResultsError(f"--time: found {time:g}, allowed: {first:g} to {last:g} s, the times of the first and the "
-                               "last frame")
+        """The same, for the option --time. @raises ResultsError  a time before the first or after the last frame"""
+        require_time("--time", time, float(self.times[0]), float(self.times[-1]))
         return self.nearest(time)
 
     def grid(self, index: int) -> ElementTree.Element:
