@@ -122,9 +122,34 @@ class Mass:
 
 
 def of_raster(raster: Raster, origin: np.ndarray) -> CellDepths:
-    """Depths in local coordinates; cells without data or with a depth of at most 0 have no mass."""
+    """Depths in local coordinates; cells without data or with a depth of at most 0 have no mass. Of the raster only the
+    rows and columns between those with mass are kept: it may be that of a whole valley.
+    """
     values = np.where(np.isnan(raster.values), 0, np.maximum(raster.values, 0))
-    return CellDepths(np.array([raster.x, raster.y]) - raster.spacing / 2 - origin[:2], raster.spacing, values)
+    (bottom, top), (left, right) = (between(values.any(axis=axis)) for axis in (1, 0))
+    corner = np.array([raster.x + (left - 0.5) * raster.spacing, raster.y + (bottom - 0.5) * raster.spacing])
+    return CellDepths(corner - origin[:2], raster.spacing, values[bottom:top, left:right])
+
+
+def between(marks: np.ndarray) -> tuple[int, int]:
+    """First and behind last of the numbers of the marks; of none the first place alone."""
+    places = np.flatnonzero(marks)
+    return (int(places[0]), int(places[-1]) + 1) if len(places) else (0, 1)
+
+
+def near_polygon(raster: Raster, polygon: np.ndarray | None) -> Raster:
+    """The part of a raster that reaches a cell beyond the polygon on the map; all of it without one."""
+    if polygon is None:
+        return raster
+    parts, first = [], []
+    for axis, start in ((1, raster.y), (0, raster.x)):
+        count = raster.values.shape[1 - axis]
+        low, high = ((end(polygon[:, axis]) - start) / raster.spacing for end in (np.min, np.max))
+        begin, behind = np.clip([np.floor(low) - 1, np.ceil(high) + 2], 0, count).astype(int)
+        begin = min(begin, count - 1)
+        parts.append(slice(begin, max(behind, begin + 1)))
+        first.append(start + begin * raster.spacing)
+    return Raster(raster.path, first[1], first[0], raster.spacing, raster.values[tuple(parts)])
 
 
 def below_top(top: Raster, slope: Raster) -> Raster:

@@ -14,14 +14,14 @@ def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
     """From the lowest ground within a cell of its line, where the slab of its section still has soil, to `height`
     above the highest under the line; flow to the right of the line counts positive.
 
-    @raises TerrainError  the line leaves the area or has no length
+    gauge: its line lies in the area, as the reader of the plan sees to.
+
+    @raises TerrainError  the line has no length
     """
     line = gauge.line - origin[:2]
-    where = f"gauge {gauge.name}: line"
     length = np.linalg.norm(line[1] - line[0])
     if not length > 0:
-        raise TerrainError(f"{where}: found no length, allowed: two places that differ")
-    slope.require_inside(line, where)
+        raise TerrainError(f"gauge {gauge.name}: line: found no length, allowed: two places that differ")
     count = int(np.ceil(SAMPLES * length / slope.spacing)) + 1
     places = np.linspace(line[0], line[1], count)
     ground = slope.at(*places.T)

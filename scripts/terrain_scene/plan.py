@@ -69,14 +69,14 @@ class Plan:
 class Reader:
     """An object of the file: each key is asked for by name, other ones are refused.
 
-    @raises TerrainError  it is no object or has a key that is not one of `keys`
+    @raises TerrainError  it is no object or has a key that is not one of `keys` (None: any)
     """
 
-    def __init__(self, values: object, where: str, keys: tuple[str, ...]):
+    def __init__(self, values: object, where: str, keys: tuple[str, ...] | None):
         if not isinstance(values, dict):
             raise TerrainError(f"{where}: found {values!r}, allowed: an object")
         for key in values:
-            if key not in keys:
+            if keys is not None and key not in keys:
                 near = get_close_matches(key.lower(), keys, 1)
                 hint = f"; did you mean {near[0]}?" if near else ""
                 raise TerrainError(f"{where}/{key}: unknown, allowed: {', '.join(keys)}{hint}")
@@ -122,7 +122,7 @@ class Reader:
             raise self.fail(key, "a list of objects")
         return [Reader(value, f"{self.where}/{key}/{k}", keys) for k, value in enumerate(values)]
 
-    def child(self, key: str, keys: tuple[str, ...]) -> "Reader":
+    def child(self, key: str, keys: tuple[str, ...] | None) -> "Reader":
         return Reader(self.values.get(key), f"{self.where}/{key}", keys)
 
 
@@ -144,10 +144,8 @@ def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
-        material = reader.values["material"]
-        # The programs check the rest.
-        Reader(material, f"{reader.where}/material", tuple(material) if isinstance(material, dict) else ()).number("density")
-        return material
+        reader.child("material", None).number("density")  # the programs check the rest
+        return reader.values["material"]
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 

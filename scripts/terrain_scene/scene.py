@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .barrier import Wall, build_wall
-from .depths import Mass, below_top, of_raster
+from .depths import Mass, below_top, near_polygon, of_raster
 from .gauges import gauge_settings
 from .plan import GRAVITY, Plan
 from .raster import Raster, TerrainError
@@ -52,13 +52,13 @@ def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
     slide = plan.slide
     polygon = None if slide.polygon is None else slide.polygon - origin[:2]
     if slide.top is not None:
-        return Mass(of_raster(below_top(slide.top, plan.slope), origin), 0.0, polygon)
+        return Mass(of_raster(below_top(near_polygon(slide.top, slide.polygon), plan.slope), origin), 0.0, polygon)
     if isinstance(slide.depth, Raster):
-        return Mass(of_raster(slide.depth, origin), 0.0, polygon)
+        return Mass(of_raster(near_polygon(slide.depth, slide.polygon), origin), 0.0, polygon)
     return Mass(None, slide.depth, polygon)
 
 
-def around(place: np.ndarray) -> str:
+def place_text(place: np.ndarray) -> str:
     return f"({place[0]:.9g}, {place[1]:.9g})"
 
 
@@ -70,10 +70,10 @@ def make(plan: Plan) -> Made:
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
         polygon = plan.slide.polygon
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
-                           f"the area from {around(plan.low)} to {around(plan.high)}"
+                           f"the area from {place_text(plan.low)} to {place_text(plan.high)}"
                            + (f"; {raster.path}: {raster.reach()}" if raster else "")
-                           + ("" if polygon is None else f"; the polygon from {around(polygon.min(axis=0))} to "
-                              f"{around(polygon.max(axis=0))}"))
+                           + ("" if polygon is None else f"; the polygon from {place_text(polygon.min(axis=0))} to "
+                              f"{place_text(polygon.max(axis=0))}"))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():

@@ -20,8 +20,8 @@ from script_case import ScriptCase
 
 from made_up_results import write_space_results
 from terrain_scene.barrier import build_wall
-from terrain_scene.depths import CellDepths, Mass
-from terrain_scene.raster import TerrainError, read_raster
+from terrain_scene.depths import CellDepths, Mass, near_polygon, of_raster
+from terrain_scene.raster import Raster, TerrainError, read_raster
 from terrain_scene.slope import Columns, Slope, lay_columns, write_ply
 
 PROGRAMS = Path(sys.argv.pop(1)).resolve()
@@ -193,6 +193,27 @@ class Shapes(TerrainCase):
         at = np.array([1.0, 2.2, 3.7, 4.99]), np.array([1.5, 3.3, 2.0, 4.4])  # not in the cells of the rim
         np.testing.assert_allclose(mass.at(*at), 2 + 0.25 * at[0] + 0.5 * at[1], rtol=1e-12)
         np.testing.assert_array_equal(mass.at(np.array([-0.1, 6.1, 3.0]), np.array([3.0, 3.0, 6.01])), 0)
+
+    def test_only_what_can_have_mass_is_kept_of_a_raster(self) -> None:
+        """A raster of a whole valley: of_raster keeps the rows and columns with mass, near_polygon those of the polygon and
+        one beyond, and the depth inside is the same."""
+        random = np.random.default_rng(5)
+        values = np.pad(random.uniform(1, 3, (4, 6)), ((20, 30), (40, 10)), constant_values=np.nan)
+        raster = Raster(Path("a.asc"), 1000.0, 2000.0, 2.0, values)
+        kept = of_raster(raster, np.array([990.0, 1990.0, 0.0]))
+        self.assertEqual(kept.values.shape, (4, 6))
+        np.testing.assert_allclose(kept.corner, [10 + 80 - 1, 10 + 40 - 1])
+        self.assertEqual(of_raster(Raster(Path("a.asc"), 0.0, 0.0, 1.0, np.zeros((5, 5))), np.zeros(3)).volume(), 0)
+        whole = Raster(Path("b.asc"), 1000.0, 2000.0, 2.0, random.uniform(1, 3, (60, 80)))
+        polygon = np.array([[1031.3, 2041.7], [1052.2, 2040.1], [1049.9, 2066.6]])
+        part = near_polygon(whole, polygon)
+        self.assertLess(part.values.size, whole.values.size / 10)
+        masses = [Mass(of_raster(each, np.zeros(3)), 0.0, polygon) for each in (whole, part)]
+        x, y = np.meshgrid(np.linspace(1025, 1060, 57), np.linspace(2035, 2070, 43))
+        np.testing.assert_allclose(masses[1].at(x, y), masses[0].at(x, y), rtol=1e-12)
+        self.assertAlmostEqual(masses[1].asked() / masses[0].asked(), 1, delta=1e-12)
+        for far in (np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), polygon + 1e4):
+            self.assertEqual(Mass(of_raster(near_polygon(whole, far), np.zeros(3)), 0.0, far).asked(), 0)
 
     def test_masses_beyond_measure_are_refused(self) -> None:
         slope = Slope(1.0, np.zeros((9, 9)))
