@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -12,24 +11,20 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/rotation_angle.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-/// Of the rotation R in F = R U. [rad]
+/// Of the rotation R in F = R U [rad]; 0 below some 0.1 rad in space, where nobody asks for it.
 template <int dim>
-double rotation_angle(const Matrix<dim>& F) {
-  if constexpr (dim == 2) {
-    return std::abs(std::atan2(F(1, 0) - F(0, 1), F(0, 0) + F(1, 1)));
-  } else {
-    // Below some 0.1 rad nobody asks how much it is.
+double angle_of(const Matrix<dim>& F) {
+  if constexpr (dim == 3) {
     const Matrix<dim> skew = 0.5 * (F - F.transpose());
     if (skew.squaredNorm() < 2e-2 && F.trace() > 2.9) return 0;
-    const Eigen::JacobiSVD<Matrix<dim>> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Matrix<dim> R = svd.matrixU() * svd.matrixV().transpose();
-    return std::acos(std::clamp(0.5 * (R.trace() - 1), -1.0, 1.0));
   }
+  return rotation_angle<dim>(F);
 }
 
 /// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
@@ -298,7 +293,7 @@ double CellIntegrals<dim>::largest_rotation(std::span<const double> u) const {
         F += u_a * gradients_[point * nodes_per_cell_ + a].transpose() / points_per_cell_;
       }
     }
-    largest = std::max(largest, rotation_angle<dim>(F));
+    largest = std::max(largest, angle_of<dim>(F));
   }
   return largest;
 }

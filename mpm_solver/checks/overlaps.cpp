@@ -11,6 +11,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/mesh/connected_parts.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/grid/cell_locator.hpp"
 
@@ -51,11 +52,7 @@ class Overlaps {
  public:
   Overlaps(MPI_Comm comm, const MpmSettings<dim>& settings, const MaterialPoints<dim>& points)
       : comm_(comm), settings_(settings), points_(points), locators_(settings.layouts.size()) {
-    for (const auto& layout : settings.layouts) {
-      Eigen::AlignedBox<double, dim> box;
-      for (const Vector<dim>& x : layout.mesh.nodes) box.extend(x);
-      boxes_.push_back(box);
-    }
+    for (const auto& layout : settings.layouts) boxes_.push_back(box_around(layout.mesh));
   }
 
   /// Of the points of one body that lie in cells of another.

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -12,24 +11,18 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/materials/own_weight.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 
 namespace gabion::mpm {
 
 namespace {
-
-template <int dim>
-Eigen::AlignedBox<double, dim> box_of(const Mesh<dim>& mesh) {
-  Eigen::AlignedBox<double, dim> box;
-  for (const Vector<dim>& x : mesh.nodes) box.extend(x);
-  return box;
-}
 
 /// Mean depth along a direction of length 1: volume over the area that it looks down on [m]. It is
 /// that of the layer, however far the ground falls below it.
 template <int dim>
 double mean_depth(const Mesh<dim>& mesh, const Vector<dim>& direction) {
   if (mesh.file.empty()) {  // a box
-    return 1 / direction.cwiseAbs().cwiseQuotient(box_of(mesh).sizes()).sum();
+    return 1 / direction.cwiseAbs().cwiseQuotient(box_around(mesh).sizes()).sum();
   }
   double volume = 0, area = 0;  // each column has a facet at the top and one at the bottom
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) volume += cell_volume(mesh, c);
@@ -96,8 +89,8 @@ class StackedBodies {
   StackedBodies(const MpmSettings<dim>& settings, const Vector<dim>& gravity, std::size_t lower,
                 std::size_t upper)
       : settings_(settings), gravity_(gravity), lower_(lower), upper_(upper) {
-    const auto below = box_of(settings.layouts[lower].mesh);
-    const auto above = box_of(settings.layouts[upper].mesh);
+    const auto below = box_around(settings.layouts[lower].mesh);
+    const auto above = box_around(settings.layouts[upper].mesh);
     height_ = below.max()[dim - 1];
     const double tolerance = 1e-6 * (below.sizes()[dim - 1] + above.sizes()[dim - 1]);
     meet_ = std::abs(above.min()[dim - 1] - height_) <= tolerance;

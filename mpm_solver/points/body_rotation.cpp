@@ -1,33 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/points/body_rotation.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-#include <algorithm>
-#include <cmath>
 #include <variant>
 
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/mechanics/rotation_angle.hpp"
 
 namespace gabion::mpm {
-
-namespace {
-
-/// Of the rotation R with the largest R : C (Kabsch 1976).
-template <int dim>
-double angle_of_fit(const Matrix<dim>& C) {
-  if constexpr (dim == 2) {
-    return std::abs(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
-  } else {
-    const Eigen::JacobiSVD<Matrix<dim>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Matrix<dim> U = svd.matrixU();
-    if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(dim - 1) *= -1;
-    const Matrix<dim> R = U * svd.matrixV().transpose();
-    return std::acos(std::clamp(0.5 * (R.trace() - 1), -1.0, 1.0));
-  }
-}
-
-}  // namespace
 
 template <int dim>
 double body_rotation(MPI_Comm comm, const MaterialPoints<dim>& points, std::size_t body) {
@@ -49,7 +28,7 @@ double body_rotation(MPI_Comm comm, const MaterialPoints<dim>& points, std::size
     C += points.m[p] * x * X.transpose();
   }
   sum_over_ranks(comm, std::span<double>(C.data(), dim * dim));
-  return angle_of_fit<dim>(C);
+  return rotation_angle<dim>(C);
 }
 
 template <int dim>

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "common/mechanics/mesh/disjoint_sets.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 
 namespace gabion {
 
@@ -19,16 +20,6 @@ template <int dim>
 Vector<dim> odd_direction() {
   constexpr double components[] = {0.5377, 0.6231, 0.3319};
   return Eigen::Map<const Vector<dim>>(components).normalized();
-}
-
-template <int dim>
-double longest_side(const Mesh<dim>& mesh) {
-  Vector<dim> low = Vector<dim>::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Vector<dim>& x : mesh.nodes) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return (high - low).maxCoeff();
 }
 
 }  // namespace
@@ -44,7 +35,8 @@ double coincidence_distance(const Mesh<dim>& mesh) {
       }
     }
   }
-  return std::min(share_of_side * longest_side(mesh), share_of_edge * std::sqrt(shortest));
+  return std::min(share_of_side * box_around(mesh).sizes().maxCoeff(),
+                  share_of_edge * std::sqrt(shortest));
 }
 
 template <int dim>

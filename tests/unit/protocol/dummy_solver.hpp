@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <string>
 #include <vector>
 
 #include "protocol/connection.hpp"
+#include "protocol/serve.hpp"
 #include "protocol/server.hpp"
 
 namespace gabion::test {
@@ -110,6 +112,17 @@ std::string message_of(Action action) {
     return problem.what();
   }
   return "";
+}
+
+/// A participant in a thread; the future holds what serve() threw, as text.
+inline std::future<std::string> serve_aside(DummySolver& solver,
+                                            const ParticipantSettings& settings) {
+  return std::async(std::launch::async, [&solver, settings] {
+    return message_of<Error>([&] {
+      Connection connection(settings);
+      serve(solver, connection);
+    });
+  });
 }
 
 }  // namespace gabion::test

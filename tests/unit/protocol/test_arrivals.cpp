@@ -142,12 +142,7 @@ TEST(Arrivals, a_stranger_that_never_reads_holds_up_nobody) {
   const Flood flood(server.endpoint());
   while (flood.sent() < 5000) std::this_thread::yield();
   DummySolver soil(3, 2, 1.0);
-  auto end = std::async(std::launch::async, [&] {
-    return message_of<Error>([&] {
-      Connection connection(participant("soil", server.endpoint()));
-      serve(soil, connection);
-    });
-  });
+  auto end = serve_aside(soil, participant("soil", server.endpoint()));
   auto solvers = server.wait_for({expected("soil")});
   InterfaceValues sent;
   for (int step = 1; step <= 20 || flood.sent() < 100000; ++step) {

@@ -205,12 +205,7 @@ TEST(Handshake, name_twice_is_refused) {
 TEST(Handshake, hello_during_the_run_is_refused_and_the_run_goes_on) {
   Server server(patient_settings());
   DummySolver soil(3, 2, 1.0);
-  auto end = std::async(std::launch::async, [&] {
-    return message_of<Error>([&] {
-      Connection connection(participant("soil", server.endpoint()));
-      serve(soil, connection);
-    });
-  });
+  auto end = serve_aside(soil, participant("soil", server.endpoint()));
   auto solvers = server.wait_for({expected("soil")});
   RawParticipant late(server.endpoint(), "late");
   late.send(to_message(good_hello("soil")));

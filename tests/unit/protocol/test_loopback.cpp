@@ -3,24 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <future>
 #include <thread>
 
 #include "dummy_solver.hpp"
-#include "protocol/serve.hpp"
 
 namespace gabion::test {
 namespace {
-
-/// A participant in a thread; the future holds what serve() threw, as text.
-std::future<std::string> start(DummySolver& solver, const ParticipantSettings& settings) {
-  return std::async(std::launch::async, [&solver, settings] {
-    return message_of<Error>([&] {
-      Connection connection(settings);
-      serve(solver, connection);
-    });
-  });
-}
 
 struct Pair {
   DummySolver soil{5, 2, -2.0};
@@ -30,8 +18,8 @@ struct Pair {
 TEST(Loopback, two_solvers_solve_accept_skip_and_write) {
   Pair pair;
   Server server(patient_settings());
-  auto soil_end = start(pair.soil, participant("soil", server.endpoint()));
-  auto structure_end = start(pair.structure, participant("structure", server.endpoint()));
+  auto soil_end = serve_aside(pair.soil, participant("soil", server.endpoint()));
+  auto structure_end = serve_aside(pair.structure, participant("structure", server.endpoint()));
   auto solvers = server.wait_for({expected("soil"), expected("structure")}, {{"end", 1.5}});
   Solver& soil = *solvers.at("soil");
   Solver& structure = *solvers.at("structure");
@@ -81,7 +69,7 @@ TEST(Loopback, two_solvers_solve_accept_skip_and_write) {
 struct ProposingSoil {
   DummySolver solver{5, 2, -2.0};
   Server server{patient_settings()};
-  std::future<std::string> end = start(solver, participant("soil", server.endpoint()));
+  std::future<std::string> end = serve_aside(solver, participant("soil", server.endpoint()));
   std::map<std::string, std::unique_ptr<Solver>> solvers =
       server.wait_for({expected("soil")}, {{"end", 1.5}});
   RemoteSolver& soil = static_cast<RemoteSolver&>(*solvers.at("soil"));
