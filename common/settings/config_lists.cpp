@@ -48,9 +48,11 @@ std::vector<int> ConfigReader::integers(const std::string& key, int count) {
   std::vector<int> result;
   const std::vector<double> found = given_numbers(key, count, entry.range);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i] != std::floor(found[i]) || std::abs(found[i]) > 2e9) {
+    constexpr double largest = 2e9;
+    if (found[i] != std::floor(found[i]) || std::abs(found[i]) > largest) {
       fail(fmt::format("{}/{}", key, i),
-           fmt::format("found {}, allowed: a whole number", found[i]));
+           fmt::format("found {}, allowed: a whole number{}", found[i],
+                       std::abs(found[i]) > largest ? " of at most 2e9" : ""));
     }
     result.push_back(static_cast<int>(found[i]));
   }
