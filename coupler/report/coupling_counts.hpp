@@ -20,7 +20,7 @@ struct CouplingCounts {
   std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
   std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
   std::int64_t accepted_unconverged = 0;
-  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
+  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns: contact changed, or dt fell
   std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
   std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
   std::int64_t called_off = 0;        ///< of these, steps that came otherwise

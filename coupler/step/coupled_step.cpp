@@ -98,7 +98,7 @@ void CoupledStep::accept_one_pass(bool contact, Attempt& now) {
 }
 
 void CoupledStep::measure(Attempt& now) {
-  if (now.row.request.iteration == 0) forget_if_contact_changed();
+  if (now.row.request.iteration == 0) forget_if_misleading(now.row.request.dt);
   ConvergenceState& state = now.row.state;
   state = scheme_->check(convergence_, now);
   if (state.verdict == Verdict::converged && !sides_.all_structures_solved()) {
@@ -125,9 +125,12 @@ void CoupledStep::end_unconverged(Attempt& now) {
   ++counts_.accepted_unconverged;
 }
 
-void CoupledStep::forget_if_contact_changed() {
-  if (!contact_.changed(sides_.soil_reports())) return;
+void CoupledStep::forget_if_misleading(double dt) {
+  constexpr double smallest_share = 0.5;  // of dt: at less, a structure yields less than a quarter
+  const bool much_smaller = dt < smallest_share * columns_dt_ * (1 - 1e-9);
+  if (!contact_.changed(sides_.soil_reports()) && !much_smaller) return;
   forgotten_columns_ = acceleration_->reset();
+  columns_dt_ = 0;
   ++counts_.history_resets;
 }
 
@@ -172,6 +175,7 @@ void CoupledStep::accept(const Attempt& done, double time) {
     acceleration_->end_step(scheme_->unknowns(done.x, done.f_given),
                             scheme_->unknowns(done.x_tilde, done.f));
     acceleration_seconds_ += watch.seconds();
+    columns_dt_ = done.row.request.dt;
   }
   contact_.accept(sides_.soil_reports());
   predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
@@ -211,6 +215,7 @@ void CoupledStep::visit_state(StateVisitor& visitor) {
   predictor_.visit_state(visitor);
   contact_.visit_state(visitor);
   visitor.integer("forgotten_columns", forgotten_columns_);
+  visitor.real("columns_dt", columns_dt_);
 }
 
 }  // namespace gabion
