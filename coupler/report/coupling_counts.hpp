@@ -9,6 +9,11 @@
 
 namespace gabion {
 
+/// What a step without contact does not need: the acceleration, and the solution of a structure at
+/// rest.
+enum class Skipped { nothing, acceleration, structure };
+std::string name(Skipped skipped);
+
 /// Counts of a coupled run for summary.json.
 struct CouplingCounts {
   std::int64_t steps = 0;     ///< accepted
@@ -25,18 +30,17 @@ struct CouplingCounts {
   std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
   std::int64_t called_off = 0;        ///< of these, steps that came otherwise
 
-  /// @param skipped  as in StepRow
-  void add_step(int iterations, const std::string& skipped) {
+  void add_step(int iterations, Skipped skipped) {
     ++steps;
     accepted += iterations;
     max = std::max(max, iterations);
-    if (skipped == "none") {
+    if (skipped == Skipped::nothing) {
       ++steps_in_contact;
       accepted_in_contact += iterations;
     } else {
       ++skipped_acceleration;
     }
-    if (skipped == "structure") ++skipped_structure;
+    if (skipped == Skipped::structure) ++skipped_structure;
   }
 
   Json json() const {
