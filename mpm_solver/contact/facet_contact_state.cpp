@@ -122,7 +122,7 @@ void FacetContact<dim>::accept_offsets() {
 template <int dim>
 typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
-  Memory memory{.normal = n, .force = touch.force, .slip = -touch.begun * n};
+  Memory memory{.normal = n, .force = touch.force, .slip = -touch.begun * n, .part = touch.part};
   const ContactLaw law = law_of(candidates_[touch.candidate], touch.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
@@ -197,6 +197,7 @@ void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) 
   const auto put_memory = [&packet](const std::vector<Memory>& touches) {
     packet.put(std::ssize(touches));
     for (const Memory& memory : touches) {
+      packet.put(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) packet.put(v);
     }
   };
@@ -212,6 +213,7 @@ void FacetContact<dim>::take(Packet& packet) {
   const auto take_memory = [&packet] {
     std::vector<Memory> touches(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
     for (Memory& memory : touches) {
+      memory.part = packet.take<double>();
       for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip}) {
         *v = packet.take<Vector<dim>>();
       }
@@ -226,25 +228,30 @@ void FacetContact<dim>::take(Packet& packet) {
 template <int dim>
 void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& prefix) {
   std::vector<std::int64_t> ids;
-  std::vector<double> values;
+  std::vector<double> values, parts;
   for (const auto& [id, touches] : memory_) {
     for (const Memory& memory : touches) {
       ids.push_back(id);
+      parts.push_back(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) {
         values.insert(values.end(), v.begin(), v.end());
       }
     }
   }
   visitor.list(prefix + "touch_ids", ids);
+  visitor.list(prefix + "touch_parts", parts);
   visitor.list(prefix + "touches", values);
+  require_values_each(prefix + "touch_parts", parts.size(), ids.size(), 1);
   require_values_each(prefix + "touches", values.size(), ids.size(), 3 * dim);
   memory_.clear();
   const auto vector = [&](std::size_t k) {
     return Vector<dim>(Eigen::Map<const Vector<dim>>(values.data() + k * dim));
   };
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    memory_[ids[k]].push_back(
-        {.normal = vector(3 * k), .force = vector(3 * k + 1), .slip = vector(3 * k + 2)});
+    memory_[ids[k]].push_back({.normal = vector(3 * k),
+                               .force = vector(3 * k + 1),
+                               .slip = vector(3 * k + 2),
+                               .part = parts[k]});
   }
 }
 
