@@ -261,7 +261,7 @@ void Sides::visit_surfaces(StateVisitor& visitor) const {
     const Json before = saved.value(participant.key(), Json::object());
     for (const auto& surface : participant.value().items()) {
       require<ConfigError>(
-          before.value(surface.key(), "") == surface.value(),
+          before.value(surface.key(), Json()) == surface.value(),
           "participant \"{}\": found another mesh of interface \"{}\", allowed: that of the run "
           "that is continued, to the last digit (another build of its program may compute others)",
           participant.key(), surface.key());
