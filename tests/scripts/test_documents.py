@@ -14,7 +14,7 @@ CODE = re.compile(r"`[^`]*`")
 NAMED = re.compile(r"`([a-z_0-9/]+\.(?:hpp|cpp|h|py)): ([A-Za-z_0-9]+)`")
 OPENING = re.compile(r"\*\*Question:\*\*\s.+\*\*Answer:\*\*\s.+\*\*How\s+sure:\*\*\s.+", re.DOTALL)
 NOT_OURS = {"build", "results", ".git"}
-MAX_WIDTH, MAX_README, MAX_FOLDER_README, MAX_CONTRIBUTING = 120, 110, 60, 90
+MAX_WIDTH, MAX_README, MAX_FOLDER_README, MAX_CONTRIBUTING = 120, 110, 60, 110
 LONG = {"README.md": MAX_README, "protocol/README.md": 400}  # the contract is one page
 
 
