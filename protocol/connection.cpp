@@ -229,8 +229,8 @@ std::optional<Connection::Request> Connection::look_after_coupler(bool was_silen
   return std::nullopt;
 }
 
-/// Of a coupler that is gone, or about to go: why (thrown), or that the run is finished. What else
-/// it asked, nobody awaits.
+/// Read the last message of a coupler that has ended or is about to: its reason (thrown), or that
+/// the run is finished. Other requests are dropped, since nobody awaits their answer.
 std::optional<Connection::Request> Connection::last_words() {
   const Stopwatch waited;
   while (1000 * waited.seconds() < last_words_milliseconds) {

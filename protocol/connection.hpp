@@ -69,7 +69,7 @@ class Connection final : public RequestSource {
   /// Introduce the solver to the coupler.
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
-  /// The same of what a solver would say.
+  /// Sends what a solver would say, in the same way.
   void handshake(const Introduction& introduction);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.

@@ -211,7 +211,7 @@ void LocalListener::accept_all() {
   }
 }
 
-// Those that have given their route. A route that is taken stays with the first.
+// Connections that have given their route. A route that is taken stays with the first one.
 void LocalListener::welcome_new() {
   for (auto it = nameless_.begin(); it != nameless_.end();) {
     const auto route = it->take();

@@ -57,10 +57,10 @@ class Participant : private RequestHandler {
   ///                            of the structure: in 2D to the right of the way along the segment
   void set_interface(const std::string& name, std::span<const double> coordinates,
                      int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
-  /// Of a soil: which force it sends on this interface; the one at the end of the step where
-  /// nothing is said. Before initialize(), after set_interface().
+  /// Which force a soil sends on this interface; by default the force at the end of the step. Call
+  /// it before initialize() and after set_interface().
   void set_force_kind(const std::string& interface, ForceKind kind);
-  /// Numbers that the run shall record. Before initialize().
+  /// Numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
   /// Values of the probes at the end of the step, before advance().

@@ -43,7 +43,7 @@ class Socket {
 
   /// False when the peer cannot be reached or its queue stays full for a second.
   bool send(const std::vector<std::string_view>& frames);
-  /// The same without waiting: false also when its queue is full now.
+  /// As above without waiting: false also when the queue is full now.
   bool try_send(const std::vector<std::string_view>& frames);
 
   /// One message, or nothing after `milliseconds` or when a signal came.

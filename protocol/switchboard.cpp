@@ -59,7 +59,7 @@ Switchboard::Peer& Switchboard::peer(const std::string& name) {
   return found->second;
 }
 
-/// With socket_mutex_ held.
+/// The caller holds socket_mutex_.
 bool Switchboard::post(const std::string& route, const Message& message, bool waits) {
   const EncodedMessage encoded = encode(message);
   std::vector<std::string_view> frames = {route, encoded.header};
@@ -363,7 +363,7 @@ void Switchboard::hear_out(const Peer& gone) {
   pump(0);
 }
 
-/// With socket_mutex_ held.
+/// The caller holds socket_mutex_.
 Message Switchboard::new_beat() {
   return {.type = "alive",
           .sequence = ++num_beats_,

@@ -68,7 +68,7 @@ double BalanceWatch::largest(const std::string& owner,
   return result;
 }
 
-/// Those with this column: "soil.", or "" of a run without coupler.
+/// Prefixes of the columns with this name: "soil.", or "" in a run without coupler.
 std::vector<std::string> BalanceWatch::owners(const std::string& name) const {
   std::vector<std::string> result;
   for (const auto& [full, values] : columns_) {

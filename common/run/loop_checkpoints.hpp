@@ -29,7 +29,7 @@ class LoopCheckpoints {
   /// @returns false  the run starts at time 0
   /// @throws ConfigError  the checkpoint is not before the end
   bool go_on();
-  /// While a step is being accepted: whether after_step is likely to write one.
+  /// Whether after_step is likely to write one; asked while a step is being accepted.
   bool is_likely() const { return keeper_ != nullptr && keeper_->is_due(steps_.step()); }
   /// Call after each accepted step.
   /// @throws Interrupted  the keeper has got a signal; after a checkpoint

@@ -33,7 +33,7 @@ class RunKeeper {
   virtual const RestartPoint* start() const = 0;
   /// Whether a checkpoint is due after this many accepted steps. Asking counts as writing.
   virtual bool due(std::int64_t step) = 0;
-  /// The same without asking, as this rank sees it.
+  /// As above without asking the other ranks, as this rank sees it.
   virtual bool is_due(std::int64_t step) const = 0;
   /// Write a checkpoint of the accepted state: that of the solvers and `run`, of the loop.
   /// @throws Error  it could not be written; the last one is still there

@@ -29,7 +29,7 @@ Range non_negative();
 Range between(double low, double high);  ///< both ends allowed
 Range inside(double low, double high);   ///< both ends excluded
 Range at_least(double low);
-/// The same interval under other words.
+/// The interval as above, described in other words.
 Range in_words(Range range, const std::string& allowed);
 
 enum class KeyType {

@@ -22,7 +22,7 @@ class DrivenParticipant {
   /// Tell a structure that asks for kinds of force that all of them are means of a step: the kind
   /// that needs the force of the step before, which then belongs to the accepted state.
   void tell_force_kinds();
-  /// The same ones in every check, others at every call.
+  /// The values are the same in every check, and others at every call.
   InterfaceValues random_values();
 
   InterfaceValues solve(const InterfaceValues& values, double part = 1);

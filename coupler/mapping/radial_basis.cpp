@@ -60,7 +60,7 @@ class Cluster {
     return radial_function(kernel_, (a - b).norm() / unit_);
   }
 
-  // Of the linear polynomial, scaled to the cluster's extent.
+  // Terms of the linear polynomial, scaled to the cluster's extent.
   VectorXd terms(const Vector3d& x) const {
     VectorXd values(num_terms());
     values(0) = 1;

@@ -103,10 +103,10 @@ Mesh<dim> read_gmsh(const std::string& path);
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
-/// The same, a box not yet as a mesh.
+/// As above, but a box is not yet made into a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
-/// The same, the file not yet opened.
+/// As above, but the file is not yet opened.
 template <int dim>
 std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in);
 /// Read what read_box_or_file() named. @param in  as there, for errors

@@ -31,7 +31,7 @@ struct MeshPart {
   PartNumbers numbers;
 };
 
-/// Those rectangles or bricks of box_mesh() of a box that are wanted; the whole is not made.
+/// Makes the wanted rectangles or bricks of box_mesh() alone, not the whole mesh.
 /// @param wanted  tells by the centre [m]
 /// @throws ConfigError  as box_mesh()
 template <int dim>

@@ -36,7 +36,7 @@ template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
-  /// Whose the nodes of the vectors are; the default: each rank has all nodes.
+  /// Which ranks share the nodes of the vectors; by default each rank has all nodes.
   virtual const SharedNodes& shared() const {
     static const SharedNodes every_rank_has_all;
     return every_rank_has_all;

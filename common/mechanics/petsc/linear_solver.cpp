@@ -83,7 +83,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolve
     return result;
   }
   const double allowed = (direct ? direct_tolerance : 10 * tolerance) * b_norm;
-  // Also false for NaN.
+  // The comparison is false for NaN too.
   if (!(matrix.residual_norm() <= allowed)) {
     result.converged = false;
     result.reason = "the true residual is above the tolerance";
