@@ -30,7 +30,7 @@ class Plan:
 
     @property
     def area(self) -> float:
-        """Of a cell [m^2], in 2D its length [m]."""
+        """Area of a cell [m^2], in 2D its length [m]."""
         return self.cell ** len(self.axes)
 
     def centres(self, k: int) -> np.ndarray:
@@ -54,7 +54,7 @@ class Deposit:
 
 
 def _volumes(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
-    """Of each point: mass over density at rest, and present volume [m^3]."""
+    """Volumes of each point [m^3]: at rest (mass over density), and at present."""
     for name in ("volume", "volume_ratio"):
         if name not in frame.fields:
             raise ResultsError(f"{series.path}: its points have no {name}")

@@ -14,7 +14,7 @@ from studies.runner import ROOT, Runner, folder_of
 
 SOLVER = ROOT / "build" / "release" / "bin" / "mpm_solver"
 MATERIAL = ROOT / "configs" / "column_collapse" / "mpm.json"
-# Of glibc: copies without the instructions that callgrind counts once for each byte.
+# Environment that makes glibc use copies without the instructions that callgrind counts once for each byte.
 COPIES = "glibc.cpu.x86_rep_stosb_threshold=1000000000:glibc.cpu.x86_rep_movsb_threshold=1000000000"
 CALLS = ("solve_step", "accept_step")  # what a step is
 HEAD = ["soil", "points", "Newton a step", "Krylov a Newton", "a step [M]", "an iteration [M]", "of it stress and K",
@@ -23,7 +23,7 @@ HEAD = ["soil", "points", "Newton a step", "Krylov a Newton", "a step [M]", "an 
 
 @dataclass
 class Count:
-    """Of one run, from its first step to its last."""
+    """Counts of one run, from its first step to its last."""
 
     points: int
     newton: int
@@ -110,7 +110,7 @@ def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
 
 
 def row(name: str, steps: int, few: Count, many: Count) -> list:
-    """Of the steps that the longer run has more: there is no start in them."""
+    """Row from the additional steps of the longer run, which have no start in them."""
     newton = many.newton - few.newton
     total = many.total - few.total
     return [name, many.points, newton / steps, (many.krylov - few.krylov) / newton, total / steps / 1e6,

@@ -16,7 +16,7 @@ MEMBERS = 4
 
 
 def kinetic_energy(run: Measured) -> Curve:
-    """Of the soil [J/m]."""
+    """Kinetic energy of the soil [J/m]."""
     table = run.table("probes.csv")
     return Curve(table["time"], table["soil.kinetic_energy"])
 

@@ -47,7 +47,7 @@ def momentum_row(run: Measured) -> Row:
 
 
 def mass_before(frame: Frame, face: float, density: float) -> float:
-    """Of the soil with x < face [kg]."""
+    """Mass of the soil with x < face [kg]."""
     mass = density * frame.fields["volume"].ravel() / frame.fields["volume_ratio"].ravel()
     return float(np.sum(mass[frame.points[:, 0] < face]))
 
@@ -86,7 +86,7 @@ def sum_before(frame: Frame, face: float) -> np.ndarray:
 
 
 def crest_row(run: Measured) -> Row:
-    """Of the barrier, from the forces on its facets."""
+    """Crest of the barrier, computed from the forces on its facets, and found."""
     settings = run.results.settings("fem.json")
     box = settings["mesh"]["box"]
     low, high = np.array(box["low"]), np.array(box["high"])

@@ -236,8 +236,8 @@ class Connection:
         return None
 
     def _last_words(self) -> Message | None:
-        """Of a coupler that is gone, or about to go: why (raised), or that the run is finished. What else it
-        asked, nobody awaits."""
+        """Read the last message of a coupler that has ended or is about to: its reason (raised), or that the
+        run is finished. Other requests are dropped, since nobody awaits their answer."""
         end = time.monotonic() + LAST_WORDS
         while time.monotonic() < end:
             request = self._receive_request()
