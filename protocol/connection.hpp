@@ -25,8 +25,8 @@ class NeverBegun : public ProtocolError {
 };
 
 struct ParticipantSettings {
-  std::string endpoint;         ///< of the coupler, such as "tcp://127.0.0.1:40321"
-  std::string name;             ///< of this participant in coupler.json
+  std::string endpoint;         ///< endpoint of the coupler, such as "tcp://127.0.0.1:40321"
+  std::string name;             ///< name of this participant in coupler.json
   std::string program;          ///< such as "fem_solver"
   std::string program_version;  ///< empty = version of this library
   std::string scene_hash;       ///< Scene::hash(); empty = settings do not come from the scene
@@ -47,7 +47,7 @@ struct ParticipantSettings {
 struct Introduction {
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
-  std::vector<double> probes;      ///< in the initial state, as many as names
+  std::vector<double> probes;      ///< values in the initial state, as many as names
   bool keeps_state = false;        ///< requests "save" and "load" will be answered
   bool takes_force_kinds = false;  ///< request "set_force_kinds" will be answered
 };
@@ -125,7 +125,7 @@ class Connection final : public RequestSource {
   std::string failure_;
   Stopwatch since_health_check_;
   std::optional<Stopwatch> since_signal_;        // while the coupler may still ask for the state
-  int exceptions_ = std::uncaught_exceptions();  // under way when it was made
+  int exceptions_ = std::uncaught_exceptions();  // exceptions in flight when it was made
 };
 
 template <class Action>

@@ -49,7 +49,7 @@ class Heartbeat {
   void check_coupler(double slept);
 
   HeartbeatSettings settings_;
-  Socket socket_;  // of the thread
+  Socket socket_;  // used by the thread only
   std::uint64_t num_beats_ = 0;
   Stopwatch since_loss_;
   bool lost_ = false;

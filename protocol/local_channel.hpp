@@ -56,7 +56,7 @@ class LocalConnection {
   bool closed_ = false;
   bool deaf_ = false;  // what the peer said before may still be there to read
   std::string unsent_;
-  std::string came_;  // of messages that are not whole yet
+  std::string came_;  // bytes of messages that are not complete yet
   std::deque<RawMessage> messages_;
 };
 

@@ -13,7 +13,7 @@
 namespace gabion {
 namespace {
 
-constexpr double same_time = 1e-12;  // of a step: smaller remainders are round-off of sub-steps
+constexpr double same_time = 1e-12;  // share of a step: less is round-off of sub-steps
 
 Message accepted_of(const std::vector<double>& probes) {
   AcceptReport report;

@@ -152,8 +152,8 @@ class Participant : private RequestHandler {
   ParticipantSettings settings_;
   std::vector<InterfaceMesh> meshes_;
   std::vector<std::string> probe_names_;
-  std::vector<double> probes_;           // of the code's current state
-  std::vector<double> accepted_probes_;  // of the accepted state
+  std::vector<double> probes_;           // probes in the code's current state
+  std::vector<double> accepted_probes_;  // probes in the accepted state
   std::function<void(double)> output_;
   std::function<std::vector<std::byte>()> save_;  // empty: does not keep its state
   std::function<void(std::span<const std::byte>)> load_;
@@ -164,12 +164,12 @@ class Participant : private RequestHandler {
   std::optional<StepRequest> request_;     // the open solve_step
   bool awaits_verdict_ = false;            // it was answered, neither accepted nor rejected
   std::optional<Message> pending_;         // answer that waits until the code has done its part
-  ForceKinds force_kinds_;                 // of the received forces
+  ForceKinds force_kinds_;                 // kinds of the received forces
   bool asked_force_kind_ = false;
   InterfaceValues received_;
   InterfaceValues written_;
   double remaining_ = 0;                         // [s] of the open step
-  Stopwatch busy_;                               // since the request under way came
+  Stopwatch busy_;                               // since the current request came
   bool must_write_ = false, must_read_ = false;  // checkpoints that were not asked for yet
   bool window_complete_ = false;
 };

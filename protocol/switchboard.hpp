@@ -61,7 +61,7 @@ class Switchboard {
     std::string name;
     std::string route;
     std::string session;
-    std::string label;  ///< in messages to a person
+    std::string label;  ///< name in messages to a person
     ProcessIdentity process;
     bool sends_heartbeat;
   };
@@ -100,7 +100,7 @@ class Switchboard {
  private:
   struct Question {
     std::uint64_t sequence;
-    std::string what;  // as describe() says it
+    std::string what;  // text of describe()
     std::string kind;  // whom and of which type, for attention_
     Stopwatch since;   // its turn came: asked, and the question before it answered
   };

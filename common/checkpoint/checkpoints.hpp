@@ -38,8 +38,8 @@ class Checkpoints final : public RunKeeper {
                          const std::string& kind, const Scene& scene);
 
   struct Parts {
-    std::string folder;  ///< of results
-    std::string kind;    ///< of the run
+    std::string folder;  ///< folder of the results
+    std::string kind;    ///< kind of the run
     bool writes = true;  ///< false on all ranks but the first
     /// Names and Solver::save_state_to of the solvers; called by all ranks.
     std::vector<std::pair<std::string, std::function<State(const std::string&)>>> solvers;

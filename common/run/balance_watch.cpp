@@ -20,7 +20,7 @@ constexpr double round_off = 1e-9;
 
 // Cuts of the step size are normal; from these on somebody should ask why.
 constexpr int many_cuts = 10;
-constexpr double often = 0.1;  // of the steps
+constexpr double often = 0.1;  // share of the steps
 
 /// The participant's name, in quotes, of the prefix "soil."; without coupler a word for it.
 std::string name_of(const std::string& owner, const char* alone) {

@@ -39,7 +39,7 @@ class BalanceWatch {
   void judge_soil(const std::string& owner, std::vector<std::string>& faults) const;
   void judge_structure(const std::string& owner, std::vector<std::string>& faults) const;
 
-  std::vector<std::string> names_;  // of all columns
+  std::vector<std::string> names_;  // names of all columns
   std::map<std::string, Column> columns_;
   std::int64_t rows_ = 0, cuts_ = 0;
   double soil_work_ = 0, most_soil_work_ = 0, made_work_ = 0;

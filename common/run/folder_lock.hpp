@@ -15,7 +15,7 @@ struct LockOwner {
   std::string program;
   ProcessIdentity process;
   std::string since;  ///< UTC
-  std::string file;   ///< that says so
+  std::string file;   ///< file that says so
 };
 
 /// Owners that the lock files of a folder and of the folders in it name, but for those that are

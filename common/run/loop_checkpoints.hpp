@@ -47,8 +47,8 @@ class LoopCheckpoints {
   const TimeSteps& steps_;
   std::function<void(StateVisitor&)> visit_state_;
   PhaseTimes& phases_;
-  std::int64_t first_step_ = 1;  // of this run
-  std::int64_t saved_ = 0;       // step under way at the last checkpoint
+  std::int64_t first_step_ = 1;  // first step of this run
+  std::int64_t saved_ = 0;       // current step at the last checkpoint
 };
 
 }  // namespace gabion

@@ -16,9 +16,9 @@ struct RunPoint {
 
 /// Where a run starts that goes on from a checkpoint.
 struct RestartPoint {
-  std::string path;  ///< of the checkpoint, as the user gave it
+  std::string path;  ///< path of the checkpoint, as the user gave it
   RunPoint point;
-  State run;  ///< of the time loop
+  State run;  ///< state of the time loop
 
   /// For summary.json.
   Json summary() const { return {{"from", path}, {"step", point.step}, {"time", point.time}}; }

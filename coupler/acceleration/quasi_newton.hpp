@@ -82,7 +82,7 @@ class QuasiNewton : public Acceleration {
 
   AccelerationSettings settings_;
   AccelerationCounters counters_;
-  Filter filter_;  // in use
+  Filter filter_;  // filter in use
 
   ProgressWatch watch_;
   SecantBasis basis_;
@@ -91,7 +91,7 @@ class QuasiNewton : public Acceleration {
   // otherwise. Each step begins without it, so that a restarted run gives the same bits.
   std::optional<FilteredLeastSquares> factored_;
   std::size_t num_factored_ = 0;  // secants, dropped ones too, when it was last brought up to date
-  Eigen::Index size_accepted_ = 0;  // of the basis when the step began
+  Eigen::Index size_accepted_ = 0;  // size of the basis when the step began
   std::int64_t step_ = 0;
   Eigen::VectorXd r_last_;  // empty before the first iteration of a step
   Eigen::VectorXd x_tilde_last_;

@@ -41,7 +41,7 @@ class ScaledFields : public Acceleration {
   std::unique_ptr<Acceleration> method_;
   std::vector<Eigen::Index> fields_;
   Eigen::VectorXd weights_;
-  Eigen::VectorXd sums_;  // of this step
+  Eigen::VectorXd sums_;  // sums over this step
   bool first_step_ = true;
 };
 

@@ -48,7 +48,7 @@ class DrivenParticipant {
 
   std::int64_t step() const { return step_; }
   bool at_rest() const { return at_rest_; }                       ///< after the last step
-  const StepReport& last_report() const { return last_report_; }  ///< of the last solution
+  const StepReport& last_report() const { return last_report_; }  ///< report of the last solution
   /// Why the numbers of its reports would not fit into the table of steps; empty: they do.
   const std::string& details_problem() const { return details_problem_; }
 

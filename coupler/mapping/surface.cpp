@@ -177,7 +177,7 @@ SurfacePoint Surface::nearest_on_facets(const Vector3& p, const Vector3& preferr
   trees_->centroid_tree->radiusSearch(p.data(), reach * reach, candidates,
                                       nanoflann::SearchParams(0, 0, /*sorted=*/false));
   std::sort(candidates.begin(),
-            candidates.end());  // by facet: the result does not depend on the tree
+            candidates.end());  // sorted by facet: the result does not depend on the tree
   const double same = 1e-9 * facet_radius_;
   SurfacePoint best;
   best.distance = std::numeric_limits<double>::infinity();

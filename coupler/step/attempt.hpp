@@ -19,12 +19,12 @@ struct Attempt {
   Eigen::VectorXd x_tilde = {};  ///< [m] answered by the structures
 
   bool soils_asked = false;      ///< they solve already (Sides::start_next)
-  IterationRow row = {};         ///< of the last iteration, with its request
+  IterationRow row = {};         ///< row of the last iteration, with its request
   std::string status = {};       ///< empty until the last iteration is done
   std::string skipped = "none";  ///< | acceleration | structure
   std::string failure = {};      ///< why the step cannot be accepted; empty: it can
   bool solver_failed = false;    ///< a solver is the reason
-  int soil_newton = 0;           ///< of all iterations
+  int soil_newton = 0;  ///< Newton iterations of the soils, summed over all coupling iterations
   int structure_newton = 0;
 
   int iterations() const { return row.request.iteration + 1; }

@@ -42,7 +42,7 @@ class CoupledStep {
   void start_next(const StepRequest& request, const DtRange& proposed);
   /// When the sides have accepted. @param request  the next step as it is
   void settle_next(const StepRequest& request);
-  /// Nothing is under way then.
+  /// No request is open then.
   void call_off_next();
   /// At time 0: no displacement, no force.
   void start_at_rest();
@@ -73,8 +73,8 @@ class CoupledStep {
   Predictor predictor_;
   Convergence convergence_;
   ContactWatch contact_;
-  std::optional<Attempt> next_;  // that start_next began
-  int forgotten_columns_ = 0;    // by the last change of contact, until the next call of `next`
+  std::optional<Attempt> next_;  // attempt that start_next began
+  int forgotten_columns_ = 0;    // dropped when contact changed, until the next call of `next`
   bool warned_round_off_ = false;
   double acceleration_seconds_ = 0;
 };

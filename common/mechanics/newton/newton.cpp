@@ -16,7 +16,7 @@ namespace {
 
 constexpr int max_cuts = 8;
 constexpr double energy_reduction = 0.8;
-constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old matrix
+constexpr double reuse_reduction = 0.25;  // |r| after over before an old matrix
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 

@@ -73,7 +73,7 @@ class NewtonProblem {
 /// The matrix of a solve and who solves with it.
 template <int block_size>
 struct NewtonMatrix {
-  BlockMatrix<block_size>& K;  ///< with its pattern; the values are overwritten
+  BlockMatrix<block_size>& K;  ///< matrix with its pattern; the values are overwritten
   LinearSolver<block_size>& linear;
   /// For `reuse_matrix`: `linear` holds the matrix (and its factor) of an earlier solve, which may
   /// serve again. The caller sets it to false when pattern, dt, constraints or method changed;

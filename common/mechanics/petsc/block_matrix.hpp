@@ -81,7 +81,7 @@ class BlockMatrix {
   /// Add one block. @pre i and j share a cell of the pattern
   void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
-  double mean_diagonal() const;                     ///< of all unknowns
+  double mean_diagonal() const;                     ///< mean over all unknowns
 
   /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
   /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where the node is owned, add scale_i (1 - Q_i) to the

@@ -44,7 +44,7 @@ class MatrixParts {
   const BlockMatrix<block_size>& K_;
   SharedNodes shared_;
   MatHandle shell_;
-  std::vector<double> x_, y_;  // of the held nodes
+  std::vector<double> x_, y_;  // values at the held nodes
 };
 
 }  // namespace gabion
