@@ -83,11 +83,11 @@ class Connection final : public RequestSource {
   Message next_request(std::vector<std::string>* frames) override;
   Message next_request() { return next_request(nullptr); }
   void reply(Message message) override;
-  /// The last request was "finish" and is answered: wait until the answer is on its way, and close.
+  /// The last request was "finish" and is answered: wait until the answer is sent, and close.
   void close();
 
-  /// Tell the coupler that this participant cannot go on, or, before the handshake, not begin. Does
-  /// nothing after another failure.
+  /// Tell the coupler that this participant cannot continue, or, before the handshake, not start.
+  /// Does nothing after another failure.
   void abort(const std::string& reason);
   /// Do something of which the coupler has to know when it fails: abort() and throw on.
   template <class Action>

@@ -63,7 +63,8 @@ class LocalConnection {
 /// The coupler's end: all that have connected, by the route that they give in their first message.
 class LocalListener {
  public:
-  /// None where the machine has no such sockets or the name is taken: the other way in is open.
+  /// None where the machine has no such sockets or the name is taken: the other connection remains
+  /// open.
   static std::optional<LocalListener> listen(const std::string& endpoint, std::size_t max_frames);
 
   /// Whether this route leads here, to a peer that has not closed.

@@ -72,7 +72,7 @@ class Participant : private RequestHandler {
   /// Optional, so that a run with this code can be restarted. Before initialize().
   /// @param save  gives all of the accepted state, which then is the code's current state, that
   ///              later steps depend on, in a form of the code's own
-  /// @param load  goes on from what `save` gave, in an earlier run perhaps; calls write_probes().
+  /// @param load  continues from what `save` gave, perhaps in an earlier run; calls write_probes().
   ///              Each later step then gives the bits that it would have given there. Called in
   ///              initialize() already, or between two steps.
   void set_state(std::function<std::vector<std::byte>()> save,
@@ -108,7 +108,7 @@ class Participant : private RequestHandler {
   /// Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N].
   void write_data(const std::string& interface, std::span<const double> values);
 
-  /// The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step:
+  /// The code has advanced by `dt` [s], at most get_max_time_step_size(). At the end of the step:
   /// send what was written, and wait for the verdict.
   void advance(double dt, const StepReport& report = {});
   /// Instead of advance(): the open step has no solution. The coupler will try a smaller one; go

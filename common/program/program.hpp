@@ -13,7 +13,7 @@ namespace gabion {
 struct ProgramOptions {
   std::string scene;                   ///< folder
   std::string output;                  ///< folder of results
-  std::string restart;                 ///< results of the run to go on with; empty: from time 0
+  std::string restart;                 ///< results of the run to continue; empty: from time 0
   std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
   std::string log_level = "info";      ///< error, warn, info or debug
   bool check = false;                  ///< read and cross-check the scene, then end

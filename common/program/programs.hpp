@@ -14,7 +14,7 @@ struct ProgramEntry {
   std::string about;         ///< first line of --help
   std::string file;          ///< its file in the scene: "mpm.json"
   std::string folder;        ///< folder of its frames below the results; empty: writes none
-  bool sends_force = false;  ///< and receives displacement; else the other way round
+  bool sends_force = false;  ///< and receives displacement; else the reverse
 };
 
 /// The one list of them.

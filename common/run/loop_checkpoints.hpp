@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// What a time loop does about checkpoints: it goes on from one, and writes them when due, at a
+/// What a time loop does about checkpoints: it continues from one, and writes them when due, at a
 /// signal and at the end.
 /// @note  Collective where the loop is.
 class LoopCheckpoints {
@@ -36,7 +36,7 @@ class LoopCheckpoints {
   void after_step();
   void at_end();
 
-  /// "steps" of this run, and "restart" where it goes on from a checkpoint.
+  /// "steps" of this run, and "restart" where it continues from a checkpoint.
   Json summary() const;
 
  private:

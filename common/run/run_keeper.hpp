@@ -14,7 +14,7 @@ struct RunPoint {
   double time = 0;        ///< [s]
 };
 
-/// Where a run starts that goes on from a checkpoint.
+/// Where a run starts that continues from a checkpoint.
 struct RestartPoint {
   std::string path;  ///< path of the checkpoint, as the user gave it
   RunPoint point;

@@ -25,7 +25,7 @@ class RunRecord {
  public:
   /// @param folder  created with its parents
   /// @param kind    who writes here: "coupler", "mpm_solver", "fem_solver"
-  /// @param writes  false on all ranks but the first: nothing is touched, tables ignore their rows
+  /// @param writes  false on all ranks but the first: nothing is written, tables ignore their rows
   /// @throws ConfigError  the folder is in use, holds something else, or results of another kind
   /// @note  Other ranks may use the folder only after the first one has constructed its record.
   RunRecord(const std::string& folder, const std::string& kind, bool writes = true);

@@ -93,7 +93,7 @@ class Solver {
                                 InterfaceValues& sent) = 0;
 
   /// Make the last solution the accepted state. When the coupler skipped this solver in this step
-  /// (`solved` false), only time goes on.
+  /// (`solved` false), only time advances.
   virtual AcceptReport accept_step(const StepRequest& request, bool solved) = 0;
 
   /// Forget the last solution.

@@ -54,7 +54,7 @@ class Relay:
 
 
 def write_all(target: int, text: bytes) -> None:
-    """The command goes on where nobody reads any more."""
+    """The command continues where nobody reads any more."""
     try:
         while text:
             text = text[os.write(target, text):]

@@ -57,7 +57,7 @@ struct Mesh {
   }
 };
 
-/// Volume (2D: area) of a cell with these corners [m^dim]; negative when they run the wrong way
+/// Volume (2D: area) of a cell with these corners [m^dim]; negative when their order is reversed
 /// round.
 template <int dim>
 double cell_volume(CellType type, std::span<const Vector<dim>> corners);

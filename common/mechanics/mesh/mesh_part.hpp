@@ -23,8 +23,8 @@ struct PartNumbers {
   std::int32_t num_cells = 0;  ///< of the whole
 };
 
-/// Some cells of a mesh and the nodes that they touch. It has all facet groups of the whole, with
-/// its own facets, and no groups of cells.
+/// Some cells of a mesh and their nodes. It has all facet groups of the whole, with its own facets,
+/// and no groups of cells.
 template <int dim>
 struct MeshPart {
   Mesh<dim> mesh;

@@ -36,7 +36,7 @@ struct LinearRegime {
 enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };
 enum class Preconditioner { none, jacobi, ilu, multigrid };
 
-/// A way to solve a linear system.
+/// A method to solve a linear system.
 struct LinearMethod {
   SolutionMethod method = SolutionMethod::mumps;
   Preconditioner preconditioner = Preconditioner::none;

@@ -133,7 +133,7 @@ class Connection:
             self._post(Message("abort", self._last_sequence, {"reason": reason}))
 
     def close(self) -> None:
-        """Wait until the last message is on its way, and close."""
+        """Wait until the last message is sent, and close."""
         if self._closed:
             return
         self._closed = True
