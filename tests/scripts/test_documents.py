@@ -11,7 +11,7 @@ from script_case import ROOT, ScriptCase
 
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 CODE = re.compile(r"`[^`]*`")
-NAMED = re.compile(r"`([a-z_0-9/]+\.(?:hpp|cpp|h|py)): ([A-Za-z_0-9]+)`")
+NAMED = re.compile(r"`([a-z_0-9/]+\.(?:hpp|cpp|h|py)):\s([A-Za-z_0-9]+)`")
 OPENING = re.compile(r"\*\*Question:\*\*\s.+\*\*Answer:\*\*\s.+\*\*How\s+sure:\*\*\s.+", re.DOTALL)
 NOT_OURS = {"build", "results", ".git"}
 MAX_WIDTH, MAX_README, MAX_FOLDER_README, MAX_CONTRIBUTING = 120, 110, 60, 110
