@@ -29,7 +29,7 @@ class LocalConnection {
   LocalConnection(Descriptor end, std::size_t max_frames)
       : end_(std::move(end)), max_frames_(max_frames) {}
 
-  /// To who listens there; none where nobody does, or another user.
+  /// Connect to the process that listens there; none where nobody does, or another user.
   static std::optional<LocalConnection> connect(const std::string& endpoint,
                                                 std::size_t max_frames);
 

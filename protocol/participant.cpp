@@ -238,7 +238,7 @@ void Participant::await_step() {
   while (!request_ && !machine_->is_finished()) do_next_request();
 }
 
-/// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
+/// Serve after an answer to solve_step until the coupler accepts it, rejects it or asks again.
 void Participant::await_verdict() {
   while (awaits_verdict_ && !machine_->is_finished()) do_next_request();
 }

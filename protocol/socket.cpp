@@ -105,7 +105,8 @@ struct Socket::Implementation {
     return message ? message : take_from(socket);
   }
 
-  /// Until something may have come, or gone. @returns false after `milliseconds` without
+  /// Wait until something may have come, or can be sent. @returns false after `milliseconds`
+  /// without
   bool wait(int milliseconds) {
     std::vector<zmq::pollitem_t> items = {{socket.handle(), 0, ZMQ_POLLIN, 0}};
     const auto add = [&items](int descriptor, bool unsent) {

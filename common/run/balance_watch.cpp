@@ -12,8 +12,8 @@ namespace gabion {
 
 namespace {
 
-/// From this share of what went around on a balance is not closed; scripts/plotting/verdict.py has
-/// the same.
+/// A balance is not closed from this share of what was exchanged on; scripts/plotting/verdict.py
+/// has the same limit.
 constexpr double open_share = 1e-2;
 
 constexpr double round_off = 1e-9;

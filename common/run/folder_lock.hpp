@@ -47,7 +47,7 @@ class FolderLock {
 
   /// Name this process as the owner. @throws Error  the file cannot be written
   void sign(const std::string& program);
-  /// From `alone` to `beside`. @throws ConfigError  somebody else was faster
+  /// Change the lock from `alone` to `beside`. @throws ConfigError  somebody else was faster
   void share();
 
  private:

@@ -20,7 +20,7 @@ struct RestartPoint {
   RunPoint point;
   State run;  ///< state of the time loop
 
-  /// For summary.json.
+  /// Entry for summary.json.
   Json summary() const { return {{"from", path}, {"step", point.step}, {"time", point.time}}; }
 };
 

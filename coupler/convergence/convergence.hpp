@@ -69,7 +69,7 @@ class Convergence {
   /// Parallel scheme: residuals are x_tilde - x and force - force_given.
   ConvergenceState check(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
                          const Eigen::VectorXd& force_given, const Eigen::VectorXd& force);
-  /// For a step that is solved by one pass: only tests that everything is finite.
+  /// State of a step that is solved by one pass: tests only that everything is finite.
   static ConvergenceState one_pass(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
                                    const Eigen::VectorXd& force);
 

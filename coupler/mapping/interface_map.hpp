@@ -58,7 +58,7 @@ class InterfaceMap {
   Resultant soil_resultant(const Eigen::VectorXd& u, const Eigen::VectorXd& f_soil) const;
   Resultant structure_resultant(const Eigen::VectorXd& x, const Eigen::VectorXd& f) const;
 
-  /// On the structure at each interface, in the order of the settings; moments about its
+  /// Resultants on the structure at each interface, in the order of the settings; moments about its
   /// InterfaceSettings::moment_about, a place in space.
   std::vector<Resultant> structure_resultants(const Eigen::VectorXd& x,
                                               const Eigen::VectorXd& f) const;

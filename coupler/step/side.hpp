@@ -43,18 +43,18 @@ class Side {
   void reject();
 
   bool takes_next_step() const;
-  /// Between start_accept and finish_accept: as start_solve, of the next step, which the solver
-  /// leaves alone when it proposes another step size than these.
+  /// As start_solve, for the next step, which the solver does not solve when it proposes another
+  /// step size than these. Call it between start_accept and finish_accept.
   void start_next(const StepRequest& request, const Eigen::VectorXd& given,
                   const DtRange& proposed);
-  /// After finish_accept: whether it solves.
+  /// Whether the solver solves the next step; known after finish_accept.
   bool solves_next() const { return solves_next_; }
   /// No request is open then.
   void call_off_next();
 
   const StepReport& report() const { return report_; }  ///< report of the last solution
   bool solved() const { return solved_; }  ///< whether it was solved in the last iteration
-  /// After the last accepted step: at rest, and nothing was given to it but zeros.
+  /// Whether the solver was at rest after the last accepted step and was given nothing but zeros.
   bool may_sleep() const { return may_sleep_; }
 
   /// Add the numbers of the accepted step as "name.number": the solver's own ones,

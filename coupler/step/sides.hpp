@@ -77,10 +77,10 @@ class Sides {
 
   /// Whether start_next may be called.
   bool take_next_step() const;
-  /// Before finish_soils_accept: start the soils on the next step, if they propose one of these
-  /// step sizes. The attempt may be finished as any other one.
+  /// Start the soils on the next step, if they propose one of these step sizes. Call it before
+  /// finish_soils_accept; the attempt may be finished as any other one.
   void start_next(Attempt& now, const DtRange& proposed);
-  /// After finish_soils_accept: whether all soils solve it.
+  /// Whether all soils solve the next step; known after finish_soils_accept.
   bool solve_next() const;
   void call_off_next();
   void reject();

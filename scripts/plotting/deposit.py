@@ -94,7 +94,8 @@ def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | No
 
 @dataclass(frozen=True)
 class Shares:
-    """For each point at most one cell. points: which ones have one; share: of the point that lies over it."""
+    """Assignment of each point to at most one cell. points: which ones have one; share: of the point that
+    lies over it."""
 
     points: np.ndarray
     cells: tuple[np.ndarray, ...]
@@ -141,7 +142,7 @@ def heap_of(frame: Frame, plan: Plan, series: Series) -> Heap:
 
 
 def find_deposit(results: Results, time: float | None = None, cell: float | None = None) -> Deposit:
-    """At the frame nearest to a time [s]; None: at the last one.
+    """Deposit at the frame nearest to a time [s]; None: at the last one.
 
     @raises ResultsError  no frames, a time beyond them, too many cells
     """

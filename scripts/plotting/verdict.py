@@ -33,7 +33,7 @@ def verdict(run: Run) -> list[Statement]:
 
 
 def headline(run: Run) -> str:
-    """In a word, or a few."""
+    """State of the run in a word, or a few."""
     quiet = run.seconds_since_last_row()
     if run.state() is State.RUNNING and quiet > QUIET:
         return f"running, no new row for {duration(quiet)}"

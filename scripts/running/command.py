@@ -90,7 +90,7 @@ def tell_coupler(message: tuple[str, str, str, str], runner: int) -> None:
 
 
 def tell_coupler_aside(*message: str) -> None:
-    """In a process of its own, so that this one ends at once."""
+    """Tell the coupler from a separate process, so that this one ends at once."""
     runner = os.getppid()
     if os.fork():
         return

@@ -36,7 +36,7 @@ def sliding_rows(run: Measured, wall: str, friction: float) -> list[Row]:
 
 
 def momentum_row(run: Measured) -> Row:
-    """From the arrival until soil leaves the grid."""
+    """Balance of momentum from the arrival until soil leaves the grid."""
     start, last = arrival(run), last_kept(run)
     time, momentum = times(run), soil(run, "momentum_x")
     weight = run.results.settings("mpm.json")["gravity"][0] * soil(run, "mass")[0]
@@ -61,7 +61,7 @@ def facet_forces(frame: Frame) -> np.ndarray:
 
 
 def force_rows(run: Measured) -> list[Row]:
-    """On the barrier at the end."""
+    """Forces on the barrier at the end."""
     settings = run.results.settings("mpm.json")
     gravity, density = settings["gravity"], settings["bodies"][0]["material"]["density"]
     face = run.results.settings("fem.json")["mesh"]["box"]["low"][0]

@@ -65,7 +65,7 @@ CellType find_cell_type(const GmshFile& file, const std::string& path) {
   return *result;
 }
 
-/// From node tags of the file to positions in its list of nodes.
+/// Maps node tags of the file to positions in its list of nodes.
 std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
                                                            const std::string& path) {
   std::unordered_map<std::uint64_t, std::size_t> index;

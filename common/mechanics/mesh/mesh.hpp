@@ -31,9 +31,9 @@ struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
   std::vector<Vector<dim>> nodes;   ///< [m]
   std::vector<std::int32_t> cells;  ///< num_cells x num_nodes(cell_type), positive volume
-  /// On the boundary; each facet is ordered so that its normal points out of the cell it belongs to
-  /// (2D: the cell lies to the left of the segment's direction, so the outward normal is the
-  /// direction turned clockwise).
+  /// Groups of facets on the boundary; each facet is ordered so that its normal points out of the
+  /// cell it belongs to (2D: the cell lies to the left of the segment's direction, so the outward
+  /// normal is the direction turned clockwise).
   FacetGroups facet_groups;
   std::map<std::string, std::vector<std::int32_t>> cell_groups;
   std::string file;  ///< it was read from, as the scene names it; empty: made from numbers

@@ -74,7 +74,7 @@ class BlockMatrix {
   /// Add the dense matrix of cell c (as numbered in set_pattern), (n block_size) x (n block_size),
   /// row-major.
   void add_cell(std::int32_t c, const double* K);
-  /// For a sum block by block, see above.
+  /// Blocks of a cell, for a sum block by block, see above.
   CellBlocks<block_size> cell_blocks(std::int32_t c) {
     return {runs_of(c), slots_.data() + slot_starts_[c], values_.data()};
   }

@@ -13,7 +13,7 @@ namespace gabion {
 class PetscOperator {
  public:
   virtual ~PetscOperator() = default;
-  /// To multiply vectors with.
+  /// Matrix by which vectors are multiplied.
   virtual Mat get() const = 0;
   /// This matrix with its entries, for direct methods and multigrid. @note Collective.
   virtual Mat rows() = 0;
