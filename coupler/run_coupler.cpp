@@ -127,7 +127,7 @@ class CheckFailed : public Error {
 
 constexpr double check_answer_deadline = 60;  // [s]
 
-/// A participant under test that hangs is told soon, unless coupler.json says how long to wait.
+/// A participant under test that hangs is reported soon, unless coupler.json says how long to wait.
 ServerSettings server_of_check(const CouplerSettings& settings, const Scene& scene) {
   ServerSettings server = settings.server;
   ConfigReader file = scene.reader("coupler.json", coupler_keys());

@@ -164,7 +164,7 @@ Message Connection::next_request(Frames* frames) {
   Attention::Seconds look = attention_.before(last_request_);
   std::optional<Request> request;
   while (!request) {
-    // Judged before the look at the queue: what came counts.
+    // Silence is judged before the queue is read: a message that has arrived counts.
     const bool was_silent = coupler_->silence(deadlines_.silence).has_value();
     request = receive_request(slice_milliseconds, std::exchange(look, {}));
     if (!request) request = look_after_coupler(was_silent);

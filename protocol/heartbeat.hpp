@@ -36,7 +36,7 @@ class Heartbeat {
   Heartbeat(Heartbeat&&) = delete;
   Heartbeat& operator=(Heartbeat&&) = delete;
 
-  /// @param busy  the solver computes, so nobody else looks whether the coupler lives
+  /// @param busy  the solver computes, so no other thread checks whether the coupler lives
   void set_phase(const std::string& phase, bool busy);
   /// The handshake is done: watch this coupler.
   /// @param interval  [s] between two signs of life

@@ -52,7 +52,7 @@ class Switchboard {
   std::optional<Arrival> next_arrival();
   /// Answer on a route that is no participant's, without waiting.
   void answer(const std::string& route, const Message& message);
-  /// Tell a sender why it is not let in, and drop what else comes from it.
+  /// Tell a sender why it is not admitted, and drop its further messages.
   /// @param who  for the log
   void turn_down(const std::string& route, const std::string& who,
                  const std::vector<Mismatch>& mismatches);
@@ -65,7 +65,7 @@ class Switchboard {
     ProcessIdentity process;
     bool sends_heartbeat;
   };
-  /// Answer the hello of one that is let in. Signs of life go to it from then on, none before.
+  /// Answer the hello of an admitted participant. Signs of life go to it from then on, none before.
   void welcome(const Guest& guest, const Message& message);
   bool has_participant(const std::string& name) const { return peers_.contains(name); }
 

@@ -18,7 +18,7 @@ constexpr double open_share = 1e-2;
 
 constexpr double round_off = 1e-9;
 
-// Cuts of the step size are normal; from these on somebody should ask why.
+// Cuts of the step size are normal; from this number on they deserve a warning.
 constexpr int many_cuts = 10;
 constexpr double often = 0.1;  // share of the steps
 

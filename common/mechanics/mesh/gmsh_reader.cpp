@@ -218,7 +218,7 @@ class MeshBuilder {
     }
   }
 
-  /// Warn of names that stand for no facet or cell.
+  /// Warn of names that have no facet or cell.
   void warn_of_empty_groups() const {
     for (const auto& [key, name] : file_.physical_names) {
       const bool is_facets = key.first == dim - 1;

@@ -105,7 +105,7 @@ class Connection:
         self._heartbeat.set_phase("waiting", False)
         begin = time.monotonic()
         while True:
-            # Judged before the look at the queue: what came counts.
+            # Silence is judged before the queue is read: a message that has arrived counts.
             was_silent = bool(self._coupler.silence(self.welcome.silence_deadline))
             request = self._receive_request() or self._look_after_coupler(was_silent)
             if request:
