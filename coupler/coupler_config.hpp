@@ -33,7 +33,7 @@ enum class OnLimit { cut, stop, accept };
 /// The "coupling" object of coupler.json.
 struct CouplingSettings {
   Scheme scheme = Scheme::serial_implicit;
-  int max_iterations = 50;  ///< of one step, >= 2
+  int max_iterations = 50;  ///< coupling iterations of one step, >= 2
   OnLimit on_limit = OnLimit::cut;
   int predictor = 1;  ///< order of extrapolation, 0 to 2
   DtByIterations step_control;

@@ -125,8 +125,9 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   if (clock_.due(steps_.time())) write_output();
 }
 
-/// While the soils still accept: their first solution of the next step. Not where something else is
-/// asked of them before, nor while a structure may yet fail to accept.
+/// Start the soils' first solution of the next step while they still accept this one. Skipped where
+/// output, a checkpoint or the end of the run comes first, or where a structure has not accepted
+/// yet.
 void CouplingLoop::start_next(const Attempt& done, double structures_dt) {
   const double others_dt = allowed_dt(done, structures_dt);
   const double likely_dt = smaller_dt(soils_dt_, others_dt);

@@ -100,8 +100,8 @@ void check_scene(const CouplerSettings& settings, const Scene& scene,
   }
 }
 
-/// For scripts/run, which starts the commands, and the programs whose files the scene has. Nothing
-/// is started for an endpoint where nobody can listen.
+/// Lists the participants for scripts/run, which starts the commands, and the programs whose files
+/// the scene has. Nothing is started for an endpoint where nobody can listen.
 void list_participants(const CouplerSettings& settings, const Scene& scene) {
   Socket::bind_router(make_socket_context(), settings.server.endpoint);
   std::vector<std::string> items = {settings.server.endpoint};
@@ -127,7 +127,7 @@ class CheckFailed : public Error {
 
 constexpr double check_answer_deadline = 60;  // [s]
 
-/// A participant under test that hangs is told soon, unless coupler.json says how long to wait.
+/// A participant under test that hangs is reported soon, unless coupler.json says how long to wait.
 ServerSettings server_of_check(const CouplerSettings& settings, const Scene& scene) {
   ServerSettings server = settings.server;
   ConfigReader file = scene.reader("coupler.json", coupler_keys());

@@ -52,8 +52,8 @@ struct MpmSettings {
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-5, .increment_tolerance = 1e-3};
   /// Instead of newton.max_iterations in steps without inertia: sand that takes its weight from the
-  /// unstressed state has a long way to its first state of rest, and a shorter step is no shorter
-  /// way.
+  /// unstressed state is far from its first state of rest, and a shorter step does not bring it
+  /// nearer.
   int iterations_without_inertia = 200;
   StepControlSettings step_control;
   LinearSolverSettings linear_solver;

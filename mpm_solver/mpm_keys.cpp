@@ -90,7 +90,7 @@ std::vector<Key> model_keys() {
   return {key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
           key::object("grid", mesh_keys(), "Mesh of the background."),
           key::choice("basis", {"linear", "gimp", "bspline"},
-                      "Functions of the grid; the last two need a `box` of quad4 or hex8.")
+                      "Basis functions of the grid; the last two need a `box` of quad4 or hex8.")
               .or_computed("`gimp` where the grid is such a box and all cells of the bodies are "
                            "boxes or upright columns of quad4 or hex8, else `linear`"),
           key::choice("quadrature", {"cells", "points"},

@@ -6,7 +6,7 @@
 #include "common/base/require.hpp"
 #include "protocol/participant.hpp"
 
-/// Made of settings until initialize() or the first interface needs the participant itself.
+/// Holds settings until initialize() or the first interface needs the participant itself.
 struct gabion_participant {
   gabion::ParticipantSettings settings;
   std::unique_ptr<gabion::Participant> participant;

@@ -13,7 +13,7 @@
 namespace gabion {
 namespace {
 
-constexpr double same_time = 1e-12;  // of a step: smaller remainders are round-off of sub-steps
+constexpr double same_time = 1e-12;  // share of a step: less is round-off of sub-steps
 
 Message accepted_of(const std::vector<double>& probes) {
   AcceptReport report;
@@ -238,7 +238,7 @@ void Participant::await_step() {
   while (!request_ && !machine_->is_finished()) do_next_request();
 }
 
-/// After an answer to solve_step: until the coupler accepts it, rejects it or asks again.
+/// Serve after an answer to solve_step until the coupler accepts it, rejects it or asks again.
 void Participant::await_verdict() {
   while (awaits_verdict_ && !machine_->is_finished()) do_next_request();
 }

@@ -57,10 +57,10 @@ class Participant : private RequestHandler {
   ///                            of the structure: in 2D to the right of the way along the segment
   void set_interface(const std::string& name, std::span<const double> coordinates,
                      int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
-  /// Of a soil: which force it sends on this interface; the one at the end of the step where
-  /// nothing is said. Before initialize(), after set_interface().
+  /// Which force a soil sends on this interface; by default the force at the end of the step. Call
+  /// it before initialize() and after set_interface().
   void set_force_kind(const std::string& interface, ForceKind kind);
-  /// Numbers that the run shall record. Before initialize().
+  /// Numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
   /// Values of the probes at the end of the step, before advance().
@@ -72,7 +72,7 @@ class Participant : private RequestHandler {
   /// Optional, so that a run with this code can be restarted. Before initialize().
   /// @param save  gives all of the accepted state, which then is the code's current state, that
   ///              later steps depend on, in a form of the code's own
-  /// @param load  goes on from what `save` gave, in an earlier run perhaps; calls write_probes().
+  /// @param load  continues from what `save` gave, perhaps in an earlier run; calls write_probes().
   ///              Each later step then gives the bits that it would have given there. Called in
   ///              initialize() already, or between two steps.
   void set_state(std::function<std::vector<std::byte>()> save,
@@ -108,7 +108,7 @@ class Participant : private RequestHandler {
   /// Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N].
   void write_data(const std::string& interface, std::span<const double> values);
 
-  /// The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step:
+  /// The code has advanced by `dt` [s], at most get_max_time_step_size(). At the end of the step:
   /// send what was written, and wait for the verdict.
   void advance(double dt, const StepReport& report = {});
   /// Instead of advance(): the open step has no solution. The coupler will try a smaller one; go
@@ -152,8 +152,8 @@ class Participant : private RequestHandler {
   ParticipantSettings settings_;
   std::vector<InterfaceMesh> meshes_;
   std::vector<std::string> probe_names_;
-  std::vector<double> probes_;           // of the code's current state
-  std::vector<double> accepted_probes_;  // of the accepted state
+  std::vector<double> probes_;           // probes in the code's current state
+  std::vector<double> accepted_probes_;  // probes in the accepted state
   std::function<void(double)> output_;
   std::function<std::vector<std::byte>()> save_;  // empty: does not keep its state
   std::function<void(std::span<const std::byte>)> load_;
@@ -164,12 +164,12 @@ class Participant : private RequestHandler {
   std::optional<StepRequest> request_;     // the open solve_step
   bool awaits_verdict_ = false;            // it was answered, neither accepted nor rejected
   std::optional<Message> pending_;         // answer that waits until the code has done its part
-  ForceKinds force_kinds_;                 // of the received forces
+  ForceKinds force_kinds_;                 // kinds of the received forces
   bool asked_force_kind_ = false;
   InterfaceValues received_;
   InterfaceValues written_;
   double remaining_ = 0;                         // [s] of the open step
-  Stopwatch busy_;                               // since the request under way came
+  Stopwatch busy_;                               // since the current request came
   bool must_write_ = false, must_read_ = false;  // checkpoints that were not asked for yet
   bool window_complete_ = false;
 };

@@ -15,7 +15,7 @@ void Participant::set_state(std::function<std::vector<std::byte>()> save,
   load_ = std::move(load);
 }
 
-/// Between two steps, when the code's current state is the accepted one.
+/// Called between two steps, when the code's current state is the accepted one.
 Participant::Answer Participant::save_state(const std::string&) {
   if (!save_) machine_->refuse("save");
   return saved(pack_bytes(save_()));

@@ -19,7 +19,8 @@ namespace gabion {
 /// @throws ProtocolError  refused, coupler lost, or the coupler ended the run
 void serve(Solver& solver, Connection& connection, const std::function<void()>& welcomed = {});
 
-/// The same after the handshake, where somebody stands between the connection and the solver.
+/// As above, from after the handshake on, where another object stands between the connection and
+/// the solver.
 /// @param requests  gives on what the connection gets
 void serve(Solver& solver, Connection& connection, RequestSource& requests);
 

@@ -13,7 +13,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "measured"
 WIDTH = 120  # of lines of prose
-KEPT = "\n## What it shows\n"  # what stands in a page from here on is written by hand and stays
+# Written by hand, and kept when a command writes the page again: its opening, and what follows KEPT.
+OPENING = re.compile(r"^\*\*Question:\*\* .*?(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
+KEPT = "\n## What it shows\n"
 
 
 def text_of(value: object) -> str:
@@ -43,7 +45,7 @@ class Page:
 
 
 def version() -> str:
-    """Of the project, from CMakeLists.txt."""
+    """Version of the project, from CMakeLists.txt."""
     text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
     return re.search(r"^project\(\w+ VERSION (\S+)", text, re.MULTILINE)[1]
 
@@ -76,12 +78,13 @@ def wrapped(block: str) -> str:
 
 
 def write_page(path: Path, title: str, command: str, page: Page) -> None:
-    """Write a page and its figures; the part "What it shows" of an earlier one stays."""
+    """Write a page and its figures; the opening and the part "What it shows" of an earlier one stay."""
     path.parent.mkdir(parents=True, exist_ok=True)
     before = path.read_text(encoding="utf-8") if path.exists() else ""
     today = datetime.date.today().isoformat()
+    opening = [match[0] for match in OPENING.finditer(before.partition(KEPT)[0])][:1]
     source = f"`{command}`: version {version()}, {machine()}, {today}"
-    text = "\n\n".join(wrapped(block) for block in [f"# {title}", source, *page.blocks]) + "\n"
+    text = "\n\n".join(wrapped(block) for block in [f"# {title}", *opening, source, *page.blocks]) + "\n"
     path.write_text(text + "".join(before.partition(KEPT)[1:]), encoding="utf-8")
     for figure in page.figures:
         shutil.copyfile(figure, path.parent / figure.name)

@@ -22,8 +22,8 @@ State scatter_state(MPI_Comm comm, const State& all);
 /// @throws ConfigError  the run has another number of ranks than that which saved its state
 void require_ranks(MPI_Comm comm, int saved_ranks);
 
-/// Let the solver go on from what gather_state() made: from its own part, or, where that was made
-/// by another number of ranks, from all parts if it can join them.
+/// Let the solver continue from what gather_state() made: from its own part, or, where that was
+/// made by another number of ranks, from all parts if it can join them.
 /// @param all  read on the first rank only
 /// @throws ConfigError  another number of ranks, and the solver cannot join states
 /// @note Collective.

@@ -35,7 +35,7 @@ class RankedStateReader {
 
   int num_ranks() const { return parts_.at("ranks").get<int>(); }
 
-  /// That of one rank.
+  /// State of one rank.
   State state_of(int rank, bool with_lists) const {
     State state;
     state.facts = parts_.at("facts").at(rank);

@@ -16,7 +16,7 @@ namespace gabion {
 /// @note Collective.
 void write_ranked_state(MPI_Comm comm, const std::string& path, State own);
 
-/// Let the solver go on from such a file: each rank reads its own part; where another number of
+/// Let the solver continue from such a file: each rank reads its own part; where another number of
 /// ranks wrote it, the parts of some of them.
 /// @throws ConfigError  another number of ranks, and the solver cannot join states
 /// @throws Error        damaged, or not such a file; on all ranks

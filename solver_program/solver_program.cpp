@@ -160,14 +160,15 @@ void follow_coupler(const SolverRun& run, const std::string& endpoint) {
   }
 }
 
-/// The checkpoint that the run goes on from, if any; each rank reads it, but for the solver's file.
+/// The checkpoint from which the run continues, if any; each rank reads it, but for the solver's
+/// file.
 std::optional<Checkpoint> load_checkpoint(const SolverRun& run) {
   const ProgramOptions& options = run.options;
   if (options.restart.empty()) return std::nullopt;
   return Checkpoints::load(options.restart, options.output, run.program.name, run.scene);
 }
 
-/// @param checkpoint  to go on from, if any
+/// @param checkpoint  to continue from, if any
 void drive_alone(const SolverRun& run, RunRecord& record, const Checkpoint* checkpoint) {
   const ProgramOptions& options = run.options;
   const ProgramEntry& program = run.program;

@@ -15,7 +15,7 @@ enum class Level { debug, info, warn, error };
 /// speaks at all. Errors are shown on every rank.
 void start(std::string_view prefix, Level lowest, bool speaks);
 
-/// Also write every line, with date and time in front, to this file (flushed per line; an earlier
+/// Write every line also, with date and time in front, to this file (flushed per line; an earlier
 /// file is replaced). Call it before other threads log.
 void also_to_file(const std::string& path);
 

@@ -32,8 +32,8 @@ std::size_t character_length(std::string_view text) {
   return wrong ? 0 : length;
 }
 
-/// Of a character of more than one byte: a control character, an end of line, or a mark that turns
-/// the direction of writing.
+/// Whether a character of more than one byte is a control character, an end of line, or a mark that
+/// changes the direction of writing.
 bool is_obeyed(std::string_view character) {
   return (character[0] == '\xC2' && static_cast<std::uint8_t>(character[1]) < 0xA0) ||
          (character >= "\xE2\x80\xA8" && character <= "\xE2\x80\xAE") ||

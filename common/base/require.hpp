@@ -17,7 +17,7 @@ void require(bool condition, const std::string& message) {
   if (!condition) throw ErrorType(message);
 }
 
-/// The same; the message is put together only when it is needed.
+/// As above, but the message is put together only when it is needed.
 template <class ErrorType = Error, class First, class... Others>
 void require(bool condition, fmt::format_string<First, Others...> message, First&& first,
              Others&&... others) {
@@ -26,7 +26,7 @@ void require(bool condition, fmt::format_string<First, Others...> message, First
       fmt::format(message, std::forward<First>(first), std::forward<Others>(others)...));
 }
 
-/// The same with a function that makes the message, where its parts are costly too.
+/// As above, with a function that makes the message, where its parts are costly too.
 template <class ErrorType = Error, std::invocable Message>
 void require(bool condition, Message message) {
   if (!condition) throw ErrorType(message());

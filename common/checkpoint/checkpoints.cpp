@@ -32,16 +32,17 @@ void require_apart(const std::string& results, const std::string& output) {
 }  // namespace
 
 KeyTable checkpoint_keys() {
-  return {"checkpoint",
-          "When the run is saved so that `--restart` can go on from there: after so many steps, so "
-          "many minutes, or both; `{}` only at the end and at a signal.",
-          {key::integer("steps", "Accepted steps from one checkpoint to the next.")
-               .in(at_least(1))
-               .or_none(),
-           key::number("minutes", "min", "Wall time from one checkpoint to the next.")
-               .in(positive())
-               .or_computed(fmt::format("none; {} without the object `checkpoint`",
-                                        CheckpointSettings{}.minutes))}};
+  return {
+      "checkpoint",
+      "When the run is saved so that `--restart` can continue from there: after so many steps, so "
+      "many minutes, or both; `{}` only at the end and at a signal.",
+      {key::integer("steps", "Accepted steps from one checkpoint to the next.")
+           .in(at_least(1))
+           .or_none(),
+       key::number("minutes", "min", "Wall time from one checkpoint to the next.")
+           .in(positive())
+           .or_computed(fmt::format("none; {} without the object `checkpoint`",
+                                    CheckpointSettings{}.minutes))}};
 }
 
 CheckpointSettings read_checkpoint_settings(ConfigReader& in) {

@@ -21,7 +21,7 @@ struct CheckpointSettings {
   std::int64_t steps = 0;  ///< accepted steps from one to the next, >= 1; 0: do not count
   double minutes = 10;     ///< wall time from one to the next [min] > 0; 0: do not count
 };
-/// Without the object: every 10 minutes. With it: only what it says.
+/// Read when checkpoints are due: without the object every 10 minutes, with it only as it says.
 CheckpointSettings read_checkpoint_settings(ConfigReader& in);
 KeyTable checkpoint_keys();
 
@@ -38,12 +38,12 @@ class Checkpoints final : public RunKeeper {
                          const std::string& kind, const Scene& scene);
 
   struct Parts {
-    std::string folder;  ///< of results
-    std::string kind;    ///< of the run
+    std::string folder;  ///< folder of the results
+    std::string kind;    ///< kind of the run
     bool writes = true;  ///< false on all ranks but the first
     /// Names and Solver::save_state_to of the solvers; called by all ranks.
     std::vector<std::pair<std::string, std::function<State(const std::string&)>>> solvers;
-    /// The same answer on all ranks, from that of each: the largest.
+    /// Gives the same answer on all ranks: the largest of theirs.
     std::function<int(int)> agree = [](int value) { return value; };
   };
   Checkpoints(const CheckpointSettings& settings, const Scene& scene, Parts parts,
@@ -64,7 +64,7 @@ class Checkpoints final : public RunKeeper {
   Stopwatch since_last_;
 };
 
-/// Where a run goes on that loaded this checkpoint.
+/// Where a run continues that loaded this checkpoint.
 /// @param results  as the user gave it
 RestartPoint restart_point(const std::string& results, const Checkpoint& checkpoint);
 

@@ -41,7 +41,7 @@ class ArrayFile {
  protected:
   struct Numbers {
     std::int64_t type;  ///< HDF5's identifier
-    std::size_t size;   ///< of one [bytes]
+    std::size_t size;   ///< size of one value [bytes]
     std::size_t count;
     const void* data;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For the files that call HDF5 themselves.
+// This header is for the files that call HDF5 themselves.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct DatasetSize {
 /// are made when missing. @returns identifier, to be closed; negative: hdf5_cause() says why
 hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const DatasetSize& size);
 
-/// The same for one text of so many bytes.
+/// As above, for one text of so many bytes.
 hid_t new_text(hid_t file, const std::string& name, std::size_t length);
 
 }  // namespace gabion

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For the files that call HDF5 themselves.
+// This header is for the files that call HDF5 themselves.
 #pragma once
 
 #include <hdf5.h>

@@ -50,7 +50,7 @@ constexpr hsize_t largest_compression = 1032;
 struct Room {
   hid_t memory_type;
   int type_class;
-  std::size_t bytes;  // of a value
+  std::size_t bytes;  // size of a value
 };
 Room room_of(const double*) {
   return {H5T_NATIVE_DOUBLE, H5T_FLOAT, sizeof(double)};

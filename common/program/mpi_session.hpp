@@ -48,7 +48,7 @@ class MpiSession {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
-  std::vector<std::string> programs_;  // of each rank of the world
+  std::vector<std::string> programs_;  // program of each rank of the world
 };
 
 }  // namespace gabion

@@ -13,12 +13,12 @@ namespace gabion {
 struct ProgramOptions {
   std::string scene;                   ///< folder
   std::string output;                  ///< folder of results
-  std::string restart;                 ///< results of the run to go on with; empty: from time 0
+  std::string restart;                 ///< results of the run to continue; empty: from time 0
   std::vector<std::string> overrides;  ///< "FILE:/json/pointer=VALUE", for Scene
   std::string log_level = "info";      ///< error, warn, info or debug
   bool check = false;                  ///< read and cross-check the scene, then end
   std::string coupler;   ///< endpoint: solvers connect to it, the coupler binds it; empty = by MPI
-  std::string name;      ///< of this participant, such as "soil"
+  std::string name;      ///< name of this participant, such as "soil"
   std::string key_file;  ///< solvers: own secret key, when the coupler asks for keys
   std::string coupler_key_file;    ///< solvers: the coupler's public key
   std::string make_keys;           ///< coupler: write a new pair of keys to this file, then end
@@ -27,7 +27,7 @@ struct ProgramOptions {
   bool list_participants = false;  ///< coupler: print who takes part and how, then end
   std::string check_participant;   ///< coupler: drive this participant through a check, then end
   std::string write_matrices;      ///< fem_solver: write the structure as matrices there, then end
-  double amplitude = 0;            ///< of that check's values [N or m]; 0 = not given
+  double amplitude = 0;            ///< size of that check's values [N or m]; 0 = not given
 };
 
 /// Frame of a program: options, log, MPI, and errors as exit codes.

@@ -9,12 +9,12 @@ namespace gabion {
 /// What the others of this project know about one program of it.
 struct ProgramEntry {
   std::string name;          ///< "mpm_solver"
-  std::string prefix;        ///< of its log lines: "mpm"
+  std::string prefix;        ///< prefix of its log lines: "mpm"
   std::string participant;   ///< its name, in coupler.json too, unless --name says another: "soil"
   std::string about;         ///< first line of --help
-  std::string file;          ///< of the scene: "mpm.json"
-  std::string folder;        ///< of its frames below the results; empty: writes none
-  bool sends_force = false;  ///< and receives displacement; else the other way round
+  std::string file;          ///< its file in the scene: "mpm.json"
+  std::string folder;        ///< folder of its frames below the results; empty: writes none
+  bool sends_force = false;  ///< and receives displacement; else the reverse
 };
 
 /// The one list of them.

@@ -13,8 +13,8 @@ namespace gabion {
 /// Where the calls of one kind to a solver in another process were.
 struct CallTimes {
   std::int64_t count = 0;
-  double seconds = 0;       ///< as the caller waited, messages included
-  double busy_seconds = 0;  ///< as the solver computed, by its own clock
+  double seconds = 0;       ///< time that the caller waited, messages included
+  double busy_seconds = 0;  ///< time that the solver computed, by its own clock
 };
 
 /// A solver that computes while its caller does something else, such as one of another process.
@@ -22,7 +22,7 @@ class AsynchronousSolver : public Solver {
  public:
   /// Begin solve_step; nothing else may be asked before finish_solve.
   virtual void start_solve(const StepRequest& request, const InterfaceValues& received) = 0;
-  /// Wait for the solution. @throws ConvergenceError  as solve_step; nothing is under way then
+  /// Wait for the solution. @throws ConvergenceError  as solve_step; no request is open then
   virtual StepReport finish_solve(InterfaceValues& sent) = 0;
   /// Begin accept_step; before finish_accept only start_next may be called.
   virtual void start_accept(const StepRequest& request, bool solved) = 0;

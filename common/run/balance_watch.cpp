@@ -12,15 +12,15 @@ namespace gabion {
 
 namespace {
 
-/// From this share of what went around on a balance is not closed; scripts/plotting/verdict.py has
-/// the same.
+/// A balance is not closed from this share of what was exchanged on; scripts/plotting/verdict.py
+/// has the same limit.
 constexpr double open_share = 1e-2;
 
 constexpr double round_off = 1e-9;
 
-// Cuts of the step size are normal; from these on somebody should ask why.
+// Cuts of the step size are normal; from this number on they deserve a warning.
 constexpr int many_cuts = 10;
-constexpr double often = 0.1;  // of the steps
+constexpr double often = 0.1;  // share of the steps
 
 /// The participant's name, in quotes, of the prefix "soil."; without coupler a word for it.
 std::string name_of(const std::string& owner, const char* alone) {
@@ -68,7 +68,7 @@ double BalanceWatch::largest(const std::string& owner,
   return result;
 }
 
-/// Those with this column: "soil.", or "" of a run without coupler.
+/// Prefixes of the columns with this name: "soil.", or "" in a run without coupler.
 std::vector<std::string> BalanceWatch::owners(const std::string& name) const {
   std::vector<std::string> result;
   for (const auto& [full, values] : columns_) {

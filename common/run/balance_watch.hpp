@@ -16,7 +16,7 @@ class BalanceWatch {
  public:
   /// Names of the columns of probes.csv: PARTICIPANT.COLUMN, or COLUMN of a run without coupler.
   void start(const std::vector<std::string>& probe_names);
-  /// The values at time 0, or of the first step of a run that goes on, and of each accepted step.
+  /// The values at time 0, or of the first step of a continued run, and of each accepted step.
   void add(std::span<const double> probes);
   /// Work of the interfaces in an accepted step [J].
   /// @param made  of soil and structure together
@@ -39,7 +39,7 @@ class BalanceWatch {
   void judge_soil(const std::string& owner, std::vector<std::string>& faults) const;
   void judge_structure(const std::string& owner, std::vector<std::string>& faults) const;
 
-  std::vector<std::string> names_;  // of all columns
+  std::vector<std::string> names_;  // names of all columns
   std::map<std::string, Column> columns_;
   std::int64_t rows_ = 0, cuts_ = 0;
   double soil_work_ = 0, most_soil_work_ = 0, made_work_ = 0;

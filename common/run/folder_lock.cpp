@@ -45,7 +45,7 @@ std::vector<fs::path> lock_files(const fs::path& folder) {
   return files;
 }
 
-/// Whether the file names somebody. Text that is not a signature comes from a write cut short.
+/// Whether the file names an owner. Text that is not a signature comes from a write cut short.
 bool read_owner(const fs::path& file, LockOwner& owner) {
   std::ifstream in(file);
   const Json text = Json::parse(in, nullptr, /*allow_exceptions=*/false);

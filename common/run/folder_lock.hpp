@@ -15,7 +15,7 @@ struct LockOwner {
   std::string program;
   ProcessIdentity process;
   std::string since;  ///< UTC
-  std::string file;   ///< that says so
+  std::string file;   ///< file that says so
 };
 
 /// Owners that the lock files of a folder and of the folders in it name, but for those that are
@@ -47,7 +47,7 @@ class FolderLock {
 
   /// Name this process as the owner. @throws Error  the file cannot be written
   void sign(const std::string& program);
-  /// From `alone` to `beside`. @throws ConfigError  somebody else was faster
+  /// Change the lock from `alone` to `beside`. @throws ConfigError  somebody else was faster
   void share();
 
  private:

@@ -6,7 +6,7 @@
 
 namespace gabion {
 
-/// Of two lists of a saved state that belong together: so many values for each of so many things.
+/// Check two lists of a saved state that belong together: `each` values for each of `count` things.
 /// @throws Error  there are more or fewer
 void require_values_each(const std::string& name, std::size_t num_values, std::size_t count,
                          std::size_t each);

@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// What a time loop does about checkpoints: it goes on from one, and writes them when due, at a
+/// What a time loop does about checkpoints: it continues from one, and writes them when due, at a
 /// signal and at the end.
 /// @note  Collective where the loop is.
 class LoopCheckpoints {
@@ -29,14 +29,14 @@ class LoopCheckpoints {
   /// @returns false  the run starts at time 0
   /// @throws ConfigError  the checkpoint is not before the end
   bool go_on();
-  /// While a step is being accepted: whether after_step is likely to write one.
+  /// Whether after_step is likely to write one; asked while a step is being accepted.
   bool is_likely() const { return keeper_ != nullptr && keeper_->is_due(steps_.step()); }
   /// Call after each accepted step.
   /// @throws Interrupted  the keeper has got a signal; after a checkpoint
   void after_step();
   void at_end();
 
-  /// "steps" of this run, and "restart" where it goes on from a checkpoint.
+  /// "steps" of this run, and "restart" where it continues from a checkpoint.
   Json summary() const;
 
  private:
@@ -47,8 +47,8 @@ class LoopCheckpoints {
   const TimeSteps& steps_;
   std::function<void(StateVisitor&)> visit_state_;
   PhaseTimes& phases_;
-  std::int64_t first_step_ = 1;  // of this run
-  std::int64_t saved_ = 0;       // step under way at the last checkpoint
+  std::int64_t first_step_ = 1;  // first step of this run
+  std::int64_t saved_ = 0;       // current step at the last checkpoint
 };
 
 }  // namespace gabion

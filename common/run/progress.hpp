@@ -33,7 +33,7 @@ class Progress {
   bool terminal_;
   bool line_open_ = false;
   double last_shown_ = 0;     // [s] wall
-  double last_fraction_ = 0;  // of the simulated time
+  double last_fraction_ = 0;  // share of the simulated time
   Stopwatch watch_;
 };
 

@@ -31,7 +31,7 @@ bool is_one_of(const std::string& name, const Names& allowed) {
       allowed, [&](const std::regex& pattern) { return std::regex_match(name, pattern); });
 }
 
-/// In the folder itself: by coupler, solvers that run alone, scripts.
+/// Whether the coupler, a solver that runs alone or a script wrote it, in the folder itself.
 bool is_of_run(const std::string& name) {
   static const Names written =
       names({R"(\.gabion_results)", R"(\.gabion_lock\w*)", R"((steps|iterations|probes)\.csv)",
@@ -40,7 +40,7 @@ bool is_of_run(const std::string& name) {
   return is_one_of(name, written);
 }
 
-/// In the folder of a participant: by the solvers and by the programs in structures/.
+/// Whether a solver or a program in structures/ wrote it, in the folder of a participant.
 bool is_of_participant(const std::string& name) {
   static const Names written = names(
       {R"(\.gabion_lock)", R"(resolved_config\.json(\.part)?)",

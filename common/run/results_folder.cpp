@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* marker_name = ".gabion_results";
 constexpr const char* lock_prefix = ".gabion_lock";
-constexpr int most_links = 40;  // in one another, as the system allows
+constexpr int most_links = 40;  // links to links, as many as the system allows
 
 std::string first_line(const fs::path& path) {
   std::ifstream in(path);

@@ -14,13 +14,13 @@ struct RunPoint {
   double time = 0;        ///< [s]
 };
 
-/// Where a run starts that goes on from a checkpoint.
+/// Where a run starts that continues from a checkpoint.
 struct RestartPoint {
-  std::string path;  ///< of the checkpoint, as the user gave it
+  std::string path;  ///< path of the checkpoint, as the user gave it
   RunPoint point;
-  State run;  ///< of the time loop
+  State run;  ///< state of the time loop
 
-  /// For summary.json.
+  /// Entry for summary.json.
   Json summary() const { return {{"from", path}, {"step", point.step}, {"time", point.time}}; }
 };
 
@@ -33,7 +33,7 @@ class RunKeeper {
   virtual const RestartPoint* start() const = 0;
   /// Whether a checkpoint is due after this many accepted steps. Asking counts as writing.
   virtual bool due(std::int64_t step) = 0;
-  /// The same without asking, as this rank sees it.
+  /// As above without asking the other ranks, as this rank sees it.
   virtual bool is_due(std::int64_t step) const = 0;
   /// Write a checkpoint of the accepted state: that of the solvers and `run`, of the loop.
   /// @throws Error  it could not be written; the last one is still there

@@ -25,7 +25,7 @@ class RunRecord {
  public:
   /// @param folder  created with its parents
   /// @param kind    who writes here: "coupler", "mpm_solver", "fem_solver"
-  /// @param writes  false on all ranks but the first: nothing is touched, tables ignore their rows
+  /// @param writes  false on all ranks but the first: nothing is written, tables ignore their rows
   /// @throws ConfigError  the folder is in use, holds something else, or results of another kind
   /// @note  Other ranks may use the folder only after the first one has constructed its record.
   RunRecord(const std::string& folder, const std::string& kind, bool writes = true);
@@ -64,7 +64,7 @@ class OutputClock {
   /// Whether the state accepted at `time` is to be written; true at time 0. Asking counts as
   /// writing: the next answer concerns the next multiple.
   bool due(double time);
-  /// The same without asking.
+  /// As above without asking.
   bool is_due(double time) const { return multiples(time) >= static_cast<double>(next_); }
 
  private:

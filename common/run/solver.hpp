@@ -24,13 +24,13 @@ using ForceKinds = std::map<std::string, ForceKind>;
 
 /// The surface of a solver through which it is coupled, in its reference configuration.
 struct InterfaceMesh {
-  std::string name;                 ///< of the interface, such as "wall"; equal on both sides
-  int dim = 0;                      ///< 2 or 3
+  std::string name;  ///< name of the interface, such as "wall"; equal in both solvers
+  int dim = 0;       ///< 2 or 3
   std::vector<double> coordinates;  ///< [m], num_vertices x dim, row-major
   int vertices_per_facet = 0;       ///< 2 (segments), 3 or 4; 0 for bare points
   std::vector<std::int64_t>
       facets;  ///< num_facets x vertices_per_facet; normals point out of the structure
-  ForceKind force_kind = ForceKind::end_of_step;  ///< of the forces that the solver sends, if any
+  ForceKind force_kind = ForceKind::end_of_step;  ///< kind of the forces that are sent, if any
   std::int64_t num_vertices() const { return static_cast<std::int64_t>(coordinates.size()) / dim; }
 };
 
@@ -42,7 +42,7 @@ using InterfaceValues = std::map<std::string, std::vector<double>>;
 /// One solution of one step: from the accepted state at `time` to `time + dt`.
 struct StepRequest {
   std::int64_t step = 0;  ///< 1, 2, 3, ...
-  int iteration = 0;      ///< of the coupling, 0 = first solution of this step
+  int iteration = 0;      ///< coupling iteration, 0 = first solution of this step
   double time = 0;        ///< [s] of the accepted state
   double dt = 0;          ///< [s]
 };
@@ -93,7 +93,7 @@ class Solver {
                                 InterfaceValues& sent) = 0;
 
   /// Make the last solution the accepted state. When the coupler skipped this solver in this step
-  /// (`solved` false), only time goes on.
+  /// (`solved` false), only time advances.
   virtual AcceptReport accept_step(const StepRequest& request, bool solved) = 0;
 
   /// Forget the last solution.
@@ -112,7 +112,7 @@ class Solver {
   /// @note  Solvers on several ranks: the part of this rank.
   virtual State save_state() { throw Error("this solver does not save its state"); }
 
-  /// The same, but written to a file where the solver can do that: State::file is `path` then.
+  /// As above, but written to a file where the solver can do that: State::file is `path` then.
   /// @param path  of a file that is not there, in a folder that is
   virtual State save_state_to(const std::string&) { return save_state(); }
 

@@ -18,7 +18,8 @@ struct State {
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> integers;
   std::set<std::string> lists;  ///< arrays that have any length, another one on each rank
-  /// Not empty: all of it is in this file, which the solver wrote itself (Solver::save_state_to).
+  /// File with the whole state, which the solver wrote itself (Solver::save_state_to); empty where
+  /// the state is in the members above.
   std::string file;
 };
 
@@ -28,7 +29,7 @@ class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
 
-  /// As many values as the object has already.
+  /// Visits as many values as the object has already.
   /// @throws Error  taking: there are none of this name, or another number of them
   virtual void reals(const std::string& name, std::span<double> values) = 0;
   virtual void integers(const std::string& name, std::span<std::int64_t> values) = 0;

@@ -18,7 +18,7 @@ struct TimeSettings {
   double dt_max = 0;  ///< [s] >= dt, largest step; 0: dt
 };
 KeyTable time_keys();
-KeyTable output_keys();  ///< of "output"
+KeyTable output_keys();  ///< keys of "output"
 TimeSettings read_time_settings(ConfigReader in);
 
 /// Step sizes dt / 2^level, with negative levels up to dt_max. Time is counted in whole multiples
@@ -29,9 +29,9 @@ class TimeSteps {
   explicit TimeSteps(const TimeSettings& settings);
 
   bool finished() const;
-  std::int64_t step() const { return step_; }  ///< number of the step under way, from 1
+  std::int64_t step() const { return step_; }  ///< number of the current step, from 1
   double time() const;                         ///< [s] of the accepted state
-  double dt() const;  ///< [s] of the step under way; the last one ends at `end`
+  double dt() const;  ///< size of the current step [s]; the last one ends at `end`
   /// The step was accepted. After 4 accepted steps of one size dt doubles where dt_max and the
   /// raster allow it: steps of 2 dt start at multiples of 2 dt.
   /// @param proposed_dt  [s] wish of the solvers, 0 = none: the next step is the largest of the
@@ -61,7 +61,7 @@ class TimeSteps {
   double raster_time() const;
 
   TimeSettings settings_;
-  int min_level_ = 0;  // of the largest step, <= 0
+  int min_level_ = 0;  // level of the largest step, <= 0
   double origin_ = 0;  // [s] start of the raster: 0, or the end of the run that this one extends
   int max_level_ = 0;
   std::int64_t end_ticks_ = 0;  // rounded up: the last tick is shorter when `end` is off the raster

@@ -47,7 +47,7 @@ class ConfigReader {
   /// Each row of length `width`.
   std::vector<std::vector<double>> rows(const std::string& key, int width);
 
-  // The same with what other settings narrow.
+  // As above, but other settings narrow the range or the set of words.
   double number(const std::string& key, const Range& range);
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);
 

@@ -11,7 +11,7 @@ namespace gabion {
 /// @param file  its name, such as "mpm.json"
 std::string keys_as_markdown(const KeyTable& root, const std::string& file);
 
-/// The same as a JSON Schema, draft 7: for editors, and for other programs that write the file.
+/// The keys as a JSON Schema, draft 7: for editors, and for other programs that write the file.
 /// Rules between keys of different objects are the programs' alone.
 Json keys_as_schema(const KeyTable& root, const std::string& file);
 

@@ -73,7 +73,7 @@ std::string word_before(const std::string& text, std::size_t end) {
   return text.substr(first, text.find_first_of(" \t\r\n}],:", first) - first);
 }
 
-/// Of the words after "syntax error while parsing … - ".
+/// Rewords what stands after "syntax error while parsing … - ".
 std::string found_and_allowed(const std::string& words, const std::string& text, std::size_t at) {
   const std::string expected = between(words, "; expected ", "");
   const std::string unexpected = between(words, "unexpected ", "; expected ");

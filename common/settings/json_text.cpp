@@ -84,7 +84,7 @@ class ParseWatch {
   }
 
   const std::string& source_;
-  std::vector<Level> levels_;  // from the top object to the place
+  std::vector<Level> levels_;  // levels from the top object to the place
 };
 
 }  // namespace

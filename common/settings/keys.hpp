@@ -29,7 +29,7 @@ Range non_negative();
 Range between(double low, double high);  ///< both ends allowed
 Range inside(double low, double high);   ///< both ends excluded
 Range at_least(double low);
-/// The same interval under other words.
+/// The interval as above, described in other words.
 Range in_words(Range range, const std::string& allowed);
 
 enum class KeyType {
@@ -43,7 +43,7 @@ enum class KeyType {
   integers,
   texts,
   rows,     ///< list of lists of numbers
-  object,   ///< of a table
+  object,   ///< an object with a table of keys
   objects,  ///< list of them
   named_objects
 };
@@ -77,16 +77,16 @@ struct Key {
   std::string sentence;
   Range range = any_number();      ///< numbers, also those of lists
   std::vector<std::string> words;  ///< choices, also those of texts
-  std::size_t min_size = 0;        ///< of lists
-  std::size_t min_width = 0;       ///< of vectors, integers and rows
-  std::size_t max_width = 0;       ///< of the same
+  std::size_t min_size = 0;        ///< fewest entries of a list
+  std::size_t min_width = 0;       ///< smallest width of vectors, integers and rows
+  std::size_t max_width = 0;       ///< largest width of these
   bool nullable = false;           ///< null is allowed and means none
   Absence absence = Absence::refused;
-  Json fallback;                      ///< of a vector: of each component
+  Json fallback;                      ///< default; of a vector: of each component
   std::string computed;               ///< words for the default
   std::vector<Condition> conditions;  ///< all of them have to hold
   std::string circumstances;          ///< conditions outside the object, in words; only code tests
-  std::shared_ptr<const KeyTable> table;  ///< of objects
+  std::shared_ptr<const KeyTable> table;  ///< keys of objects
 
   Key in(const Range& allowed) const;
   Key or_else(const Json& value) const;
@@ -98,7 +98,7 @@ struct Key {
   Key when(const std::string& other, const std::vector<std::string>& its_words) const;
   Key with(const std::string& other) const;
   Key without(const std::string& other) const;
-  Key among(const std::vector<std::string>& allowed) const;  ///< of texts
+  Key among(const std::vector<std::string>& allowed) const;  ///< allowed texts
   Key only(const std::string& in_words) const;               ///< sets `circumstances`
   Key not_empty(std::size_t size = 1) const;
   Key wide(std::size_t low, std::size_t high) const;

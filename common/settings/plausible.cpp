@@ -17,7 +17,7 @@ namespace {
 
 struct OtherUnit {
   const char* name;
-  double factor;  // from it to the unit of the key
+  double factor;  // factor from it to the unit of the key
 };
 
 /// Plausible values of a key: from `low` to `high`, of a vector its length.

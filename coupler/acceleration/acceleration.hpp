@@ -18,7 +18,7 @@ struct AccelerationSettings {
   double relaxation = 0.5;      ///< omega in (0, 2]: constant factor, or the very first step
   Filter filter;                ///< which columns are dropped as dependent
   int history = 2;              ///< accepted steps whose columns are kept, >= 0
-  int max_columns = 200;        ///< of all steps together, >= 1
+  int max_columns = 200;        ///< columns kept of all steps together, >= 1
   double damping = 1;           ///< beta in (0, 1], factor of the residual that no column covers
 };
 KeyTable acceleration_keys();
@@ -27,10 +27,10 @@ AccelerationSettings read_acceleration_settings(ConfigReader in);
 /// What the last `next` did, for the log.
 struct AccelerationCounters {
   double omega = 0;            ///< relaxation used; 0 when columns decided
-  int columns = 0;             ///< in use
+  int columns = 0;             ///< number of columns in use
   int dropped_by_filter = 0;   ///< columns, in this call, as the next two
   int dropped_by_limit = 0;    ///< because there were more than max_columns
-  int dropped_by_contact = 0;  ///< by a reset before the call, because they would mislead
+  int dropped_by_contact = 0;  ///< columns dropped before the call, because they would mislead
   bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };
 
@@ -54,7 +54,7 @@ class Acceleration {
   /// From now on x and x_tilde come multiplied by these factors: do the same to all that is kept.
   virtual void rescale(const Eigen::VectorXd& ratio) = 0;
   virtual AccelerationCounters counters() const = 0;
-  /// Save or load what was learned from accepted steps. @pre no step is under way
+  /// Save or load what was learned from accepted steps. @pre no step is open
   virtual void visit_state(StateVisitor& visitor) = 0;
 };
 

@@ -57,7 +57,7 @@ Filter read_filter(ConfigReader& in) {
 
 namespace {
 
-constexpr double round_off = 1e-13;  // of a column's length
+constexpr double round_off = 1e-13;  // share of a column's length that counts as rounding
 
 double limit_of_length(const Filter& filter) {
   return filter.kind == FilterKind::qr2 || filter.kind == FilterKind::qr3 ? filter.limit : 0;

@@ -96,7 +96,7 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
 // displacement pushes against it, as between soil and structure.
 Eigen::VectorXd QuasiNewton::shortened(const Eigen::VectorXd& x,
                                        const Eigen::VectorXd& next_x) const {
-  constexpr double longest = 2;  // of an update, over the residual
+  constexpr double longest = 2;  // length of an update over that of the residual, at most
   const Eigen::VectorXd update = next_x - x;
   const double share = longest * r_last_.norm() / update.norm();
   return share < 1 ? Eigen::VectorXd(x + share * update) : next_x;

@@ -13,17 +13,17 @@ namespace gabion {
 
 /// Differences of two successive iterations of one step.
 struct Secant {
-  Eigen::VectorXd s;      ///< of r: coordinates in the basis; the basis may have grown since
-  Eigen::VectorXd w;      ///< of x_tilde
+  Eigen::VectorXd s;      ///< difference of r: coordinates in the basis, which may have grown
+  Eigen::VectorXd w;      ///< difference of x_tilde
   std::int64_t step = 0;  ///< counts the steps that had secants
-  bool dropped = false;   ///< in the step under way; for good once that is accepted
+  bool dropped = false;   ///< in the current step; for good once that is accepted
 };
 
 /// Notices that the iterations of a step lead nowhere, and keeps their best pair.
 class ProgressWatch {
  public:
   static constexpr int patience = 5;     ///< iterations without a new smallest residual
-  static constexpr double growth = 100;  ///< of the residual over the smallest one
+  static constexpr double growth = 100;  ///< residual over the smallest one at which it gives up
 
   void begin_step();
   /// Take in the next pair. @returns whether the patience or the growth is used up
@@ -43,7 +43,7 @@ class ProgressWatch {
 ///     c  = argmin |V c + r|      over the columns of this and of earlier steps
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// Without any column x+ = x + omega r. Where contact has changed, columns of before mislead: no
+/// Without any column x+ = x + omega r. Where contact has changed, earlier columns mislead: no
 /// update is longer than twice the residual. This is IQN-ILS, and the multi-vector update that
 /// keeps what earlier steps found, N V_prev = W_prev: the two are the same
 /// (docs/theory/coupling.md, (C8)).
@@ -66,12 +66,13 @@ class QuasiNewton : public Acceleration {
  private:
   /// Take in the pair; t: coordinates of its residual.
   void add_pair(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde, Eigen::VectorXd& t);
-  /// Take the part of a residual that the columns cover out of it. Columns that do not pass the
+  /// Remove from a residual the part in the span of the columns. Columns that do not pass the
   /// filter are marked as dropped.
   /// @param[in,out] t  coordinates of r; becomes those of r + V c
   /// @param[out]    c  of each secant; not set where it is dropped
   void cover(Eigen::VectorXd& t, Eigen::VectorXd& c);
-  /// To the default filter, from the best pair, when the one of the settings leads nowhere.
+  /// Continue with the default filter from the best pair, when the filter of the settings makes no
+  /// progress.
   /// @returns false: it is the default already
   bool fall_back();
   void limit_columns();
@@ -81,16 +82,16 @@ class QuasiNewton : public Acceleration {
 
   AccelerationSettings settings_;
   AccelerationCounters counters_;
-  Filter filter_;  // in use
+  Filter filter_;  // filter in use
 
   ProgressWatch watch_;
   SecantBasis basis_;
   std::deque<Secant> secants_;  // newest first
-  // Of the secants in use, as long as only new ones come; every step begins without, so that a
-  // restarted run finds the same.
+  // Cached QR factorisation of the secants in use: extended while secants are only added, made anew
+  // otherwise. Each step begins without it, so that a restarted run gives the same bits.
   std::optional<FilteredLeastSquares> factored_;
   std::size_t num_factored_ = 0;  // secants, dropped ones too, when it was last brought up to date
-  Eigen::Index size_accepted_ = 0;  // of the basis when the step began
+  Eigen::Index size_accepted_ = 0;  // size of the basis when the step began
   std::int64_t step_ = 0;
   Eigen::VectorXd r_last_;  // empty before the first iteration of a step
   Eigen::VectorXd x_tilde_last_;

@@ -10,7 +10,7 @@ namespace gabion {
 
 /// An orthonormal basis of the space of the secants v = Q s. All least-squares problems over any of
 /// the secants, in any order, can be solved with the coordinates s alone; only a new secant and the
-/// end of a step touch vectors of interface length.
+/// end of a step work on vectors of interface length.
 class SecantBasis {
  public:
   Eigen::Index size() const { return static_cast<Eigen::Index>(q_.size()); }

@@ -12,7 +12,7 @@ using Rows = std::vector<const double*>;
 /// dots[k] += columns[k] . v
 void add_dots(const Rows& columns, const double* v, std::ptrdiff_t rows, double* dots);
 
-/// The same for two vectors at once: sums[k] += columns[k] . vector
+/// The sums of two vectors at once: sums[k] += columns[k] . vector
 struct Dots {
   const double* vector;
   double* sums;

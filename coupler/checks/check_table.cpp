@@ -80,7 +80,7 @@ bool all_passed(const std::vector<CheckRow>& rows) {
 }
 
 std::string row_text(const CheckRow& row) {
-  constexpr int width = 54;  // of the longest name of a check: rows are printed one by one
+  constexpr int width = 54;  // length of the longest name of a check: rows are printed one by one
   return fmt::format("{:<{}}  {:<9}{}{}\n", row.what, width, name_of(row.outcome),
                      row.found.empty() ? "" : "  ", printable(row.found));
 }

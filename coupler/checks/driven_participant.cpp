@@ -68,7 +68,7 @@ void DrivenParticipant::load(const State& state, const Place& place) {
   time_ = place.time;
 }
 
-/// As a run does that writes them into its table of steps.
+/// Checks the details of both reports as a run does that writes them into its table of steps.
 void DrivenParticipant::note_details(const Json& of_solution, const Json& of_acceptance) {
   Json details = Json::object();
   for (const Json* report : {&of_solution, &of_acceptance}) {

@@ -22,7 +22,7 @@ class DrivenParticipant {
   /// Tell a structure that asks for kinds of force that all of them are means of a step: the kind
   /// that needs the force of the step before, which then belongs to the accepted state.
   void tell_force_kinds();
-  /// The same ones in every check, others at every call.
+  /// The values are the same in every check, and others at every call.
   InterfaceValues random_values();
 
   InterfaceValues solve(const InterfaceValues& values, double part = 1);
@@ -48,7 +48,7 @@ class DrivenParticipant {
 
   std::int64_t step() const { return step_; }
   bool at_rest() const { return at_rest_; }                       ///< after the last step
-  const StepReport& last_report() const { return last_report_; }  ///< of the last solution
+  const StepReport& last_report() const { return last_report_; }  ///< report of the last solution
   /// Why the numbers of its reports would not fit into the table of steps; empty: they do.
   const std::string& details_problem() const { return details_problem_; }
 

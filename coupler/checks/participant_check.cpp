@@ -14,7 +14,7 @@ namespace gabion {
 namespace {
 
 constexpr int num_rejecting_steps = 5;
-constexpr double warm_start_tolerance = 1e-8;  // of the largest value
+constexpr double warm_start_tolerance = 1e-8;  // tolerance by the largest value
 
 /// A participant's trials, a row each.
 class ParticipantCheck {

@@ -39,8 +39,8 @@ struct CheckSettings {
 /// What is legal but mostly a mistake is a notice: an answer that depends neither on the values nor
 /// on dt, or is the same after an accepted step.
 ///
-/// A participant that is lost on the way ends the table with a row that says so, and in which
-/// check.
+/// A participant that is lost during the checks ends the table with a row that says so, and in
+/// which check.
 std::vector<CheckRow> check_participant(Solver& solver, const CheckSettings& settings);
 
 /// No row has failed.

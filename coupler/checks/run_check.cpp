@@ -71,7 +71,7 @@ void check_surfaces(const CouplerSettings& settings, const Solvers& solvers, con
 
 void log_size(const CouplerSettings& settings, const Solvers& solvers) {
   std::int64_t frame_bytes = 0;
-  std::string others;  // that do not say how large their frames are
+  std::string others;  // participants that do not say how large their frames are
   for (const auto& [name, solver] : solvers) {
     const Json summary = solver->summary();
     log::info("{}: {}", name, sizes_text(summary));

@@ -29,7 +29,7 @@ std::vector<std::string> check_files(const Scene& scene, const CouplerSettings& 
 std::set<std::string> participants_here(const CouplerSettings& settings,
                                         const std::vector<ProgramEntry>& files);
 
-/// Files that nobody reads, and participants that have to come from outside.
+/// Files that no program reads, and participants that have to come from outside.
 std::vector<std::string> check_attendance(const Scene& scene, const CouplerSettings& settings,
                                           const std::vector<ProgramEntry>& files);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double round_off =
-    4 * epsilon;  // of a field's values; a residual is a difference of them
+    4 * epsilon;  // rounding of a field's values; a residual is a difference of them
 
 /// @param absolute  sentence of that key
 KeyTable field_limits_keys(const std::string& name, const std::string& unit,
@@ -203,7 +203,7 @@ void Convergence::set_limits(double displacement_norm, double force_norm, int nu
 }
 
 Verdict Convergence::judge(const ConvergenceState& state) {
-  std::vector<double> shares;  // of the limits, one a field that has criteria and a residual
+  std::vector<double> shares;  // residual over limit of each field that has both
   bool complete = true;
   if (settings_.displacement.given()) {
     shares.push_back(share(state.displacement_residual, *state.displacement_limit));

@@ -15,9 +15,9 @@ enum class Combine { all, any };
 /// Criteria of one field; norms are root mean squares over its components.
 struct FieldLimits {
   std::optional<double> absolute;  ///< [m] or [N], > 0
-  std::optional<double> relative;  ///< of the field's norm, >= 1e-15
+  std::optional<double> relative;  ///< limit over the field's norm, >= 1e-15
   double floor = 0;                ///< [m] or [N], >= 0: the relative limit is not taken below this
-  std::optional<double> drop;      ///< of the first residual of the step, in (0, 1)
+  std::optional<double> drop;      ///< limit over the first residual of the step, in (0, 1)
 
   bool given() const { return absolute || relative || drop; }
   /// The residual that is allowed for a field of this norm: the smallest of the limits where all
@@ -69,7 +69,7 @@ class Convergence {
   /// Parallel scheme: residuals are x_tilde - x and force - force_given.
   ConvergenceState check(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
                          const Eigen::VectorXd& force_given, const Eigen::VectorXd& force);
-  /// For a step that is solved by one pass: only tests that everything is finite.
+  /// State of a step that is solved by one pass: tests only that everything is finite.
   static ConvergenceState one_pass(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde,
                                    const Eigen::VectorXd& force);
 
@@ -88,10 +88,10 @@ class Convergence {
   std::optional<double> first_displacement_;  // [m] residuals of this step
   std::optional<double> first_force_;         // [N]
   double reference_ = 0;                      // [m]
-  double smallest_ = 0;                       // of the residuals divided by their limits
+  double smallest_ = 0;                       // smallest residual over its limit
   bool complete_before_ = false;              // all residuals that have criteria were known
   int since_smallest_ = 0;
-  int checks_ = 0;  // of this step
+  int checks_ = 0;  // checks in this step
 };
 
 /// Root mean square over the components; 0 for an empty vector.

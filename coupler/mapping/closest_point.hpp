@@ -21,8 +21,8 @@ ClosestPoint closest_on_segment(const Eigen::Vector3d& p, const Eigen::Vector3d&
 ClosestPoint closest_on_triangle(const Eigen::Vector3d& p,
                                  const std::array<Eigen::Vector3d, 3>& corners);
 
-/// On the bilinear surface of four corners, which may be warped: Newton's method inside, segments
-/// on the border.
+/// Closest point on the bilinear surface of four corners, which may be warped: Newton's method
+/// inside, segments on the border.
 ClosestPoint closest_on_quad(const Eigen::Vector3d& p,
                              const std::array<Eigen::Vector3d, 4>& corners);
 

@@ -48,8 +48,8 @@ class InterfaceMap {
                const MappingSettings& settings);
 
   int dim() const { return dim_; }
-  Eigen::Index size() const { return size_; }            ///< of x and f
-  Eigen::Index soil_size() const { return soil_size_; }  ///< of u and f_soil
+  Eigen::Index size() const { return size_; }            ///< length of x and f
+  Eigen::Index soil_size() const { return soil_size_; }  ///< length of u and f_soil
   /// Where the interfaces of a participant stand in the vectors of its side.
   InterfaceLayout layout(const std::string& participant) const;
 
@@ -58,7 +58,7 @@ class InterfaceMap {
   Resultant soil_resultant(const Eigen::VectorXd& u, const Eigen::VectorXd& f_soil) const;
   Resultant structure_resultant(const Eigen::VectorXd& x, const Eigen::VectorXd& f) const;
 
-  /// On the structure at each interface, in the order of the settings; moments about its
+  /// Resultants on the structure at each interface, in the order of the settings; moments about its
   /// InterfaceSettings::moment_about, a place in space.
   std::vector<Resultant> structure_resultants(const Eigen::VectorXd& x,
                                               const Eigen::VectorXd& f) const;
@@ -78,9 +78,9 @@ class InterfaceMap {
     InterfaceMesh soil_mesh;
     InterfaceMesh structure_mesh;
     Mapping mapping;
-    Eigen::Index begin = 0;       // in x
-    Eigen::Index soil_begin = 0;  // in u
-    Eigen::VectorXd x_b = {};     // of this interface; empty: reference positions
+    Eigen::Index begin = 0;       // first place in x
+    Eigen::Index soil_begin = 0;  // first place in u
+    Eigen::VectorXd x_b = {};     // x at the last set-up; empty: reference positions
     Eigen::VectorXd u_b = {};
     double reach = 0;  // [m] that a vertex may move before the next set-up
     int num_set_ups = 1;

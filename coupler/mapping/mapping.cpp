@@ -22,7 +22,7 @@ std::string point_text(const Eigen::Vector3d& x, int dim) {
                   : fmt::format("({}, {}, {})", x(0), x(1), x(2));
 }
 
-/// Each soil facet must look the same way as the structure's facet under its centroid.
+/// Each soil facet must have the same orientation as the structure's facet under its centroid.
 void check_normals(const Surface& structure, const Surface& soil, const InterfaceMesh& mesh) {
   for (std::int64_t f = 0; f < soil.num_facets(); ++f) {
     const Eigen::Vector3d normal = soil.normal(f);

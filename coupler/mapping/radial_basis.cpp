@@ -60,7 +60,7 @@ class Cluster {
     return radial_function(kernel_, (a - b).norm() / unit_);
   }
 
-  // Of the linear polynomial, scaled to the cluster's extent.
+  // Terms of the linear polynomial, scaled to the cluster's extent.
   VectorXd terms(const Vector3d& x) const {
     VectorXd values(num_terms());
     values(0) = 1;
@@ -100,12 +100,12 @@ class Cluster {
   Kernel kernel_;
   Vector3d centre_;
   double radius_ = 0;
-  double unit_ = 0;  // of the arguments of phi [m]
+  double unit_ = 0;  // unit of length of the arguments of phi [m]
   std::vector<std::int64_t> vertices_;
   std::vector<Vector3d> x_;
   bool distinct_ = true;  // no vertex stands twice
   Vector3d mean_ = Vector3d::Zero();
-  Eigen::Matrix3Xd axes_;  // of the polynomial, one over the extent long
+  Eigen::Matrix3Xd axes_;  // axes of the polynomial, each of length one over the extent
   Eigen::PartialPivLU<MatrixXd> lu_;
 };
 

@@ -137,7 +137,7 @@ Vector3 Surface::normal(std::int64_t facet) const {
     const Vector3 along = vertex(v[1]) - vertex(v[0]);
     return Vector3(along(1), -along(0), 0) / along.norm();
   }
-  // Of a quad the diagonals, of a triangle two edges.
+  // The normal follows from the diagonals of a quad, from two edges of a triangle.
   const bool quad = mesh_.vertices_per_facet == 4;
   const Vector3 first = quad ? vertex(v[2]) - vertex(v[0]) : vertex(v[1]) - vertex(v[0]);
   const Vector3 second = quad ? vertex(v[3]) - vertex(v[1]) : vertex(v[2]) - vertex(v[0]);

@@ -31,7 +31,7 @@ class Surface {
   Surface(Surface&&) = delete;
   Surface& operator=(Surface&&) = delete;
 
-  const std::string& name() const { return mesh_.name; }  ///< of the interface
+  const std::string& name() const { return mesh_.name; }  ///< name of the interface
   std::int64_t num_vertices() const { return mesh_.num_vertices(); }
   bool has_facets() const { return !mesh_.facets.empty(); }
   std::int64_t num_facets() const;

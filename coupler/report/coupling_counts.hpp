@@ -23,12 +23,13 @@ struct CouplingCounts {
   std::int64_t accepted_in_contact = 0;
   int max = 0;                            ///< iterations of one accepted solution
   std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
-  std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
+  std::int64_t skipped_structure = 0;     ///< steps among these that did not solve a structure
   std::int64_t accepted_unconverged = 0;
-  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns: contact changed, or dt fell
+  std::int64_t history_resets =
+      0;  ///< of quasi-Newton columns: contact had changed, or dt had fallen
   std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
   std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
-  std::int64_t called_off = 0;        ///< of these, steps that came otherwise
+  std::int64_t called_off = 0;        ///< steps among these that came otherwise
 
   void add_step(int iterations, Skipped skipped) {
     ++steps;

@@ -18,7 +18,7 @@ namespace gabion {
 struct IterationRow {
   StepRequest request = {};
   ConvergenceState state = {};
-  AccelerationCounters acceleration = {};  ///< of the call that made x; zeros for a predicted x
+  AccelerationCounters acceleration = {};  ///< call that made x; zeros for a predicted x
   Resultant soil = {};
   Resultant structure = {};
   int soil_newton = 0;
@@ -32,7 +32,7 @@ struct IterationRow {
 struct StepRow {
   IterationRow last = {};
   double time = 0;          ///< [s] of the accepted state
-  int iterations = 0;       ///< of the accepted solution
+  int iterations = 0;       ///< iterations of the accepted solution
   std::string status = {};  ///< converged, inactive, explicit, or why it was accepted all the same
   Skipped skipped = Skipped::nothing;
   int soil_newton = 0;  ///< all iterations of the accepted solution

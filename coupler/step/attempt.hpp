@@ -31,11 +31,11 @@ struct Attempt {
   Eigen::VectorXd x_tilde = {};  ///< [m] answered by the structures
 
   bool soils_asked = false;  ///< they solve already (Sides::start_next)
-  IterationRow row = {};     ///< of the last iteration
+  IterationRow row = {};     ///< row of the last iteration
   Outcome outcome = Outcome::iterating;
   Skipped skipped = Skipped::nothing;
   std::string reason = {};  ///< why the attempt failed, or a solver could not solve
-  int soil_newton = 0;      ///< of all iterations
+  int soil_newton = 0;      ///< Newton iterations of the soils, summed over all coupling iterations
   int structure_newton = 0;
 
   int iterations() const { return request.iteration + 1; }

@@ -84,7 +84,7 @@ Attempt CoupledStep::predict(const StepRequest& request) const {
   return now;
 }
 
-/// No residual is asked for: the scheme is explicit, or without contact the force is the same for
+/// No residual is needed: the scheme is explicit, or without contact the force is the same for
 /// every x.
 void CoupledStep::accept_one_pass(bool contact, Attempt& now) {
   now.outcome = contact ? Outcome::one_pass : Outcome::no_contact;

@@ -36,15 +36,15 @@ class CoupledStep {
   /// The sides accept this attempt. @param time  [s] at the end of the step
   void accept(const Attempt& done, double time);
   void reject() { acceleration_->discard_step(); }
-  /// After accept, while the soils accept: start the soils on the next step, which is likely to be
-  /// this one. @pre  sides.take_next_step()
-  /// @param proposed  the step sizes by whose proposal it is
+  /// Start the soils on the next step, which is likely to be this one, while they still accept the
+  /// last. Call it after accept. @pre  sides.take_next_step()
+  /// @param proposed  range of proposed step sizes for which this request stays valid
   void start_next(const StepRequest& request, const DtRange& proposed);
   /// When the sides have accepted. @param request  the next step as it is
   void settle_next(const StepRequest& request);
-  /// Nothing is under way then.
+  /// No request is open then.
   void call_off_next();
-  /// At time 0: no displacement, no force.
+  /// Start at time 0 without displacement and force.
   void start_at_rest();
 
   /// [s] wall time of the acceleration since the last call.
@@ -75,9 +75,9 @@ class CoupledStep {
   Predictor predictor_;
   Convergence convergence_;
   ContactWatch contact_;
-  std::optional<Attempt> next_;  // that start_next began
+  std::optional<Attempt> next_;  // attempt that start_next began
   double columns_dt_ = 0;        // [s] of the newest step whose columns are kept
-  int forgotten_columns_ = 0;    // by the last reset, until the next call of `next`
+  int forgotten_columns_ = 0;    // dropped by the last reset, until the next call of `next`
   bool warned_round_off_ = false;
   double acceleration_seconds_ = 0;
 };

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// A participant and what became of it in the step under way. It takes its share of the vectors of
+/// A participant and its state in the current step. It takes its share of the vectors of
 /// its side, and puts its answers in their place.
 ///
 ///     begin_step, (begin_solution, solution, ..., reject)*, begin_solution, solution, ...,
@@ -31,7 +31,7 @@ class Side {
   void start_solve(const StepRequest& request, const Eigen::VectorXd& given);
   bool is_under_way() const { return under_way_.has_value(); }
   /// @param[in,out] answer  of all interfaces of this side: this participant's share is set
-  /// @throws ConvergenceError  the solver could not solve; nothing is under way then
+  /// @throws ConvergenceError  the solver could not solve; no request is open then
   void finish_solve(Eigen::VectorXd& answer);
   /// The solver is not asked in this iteration.
   void skip();
@@ -43,18 +43,18 @@ class Side {
   void reject();
 
   bool takes_next_step() const;
-  /// Between start_accept and finish_accept: as start_solve, of the next step, which the solver
-  /// leaves alone when it proposes another step size than these.
+  /// As start_solve, for the next step, which the solver does not solve when it proposes another
+  /// step size than these. Call it between start_accept and finish_accept.
   void start_next(const StepRequest& request, const Eigen::VectorXd& given,
                   const DtRange& proposed);
-  /// After finish_accept: whether it solves.
+  /// Whether the solver solves the next step; known after finish_accept.
   bool solves_next() const { return solves_next_; }
-  /// Nothing is under way then.
+  /// No request is open then.
   void call_off_next();
 
-  const StepReport& report() const { return report_; }  ///< of the last solution
-  bool solved() const { return solved_; }               ///< in the last iteration
-  /// After the last accepted step: at rest, and nothing was given to it but zeros.
+  const StepReport& report() const { return report_; }  ///< report of the last solution
+  bool solved() const { return solved_; }  ///< whether it was solved in the last iteration
+  /// Whether the solver was at rest after the last accepted step and was given nothing but zeros.
   bool may_sleep() const { return may_sleep_; }
 
   /// Add the numbers of the accepted step as "name.number": the solver's own ones,
@@ -68,7 +68,7 @@ class Side {
  private:
   class CallTimer;
   struct UnderWay {
-    StepRequest request;  // of a solver in this process, which solves in finish_solve
+    StepRequest request;  // request for a solver in this process, which solves in finish_solve
     InterfaceValues received;
     Stopwatch watch;
     DtRange proposed = {};  // on which it depends
@@ -86,8 +86,8 @@ class Side {
   bool solves_next_ = false;
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;
-  double call_seconds_ = 0;  // of waiting in all calls since the step began, rejected tries too
-  double busy_seconds_ = 0;  // in which the solver computed, also while the coupler did not wait
+  double call_seconds_ = 0;  // time waited in all calls since the step began, rejected tries too
+  double busy_seconds_ = 0;  // time the solver computed, also while nobody waited
 };
 
 }  // namespace gabion

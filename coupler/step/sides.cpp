@@ -185,7 +185,7 @@ void Sides::finish_soils(Attempt& now, const Stopwatch& since) {
 }
 
 void Sides::finish_structures(Attempt& now, const Stopwatch& since) {
-  now.x_tilde = accepted_x_;  // of structures that are not solved
+  now.x_tilde = accepted_x_;  // the value for structures that are not solved
   now.row.structure_newton = finish_all(structures_, now.x_tilde);
   now.structure_newton += now.row.structure_newton;
   now.row.structure_seconds = since.seconds();

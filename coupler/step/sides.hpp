@@ -51,7 +51,7 @@ class Sides {
   const InterfaceMap& map() const { return *map_; }
   const Eigen::VectorXd& accepted_x() const { return accepted_x_; }
   std::vector<StepReport> soil_reports() const;
-  bool all_structures_solved() const;  ///< in the last iteration
+  bool all_structures_solved() const;  ///< whether all were solved in the last iteration
   /// Whether any soil may answer another force to another x.
   /// @throws Error  a force comes from soils that say they are not active
   bool contact_possible(const Attempt& now) const;
@@ -60,7 +60,7 @@ class Sides {
   void begin_solution();
   void start_soils(Attempt& now);
   void start_structures(Attempt& now, bool may_sleep);
-  /// Take all answers, also when a solver failed: nothing is under way then.
+  /// Take all answers, also when a solver failed: no request is open then.
   /// @param since  the side's wall time runs from here on
   /// @throws ConvergenceError  the first failure
   void finish_soils(Attempt& now, const Stopwatch& since);
@@ -77,10 +77,10 @@ class Sides {
 
   /// Whether start_next may be called.
   bool take_next_step() const;
-  /// Before finish_soils_accept: start the soils on the next step, if they propose one of these
-  /// step sizes. The attempt may be finished as any other one.
+  /// Start the soils on the next step, if they propose one of these step sizes. Call it before
+  /// finish_soils_accept; the attempt may be finished as any other one.
   void start_next(Attempt& now, const DtRange& proposed);
-  /// After finish_soils_accept: whether all soils solve it.
+  /// Whether all soils solve the next step; known after finish_soils_accept.
   bool solve_next() const;
   void call_off_next();
   void reject();
@@ -98,7 +98,7 @@ class Sides {
   std::vector<Side> soils_;
   std::vector<Side> structures_;
   std::unique_ptr<InterfaceMap> map_;
-  std::map<std::string, ForceKinds> force_kinds_;  // of what each participant sends or receives
+  std::map<std::string, ForceKinds> force_kinds_;  // those each participant sends or receives
   Json surfaces_ = Json::object();                 // participant -> interface -> hash of its mesh
   Eigen::VectorXd accepted_x_;
   PhaseTimes& phases_;

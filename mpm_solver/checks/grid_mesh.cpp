@@ -45,7 +45,7 @@ void check_grid_mesh(const ConfigReader& in, const BackgroundGrid<dim>& grid,
                         unjoined_text(connection), how_to_join));
   }
   if (connection.parts.size() > 1 && connection.unjoined.empty()) {
-    log::warn("{}: found {} parts that do not touch, the second one {}", in.where("grid"),
+    log::warn("{}: found {} parts that are not connected, the second one {}", in.where("grid"),
               connection.parts.size(), text_of(connection.parts[1]));
   }
 }

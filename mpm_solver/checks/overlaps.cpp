@@ -19,7 +19,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the points of the smaller body: how many may lie in another without an error.
+// Share of the points of the smaller body that may lie in another one without an error.
 constexpr double allowed_share = 0.01;
 
 /// Volume and mass of material points, and the box around them.
@@ -55,7 +55,7 @@ class Overlaps {
     for (const auto& layout : settings.layouts) boxes_.push_back(box_around(layout.mesh));
   }
 
-  /// Of the points of one body that lie in cells of another.
+  /// Sum over the points of one body that lie in cells of another.
   PointSum<dim> points_in(std::int32_t body, std::int32_t other) {
     const auto common = boxes_[body].intersection(boxes_[other]);
     PointSum<dim> sum;
@@ -72,7 +72,7 @@ class Overlaps {
     return sum;
   }
 
-  /// Of one body: what its cells hold more than once.
+  /// Sum over the points of one body in places that its cells hold more than once.
   PointSum<dim> points_in_itself(std::int32_t body) {
     PointSum<dim> sum;
     for_each_point(body, [&](std::int32_t p) {

@@ -19,7 +19,7 @@ struct Gauge {
 
   std::string name;
   Vector<dim> foot;     ///< first corner [m]
-  Vector<dim> normal;   ///< unit; 2D: to the right on the way up; 3D: foot line x way up
+  Vector<dim> normal;   ///< unit; 2D: to the right of foot to top; 3D: foot line x foot to top
   double height = 0;    ///< length of the side from foot to top [m]
   double size = 0;      ///< area [m^2]; 2D: length [m]
   Vector<dim> up;       ///< up . (x - foot) is 0 at the foot, 1 at the top
@@ -30,8 +30,8 @@ struct Gauge {
   /// Whether the projection of x along the normal lies in the piece; of its edges those at the foot
   /// and at the start of the foot line belong to it.
   bool holds(const Vector<dim>& x) const;
-  /// 1 or -1 for a straight way from x0 to x1 that crosses the piece along or against the normal,
-  /// else 0. The plane belongs to its front: ways that follow each other count once.
+  /// 1 or -1 for a straight path from x0 to x1 that crosses the piece along or against the normal,
+  /// else 0. The plane belongs to its front: paths that follow each other count once.
   int crossing(const Vector<dim>& x0, const Vector<dim>& x1) const;
 };
 

@@ -55,12 +55,12 @@ Gauge<dim> read_gauge(ConfigReader& in, const Eigen::AlignedBox<double, dim>& gr
 
 KeyTable gauge_keys() {
   return {"gauge",
-          "A piece of a plane, at rest, through which soil is watched.",
+          "A piece of a plane, at rest; the soil that passes through it is measured.",
           {key::plain_name("Its own; columns of the tables start with it."),
            key::rows("corners", "m",
                      "2D: foot and top of a segment; 3D: both ends of the foot of a parallelogram, "
                      "then the top above the first of them. Flow counts positive to the right of "
-                     "the way up, in 3D along foot x way up.")
+                     "the line from foot to top, in 3D along foot line x that line.")
                .wide(2, 3)
                .not_empty(2)}};
 }

@@ -15,7 +15,7 @@ namespace gabion::mpm {
 
 namespace {
 
-/// Of the soil of this rank in a slab; then of all ranks.
+/// Sums over the soil in a slab: first of this rank, then of all ranks.
 struct SlabSums {
   double volume = 0, mass = 0;
   double momentum = 0;      // along the normal [kg m/s]

@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// What passes through a gauge, signed by its normal: each material point whose straight way in an
+/// What passes through a gauge, signed by its normal: each material point whose straight path in an
 /// accepted step crosses it counts with its mass and its momentum at the end of the step.
 template <int dim>
 struct Passage {
@@ -29,8 +29,8 @@ struct Passage {
 /// Zeros where there is no soil.
 struct Section {
   double area = 0;              ///< volume over b [m^2]; 2D [m]
-  double depth = 0;             ///< area over the width of the gauge across its way up [m]
-  double top = 0;               ///< highest soil above the foot, along the way up [m]
+  double depth = 0;             ///< area over the width of the gauge [m]
+  double top = 0;               ///< highest soil above the foot, along the gauge [m]
   double mass_flux = 0;         ///< sum of m v . n over b [kg/s]
   double normal_speed = 0;      ///< mean of v . n over the mass [m/s]
   double speed = 0;             ///< mean of |v| over the mass [m/s]
@@ -40,7 +40,7 @@ struct Section {
   double max_pressure = 0;      ///< [Pa]
 };
 
-/// Of each gauge. @param thickness  of the slab [m] @note Collective.
+/// Section of each gauge. @param thickness  of the slab [m] @note Collective.
 template <int dim>
 std::vector<Section> gauge_sections(MPI_Comm comm, const std::vector<Gauge<dim>>& gauges,
                                     const MaterialPoints<dim>& points, double thickness);

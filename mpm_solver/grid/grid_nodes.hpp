@@ -44,7 +44,7 @@ struct GridNodes {
   std::int64_t num_of_all() const { return shared.alone() ? size() : shared.num_of_all(); }
 };
 
-/// Of all ranks [kg].
+/// Mass of the nodes of all ranks [kg].
 template <int dim>
 double total_mass(const GridNodes<dim>& nodes) {
   double total = 0;

@@ -24,7 +24,7 @@ class SoilBorder {
   /// @note Collective: ranks learn of the occupied cells beside their own ones.
   SoilBorder(const CellOwners<dim>& owners, SparseList<char> occupied);
 
-  /// Of a cell: its halves along all axes.
+  /// Number of parts of a cell: halves along each axis.
   static constexpr int num_parts = 1 << dim;
   /// Bit d: the cell has a neighbour without points along axis d.
   int axes(std::int32_t cell) const;

@@ -159,7 +159,7 @@ KeyTable phase_keys() {
            .or_computed("those of the phase before, in the first phase all"),
        or_as_before(scheme_key(), "as in the run"),
        or_as_before(
-           gravity_ramp_key("A ramp from the start of this phase; it goes on in later ones."),
+           gravity_ramp_key("A ramp from the start of this phase; it continues in later ones."),
            "that of the phase before")}};
 }
 

@@ -48,7 +48,7 @@ std::vector<Key> phases_keys();
 
 /// Read "analysis", "time_integration", "walls" and "gravity_ramp" as the base, and "phases" if
 /// there are any: each takes the base and replaces what it names. A ramp counts from the start of
-/// the phase that names it and goes on in the phases after it.
+/// the phase that names it and continues in the phases after it.
 /// @returns at least one, in the order of time, the last one without end
 /// @throws ConfigError
 std::vector<Phase> read_phases(ConfigReader& in, int dim);

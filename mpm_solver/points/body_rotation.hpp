@@ -10,7 +10,7 @@
 
 namespace gabion::mpm {
 
-/// Angle of the rotation that fits the way of a body's points since the start best [rad].
+/// Angle of the rotation that best fits the displacement of a body's points since the start [rad].
 /// @note Collective.
 template <int dim>
 double body_rotation(MPI_Comm comm, const MaterialPoints<dim>& points, std::size_t body);

@@ -110,7 +110,8 @@ KeyTable initial_stress_keys() {
            .in(at_least(1))
            .or_else(1),
        key::number("max_displacement", "",
-                   "What the check of balance may find, over the mean cell size.")
+                   "Largest initial displacement that is accepted, the one that would balance the "
+                   "initial stress, over the mean cell size.")
            .in(positive())
            .or_else(InitialStress{}.max_displacement)}};
 }

@@ -28,7 +28,7 @@ double bytes_of(const PointWeights<dim>& weights) {
          bytes_of(weights.group_nodes) + bytes_of(weights.body_groups);
 }
 
-// Of one entry of TrialPoints.
+// Size of one entry of TrialPoints.
 template <int dim>
 constexpr double bytes_of_trial_point() {
   return sizeof(MaterialState<dim>) + 2 * sizeof(Symmetric<dim>) + 2 * sizeof(double) +

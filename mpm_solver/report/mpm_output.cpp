@@ -13,7 +13,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-// Of the points of this rank. The fields refer to them.
+// Fields of the points of this rank, to which they refer.
 template <int dim>
 std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
   const auto of_each = [&points](auto value) {

@@ -14,7 +14,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of a point that has left, of a body without points.
+// Value for a point that has left and for a body without points.
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 template <int dim>

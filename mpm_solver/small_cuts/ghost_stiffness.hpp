@@ -46,7 +46,7 @@ class GhostStiffness {
                                         const PointWeights<dim>& weights);
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
   void begin_step(const GridNodes<dim>& nodes);
-  /// Of all ranks; 0: no cell needs it in this step.
+  /// Facets with ghost stiffness on all ranks; 0: no cell needs it in this step.
   std::int64_t num_facets() const { return num_facets_; }
 
   /// Facets of this rank as lists of active nodes (for the matrix pattern).
@@ -78,7 +78,7 @@ class GhostStiffness {
   double factor_;
   std::vector<double> young_modulus_;  // of each body
 
-  // of the step under way
+  // of the current step
   SparseList<CellSoil> soil_;         // of all ranks, in the cells of this one and beside them
   std::vector<Facet> facets_;         // of this rank
   std::int64_t num_facets_ = 0;       // of all ranks

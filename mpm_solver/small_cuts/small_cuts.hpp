@@ -28,7 +28,8 @@ inline const std::map<std::string, SmallCutMethod> small_cut_methods = {
 struct SmallCutSettings {
   std::optional<SmallCutMethod> method;  ///< of all phases; not set: see method_in
   double ghost_factor = 1.0 / 30;        ///< of Young's modulus, > 0
-  /// Of the mass of its points, see join_light_nodes: quasi-static and mass_cutoff.
+  /// A node below this share of the mass of its points joins another (join_light_nodes), where
+  /// quasi-static or with mass_cutoff.
   double mass_share = 1e-4;
 };
 

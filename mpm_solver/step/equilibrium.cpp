@@ -23,7 +23,7 @@ namespace {
 // error of the scheme, large enough for double precision.
 constexpr double mass_floor = 1e-8;
 
-// Of the mean stiffness of a node.
+// Support over the mean stiffness of a node.
 constexpr double support_share = 1e-4;
 
 // Where soil flies freely no force is left to compare the residual with. The force that would stop

@@ -75,7 +75,7 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   return squared_courant(dt, soil_dt, result_.contact_rate) <= std::pow(parts_.largest_courant, 2);
 }
 
-// A single substep is the whole way.
+// A single substep is the whole step.
 template <int dim>
 void ExplicitMotion<dim>::begin_path(int count) {
   const MaterialPoints<dim>& points = parts_.stress.points;
@@ -100,7 +100,7 @@ void ExplicitMotion<dim>::advance_path() {
   }
 }
 
-// Of the soil at result_.du.
+// Forces of the soil at result_.du.
 template <int dim>
 typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share) {
   const SharedNodes& shared = parts_.stress.nodes.shared;

@@ -85,13 +85,13 @@ class ExplicitMotion {
 
   Parts parts_;
   std::vector<MaterialState<dim>> path_;  // StressParts::path; empty: nothing depends on it
-  std::vector<Symmetric<dim>> tau_;       // where the substep under way began [Pa]
+  std::vector<Symmetric<dim>> tau_;       // at the start of the current substep [Pa]
   PointInertia<dim> inertia_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;
   Forces start_;
   bool may_touch_ = false;
-  bool touches_ = false;         // in the substep under way, on any rank
+  bool touches_ = false;         // in the current substep, on any rank
   std::vector<double> F_, A_F_;  // of the contacts
   std::vector<double> raw_;      // impulse of all forces but those of walls
   Result result_;

@@ -44,7 +44,7 @@ class ExplicitStep {
   /// number of substeps of the one before. @throws ConvergenceError
   void solve(const StepRequest& request);
 
-  // Of the last solution.
+  // Displacement and motion of the last solution.
   const std::vector<double>& du() const { return motion_->result().du; }
   NodalMotion<dim> nodal_motion() const;
   StepBalance<dim> balance() const;
@@ -52,7 +52,7 @@ class ExplicitStep {
   std::vector<Vector<dim>> wall_forces() const;
   /// What grid_to_points leaves out.
   void finish_points(MaterialPoints<dim>& points) const;
-  /// Of this rank's points [J].
+  /// Plastic work of this rank's points [J].
   double plastic_work() const { return motion_->result().plastic_work; }
   double contact_rate() const { return motion_->result().contact_rate; }
 
@@ -69,7 +69,7 @@ class ExplicitStep {
   SubstepCounts counts_;
   double logged_dt_ = 0;  // of the last line in the log [s]
 
-  // the step under way
+  // the current step
   std::optional<ExplicitMotion<dim>> motion_;
   const GridNodes<dim>* nodes_ = nullptr;
   const WallConditions<dim>* walls_ = nullptr;

@@ -35,7 +35,8 @@ std::vector<double> body_forces(const Equilibrium<dim>& equilibrium) {
   return f;
 }
 
-/// Of contacts whose force is constant in a step; num_nodes x dim, on the nodes of this step.
+/// Forces of contacts whose force is constant in a step; num_nodes x dim, on the nodes of this
+/// step.
 struct StepForces {
   std::vector<double> now, before;  // of this step and of the one before
 };
@@ -208,8 +209,9 @@ void Ledger<dim>::add_step(const StepBalance<dim>& step, const NewmarkBossak& sc
                     (totals_.kinetic_energy - step.kinetic_after) + step.sharing_loss;
   body_work_ += step.body_work;
   boundary_work_ += step.boundary_work;
-  // The mapped acceleration has of the last step's contact force what its walls left; the scheme
-  // takes off what the walls leave of it on the nodes of this step.
+  // The mapped acceleration still contains the part of the previous step's contact force that the
+  // walls did not hold; the scheme subtracts that part as projected on the nodes of this step. The
+  // difference goes to the walls.
   walls_.inertia += step.wall_hold + wall_step_force_ - step.wall_step_force_start;
   wall_step_force_ = step.wall_step_force;
   walls_.impulse += step.wall_kick;

@@ -88,7 +88,7 @@ class Ledger {
   /// What they took along; front has no meaning.
   const PointTotals<dim>& removed() const { return removed_; }
 
-  /// Of the accepted state.
+  /// Totals over the points in the accepted state.
   const PointTotals<dim>& totals() const { return totals_; }
 
   /// Columns of probes.csv.

@@ -56,7 +56,7 @@ class LinearSystem {
   BlockMatrix<dim> empty_matrix() {
     return BlockMatrix<dim>([this](const BlockMatrix<dim>& K) { return solver_.make_room(K); });
   }
-  // Of the nodes that this rank owns.
+  // Coordinates of the nodes that this rank owns.
   static std::vector<double> own_coordinates(const GridNodes<dim>& nodes) {
     std::vector<double> x;
     for (std::int32_t i = 0; i < nodes.size(); ++i) {

@@ -21,9 +21,9 @@ struct SmallCutCounts {
   std::int64_t ghost_facets = 0;
 };
 
-/// The soil on the nodes of its grid in the step under way: weights of the points, active nodes
-/// with mass and motion, their walls, and what is done about small cuts. Refers to model, state
-/// and times. Functions are collective.
+/// The soil on the nodes of its grid in the current step: weights of the points, active nodes with
+/// mass and motion, their walls, and what is done about small cuts. Refers to model, state and
+/// times. Functions are collective.
 template <int dim>
 class SoilOnGrid {
  public:

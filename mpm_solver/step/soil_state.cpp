@@ -255,7 +255,7 @@ void SoilState<dim>::remove(std::span<const std::int32_t> outside, const Step& s
   soil_end = step.time;
   surfaces.drop_all();
   ledger.set_contact_energy(surfaces.energy());
-  log::warn("{:.6g} s: all soil has left the background grid; the run goes on without it",
+  log::warn("{:.6g} s: all soil has left the background grid; the run continues without it",
             step.time);
 }
 

@@ -22,8 +22,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of Newton's tolerance, from the second iteration of a coupled step on: what a solution leaves out
-// must not look like a change of the interface.
+// Share of Newton's tolerance that holds from the second iteration of a coupled step on: the error
+// of a solution must not look like a change of the interface.
 constexpr double coupled_share = 0.01;
 
 // Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what

@@ -24,8 +24,8 @@ class SoilStep {
  public:
   SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, PhaseTimes& times);
 
-  /// Let soil under initial stress, if there is any, press on the surfaces that it touches, and
-  /// solve for the displacement that would balance it.
+  /// Let soil under initial stress, if there is any, press on the surfaces with which it is in
+  /// contact, and solve for the displacement that would balance it.
   /// @throws ConfigError  it is larger than InitialStress::max_displacement, or there is none
   void check_initial_stress();
 
@@ -64,7 +64,7 @@ class SoilStep {
   std::int64_t linear_iterations() const { return linear_iterations_; }
   /// gimp: points whose domain was capped, of this rank, added up over the accepted steps.
   std::int64_t capped_domains() const { return capped_domains_; }
-  /// That would balance the initial stress [m].
+  /// Displacement that would balance the initial stress [m].
   double initial_displacement() const { return initial_displacement_; }
 
  private:
@@ -97,7 +97,7 @@ class SoilStep {
   double initial_displacement_ = 0;
   BodyRotations<dim> rotations_;
 
-  // the step under way
+  // the current step
   double dt_ = 0;             // 0: none begun
   int first_iterations_ = 0;  // of Newton's method, of the first solution
   std::size_t phase_ = 0;

@@ -14,7 +14,7 @@ class StepSizes {
   explicit StepSizes(StepControl& control) : control_(control) {}
 
   const StepControlSettings& limits() const { return control_.settings(); }
-  /// Of the last step.
+  /// Proposal after the last step.
   const DtProposal& proposal() const { return proposal_; }
   const NewtonCounts& newton_counts() const { return newton_counts_; }
 
@@ -29,7 +29,7 @@ class StepSizes {
 
  private:
   StepControl& control_;
-  DtProposal proposal_;                   // for the step under way or the next one
+  DtProposal proposal_;                   // for the current step or the next one
   DtLimit logged_limit_ = DtLimit::none;  // of the last smaller dt in the log
   double accepted_dt_ = 0;                // of the last accepted step; 0: none
   int step_newton_ = 0;                   // most iterations of a solution of this step

@@ -48,7 +48,7 @@ class WallConditions {
 
   /// Take the motion of the walls from time to time + dt.
   void begin_step(double time, double dt);
-  /// Whether a wall moves in the step under way.
+  /// Whether a wall moves in the current step.
   bool move() const { return move_; }
   /// Collect the constrained nodes among the active ones.
   void select(const GridNodes<dim>& nodes);
@@ -79,7 +79,7 @@ class WallConditions {
     Hold holds[dim];
     Matrix<dim> shares = Matrix<dim>::Zero();  // x = sum_k (shares_k . x) n_k where x is held
     Matrix<dim> Q = Matrix<dim>::Identity();
-    Vector<dim> w = Vector<dim>::Zero();  // of the step under way [m]
+    Vector<dim> w = Vector<dim>::Zero();  // motion in the current step [m]
   };
   struct Repetition {  // a direction that other walls hold already
     std::size_t node = 0;

@@ -47,7 +47,7 @@ class WallStop {
   void kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const;
   bool acts() const { return acts_; }                        ///< on any rank
   const std::vector<double>& impulse() const { return J_; }  ///< num_nodes x dim [N s]; @pre acts
-  /// Of all ranks.
+  /// Sums over all ranks.
   struct Totals {
     double loss = 0;                            ///< kinetic energy of the points [J]
     double work = 0;                            ///< of walls that move, on the points [J]

@@ -29,7 +29,7 @@ class Authenticator {
 
   std::set<std::string> clients_;
   zmq::socket_t socket_;
-  Strangers strangers_;  // by key
+  Strangers strangers_;  // senders without access, by key
   std::atomic<bool> stopping_ = false;
   std::thread thread_;  // last: starts when all else is there
 };

@@ -100,7 +100,7 @@ void Heartbeat::receive_alive() {
       if (coupler_) coupler_->sign_of_life(message.text("phase"));
     }
   } catch (const std::exception&) {
-    // Not understood, so it is no sign of life.
+    // A message that is not understood is no sign of life.
   }
 }
 

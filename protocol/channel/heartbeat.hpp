@@ -36,7 +36,7 @@ class Heartbeat {
   Heartbeat(Heartbeat&&) = delete;
   Heartbeat& operator=(Heartbeat&&) = delete;
 
-  /// @param busy  the solver computes, so nobody else looks whether the coupler lives
+  /// @param busy  the solver computes, so no other thread checks whether the coupler lives
   void set_phase(const std::string& phase, bool busy);
   /// The handshake is done: watch this coupler.
   /// @param interval  [s] between two signs of life
@@ -49,7 +49,7 @@ class Heartbeat {
   void check_coupler(double slept);
 
   HeartbeatSettings settings_;
-  Socket socket_;  // of the thread
+  Socket socket_;  // used by the thread only
   std::uint64_t num_beats_ = 0;
   Stopwatch since_loss_;
   bool lost_ = false;

@@ -11,7 +11,7 @@ namespace gabion {
 /// each: `gabion-secret-key KEY` or `gabion-public-key KEY`; empty lines and those after `;` do not
 /// count.
 
-/// What the coupler needs to let in those that it knows.
+/// What the coupler needs to admit the participants that it knows.
 struct ServerKeys {
   std::string secret;
   std::set<std::string> clients;  ///< public keys

@@ -41,7 +41,7 @@ Descriptor socket_at(const std::string& endpoint, int (*use)(int, const sockaddr
   return made;
 }
 
-// Whoever could bind the name first could else speak for a coupler of somebody else.
+// Otherwise a process that binds the name first could act as the coupler of another user.
 bool is_own_user(int descriptor) {
   ucred peer{};
   socklen_t size = sizeof peer;
@@ -211,7 +211,7 @@ void LocalListener::accept_all() {
   }
 }
 
-// Those that have given their route. A route that is taken stays with the first.
+// Connections that have given their route. A route that is taken stays with the first one.
 void LocalListener::welcome_new() {
   for (auto it = nameless_.begin(); it != nameless_.end();) {
     const auto route = it->take();

@@ -29,7 +29,7 @@ class LocalConnection {
   LocalConnection(Descriptor end, std::size_t max_frames)
       : end_(std::move(end)), max_frames_(max_frames) {}
 
-  /// To who listens there; none where nobody does, or another user.
+  /// Connect to the process that listens there; none where nobody does, or another user.
   static std::optional<LocalConnection> connect(const std::string& endpoint,
                                                 std::size_t max_frames);
 
@@ -56,14 +56,15 @@ class LocalConnection {
   bool closed_ = false;
   bool deaf_ = false;  // what the peer said before may still be there to read
   std::string unsent_;
-  std::string came_;  // of messages that are not whole yet
+  std::string came_;  // bytes of messages that are not complete yet
   std::deque<RawMessage> messages_;
 };
 
 /// The coupler's end: all that have connected, by the route that they give in their first message.
 class LocalListener {
  public:
-  /// None where the machine has no such sockets or the name is taken: the other way in is open.
+  /// None where the machine has no such sockets or the name is taken: the other connection remains
+  /// open.
   static std::optional<LocalListener> listen(const std::string& endpoint, std::size_t max_frames);
 
   /// Whether this route leads here, to a peer that has not closed.

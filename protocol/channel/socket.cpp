@@ -56,12 +56,12 @@ struct Socket::Implementation {
   std::shared_ptr<SocketContext> context;  // declared first: destroyed after the socket
   std::unique_ptr<Authenticator> authenticator;
   zmq::socket_t socket;
-  std::optional<zmq::socket_t> monitor;  // of failed handshakes, until a message has come
+  std::optional<zmq::socket_t> monitor;  // reports failed handshakes, until a message has come
   bool has_keys = false;
   int linger = 500;                       // [ms]
   std::optional<LocalListener> listener;  // the coupler's, beside the socket
   std::optional<LocalConnection> local;   // the participant's, instead of the socket
-  std::string endpoint, route;            // of a local channel that is still to be tried
+  std::string endpoint, route;            // for a local channel that is still to be tried
 
   Implementation(std::shared_ptr<SocketContext> shared, zmq::socket_type type)
       : context(std::move(shared)), socket(context->context, type) {
@@ -105,7 +105,8 @@ struct Socket::Implementation {
     return message ? message : take_from(socket);
   }
 
-  /// Until something may have come, or gone. @returns false after `milliseconds` without
+  /// Wait until something may have come, or can be sent. @returns false after `milliseconds`
+  /// without
   bool wait(int milliseconds) {
     std::vector<zmq::pollitem_t> items = {{socket.handle(), 0, ZMQ_POLLIN, 0}};
     const auto add = [&items](int descriptor, bool unsent) {

@@ -18,9 +18,9 @@ struct SocketContext;
 std::shared_ptr<SocketContext> make_socket_context();
 
 /// A ZeroMQ socket with finite linger and finite send time. To be used by one thread at a time.
-/// Between processes of one machine messages take the way of local_channel.hpp, which wakes no
-/// threads of the library: where both sides have no keys, one endpoint, and the coupler is there
-/// when the participant sends its first message.
+/// Between processes of one machine messages use local_channel.hpp, which wakes no threads of the
+/// library: where both sides have no keys, one endpoint, and the coupler is there when the
+/// participant sends its first message.
 class Socket {
  public:
   /// Coupler's side. The first frame of what it sends and receives is the peer's route.
@@ -43,7 +43,7 @@ class Socket {
 
   /// False when the peer cannot be reached or its queue stays full for a second.
   bool send(const std::vector<std::string_view>& frames);
-  /// The same without waiting: false also when its queue is full now.
+  /// As above without waiting: false also when the queue is full now.
   bool try_send(const std::vector<std::string_view>& frames);
 
   /// One message, or nothing after `milliseconds` or when a signal came.

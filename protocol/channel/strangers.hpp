@@ -25,9 +25,9 @@ class Strangers {
   void say_count();
 
   std::set<std::string> routes_;
-  std::deque<std::string> oldest_;  // of routes_, in the order in which they came
-  std::int64_t count_ = 0;          // of messages
-  std::int64_t said_ = 0;           // of them in the log
+  std::deque<std::string> oldest_;  // entries of routes_, in the order in which they came
+  std::int64_t count_ = 0;          // number of their messages
+  std::int64_t said_ = 0;           // messages that the log has named
   int named_ = 0;
   Stopwatch since_said_;
 };

@@ -164,7 +164,7 @@ Message Connection::next_request(Frames* frames) {
   Attention::Seconds look = attention_.before(last_request_);
   std::optional<Request> request;
   while (!request) {
-    // Judged before the look at the queue: what came counts.
+    // Silence is judged before the queue is read: a message that has arrived counts.
     const bool was_silent = coupler_->silence(deadlines_.silence).has_value();
     request = receive_request(slice_milliseconds, std::exchange(look, {}));
     if (!request) request = look_after_coupler(was_silent);
@@ -229,8 +229,8 @@ std::optional<Connection::Request> Connection::look_after_coupler(bool was_silen
   return std::nullopt;
 }
 
-/// Of a coupler that is gone, or about to go: why (thrown), or that the run is finished. What else
-/// it asked, nobody awaits.
+/// Read the last message of a coupler that has ended or is about to: its reason (thrown), or that
+/// the run is finished. Other requests are dropped, since nobody awaits their answer.
 std::optional<Connection::Request> Connection::last_words() {
   const Stopwatch waited;
   while (1000 * waited.seconds() < last_words_milliseconds) {

@@ -25,8 +25,8 @@ class NeverBegun : public ProtocolError {
 };
 
 struct ParticipantSettings {
-  std::string endpoint;         ///< of the coupler, such as "tcp://127.0.0.1:40321"
-  std::string name;             ///< of this participant in coupler.json
+  std::string endpoint;         ///< endpoint of the coupler, such as "tcp://127.0.0.1:40321"
+  std::string name;             ///< name of this participant in coupler.json
   std::string program;          ///< such as "fem_solver"
   std::string program_version;  ///< empty = version of this library
   std::string scene_hash;       ///< Scene::hash(); empty = settings do not come from the scene
@@ -47,7 +47,7 @@ struct ParticipantSettings {
 struct Introduction {
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
-  std::vector<double> probes;      ///< in the initial state, as many as names
+  std::vector<double> probes;      ///< values in the initial state, as many as names
   bool keeps_state = false;        ///< requests "save" and "load" will be answered
   bool takes_force_kinds = false;  ///< request "set_force_kinds" will be answered
 };
@@ -69,7 +69,7 @@ class Connection final : public RequestSource {
   /// Introduce the solver to the coupler.
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
-  /// The same of what a solver would say.
+  /// Sends what a solver would say, in the same way.
   void handshake(const Introduction& introduction);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.
@@ -83,11 +83,11 @@ class Connection final : public RequestSource {
   Message next_request(std::vector<std::string>* frames) override;
   Message next_request() { return next_request(nullptr); }
   void reply(Message message) override;
-  /// The last request was "finish" and is answered: wait until the answer is on its way, and close.
+  /// The last request was "finish" and is answered: wait until the answer is sent, and close.
   void close();
 
-  /// Tell the coupler that this participant cannot go on, or, before the handshake, not begin. Does
-  /// nothing after another failure.
+  /// Tell the coupler that this participant cannot continue, or, before the handshake, not start.
+  /// Does nothing after another failure.
   void abort(const std::string& reason);
   /// Do something of which the coupler has to know when it fails: abort() and throw on.
   template <class Action>
@@ -125,7 +125,7 @@ class Connection final : public RequestSource {
   std::string failure_;
   Stopwatch since_health_check_;
   std::optional<Stopwatch> since_signal_;        // while the coupler may still ask for the state
-  int exceptions_ = std::uncaught_exceptions();  // under way when it was made
+  int exceptions_ = std::uncaught_exceptions();  // exceptions in flight when it was made
 };
 
 template <class Action>

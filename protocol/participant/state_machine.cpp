@@ -52,7 +52,7 @@ StateMachine::Answer StateMachine::set_force_kinds(Message request) {
   return handler_.set_force_kinds(read_force_kinds(request, interfaces_));
 }
 
-/// From the accepted state, whatever was solved before.
+/// Solve from the accepted state, whatever was solved before.
 StateMachine::Answer StateMachine::solve(Message request) {
   const auto range = read_dt_range(request);
   if (range && !range->contains(proposed_dt_)) return new_message("passed");

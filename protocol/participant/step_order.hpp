@@ -11,7 +11,7 @@ namespace gabion {
 /// ended, and what is accepted is what was solved. All functions throw ProtocolError.
 class StepOrder {
  public:
-  /// Before a solution, and before a step that is accepted without one.
+  /// Check the request before a solution, and before a step that is accepted without one.
   void check(const StepRequest& request) const;
   /// @param request  that was solved
   void solved(const StepRequest& request) { solution_ = request; }

@@ -21,7 +21,7 @@ class Declined : public ConfigError {
  public:
   Declined(const std::string& message, std::string program)
       : ConfigError(message), program_(std::move(program)) {}
-  /// That it names; a solver of this project has shown its reason.
+  /// Program that the message names; a solver of this project has printed its reason itself.
   const std::string& program() const { return program_; }
 
  private:

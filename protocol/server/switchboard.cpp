@@ -13,9 +13,9 @@
 namespace gabion {
 namespace {
 
-constexpr int slice_milliseconds = 100;  // of any wait: a peer's death is noticed after one slice
+constexpr int slice_milliseconds = 100;       // length of a slice: a death is noticed after one
 constexpr double health_check_period = 0.05;  // [s]
-constexpr int patient_looks = 4;              // in which others were heard, until one is silent
+constexpr int patient_looks = 4;  // looks in which others were heard, until one counts as silent
 constexpr double last_words_wait = 0.5;  // [s] until the connection of a process that ended closes
 constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
 constexpr double wait_log_period = 3;    // [s]
@@ -59,7 +59,7 @@ Switchboard::Peer& Switchboard::peer(const std::string& name) {
   return found->second;
 }
 
-/// With socket_mutex_ held.
+/// The caller holds socket_mutex_.
 bool Switchboard::post(const std::string& route, const Message& message, bool waits) {
   const EncodedMessage encoded = encode(message);
   std::vector<std::string_view> frames = {route, encoded.header};
@@ -291,7 +291,7 @@ void Switchboard::refuse_late_arrivals() {
   for (const Arrival& late : std::exchange(arrivals_, {})) {
     if (late.hello.type != "hello") continue;
     turn_down(late.route, "a participant that came late",
-              {{"state of the run", "under way, all participants are here", "hello"}});
+              {{"state of the run", "running, all participants are here", "hello"}});
   }
 }
 
@@ -363,7 +363,7 @@ void Switchboard::hear_out(const Peer& gone) {
   pump(0);
 }
 
-/// With socket_mutex_ held.
+/// The caller holds socket_mutex_.
 Message Switchboard::new_beat() {
   return {.type = "alive",
           .sequence = ++num_beats_,

@@ -52,7 +52,7 @@ class Switchboard {
   std::optional<Arrival> next_arrival();
   /// Answer on a route that is no participant's, without waiting.
   void answer(const std::string& route, const Message& message);
-  /// Tell a sender why it is not let in, and drop what else comes from it.
+  /// Tell a sender why it is not admitted, and drop its further messages.
   /// @param who  for the log
   void turn_down(const std::string& route, const std::string& who,
                  const std::vector<Mismatch>& mismatches);
@@ -61,11 +61,11 @@ class Switchboard {
     std::string name;
     std::string route;
     std::string session;
-    std::string label;  ///< in messages to a person
+    std::string label;  ///< name in messages to a person
     ProcessIdentity process;
     bool sends_heartbeat;
   };
-  /// Answer the hello of one that is let in. Signs of life go to it from then on, none before.
+  /// Answer the hello of an admitted participant. Signs of life go to it from then on, none before.
   void welcome(const Guest& guest, const Message& message);
   bool has_participant(const std::string& name) const { return peers_.contains(name); }
 
@@ -100,7 +100,7 @@ class Switchboard {
  private:
   struct Question {
     std::uint64_t sequence;
-    std::string what;  // as describe() says it
+    std::string what;  // text of describe()
     std::string kind;  // whom and of which type, for attention_
     Stopwatch since;   // its turn came: asked, and the question before it answered
   };

@@ -15,8 +15,8 @@ namespace gabion {
 struct CodecLimits {
   std::size_t max_header_bytes = std::size_t{1} << 20;
   std::size_t max_arrays = 256;
-  std::size_t max_frame_bytes = std::size_t{1} << 30;    ///< of one array
-  std::size_t max_payload_bytes = std::size_t{1} << 31;  ///< of all arrays of a message
+  std::size_t max_frame_bytes = std::size_t{1} << 30;    ///< size of one array
+  std::size_t max_payload_bytes = std::size_t{1} << 31;  ///< size of all arrays of a message
   int max_depth = 32;                                    ///< nesting of the JSON header
 };
 

@@ -19,8 +19,8 @@ struct Deadlines {
   double heartbeat = 0.5;  ///< between two signs of life
 };
 
-/// From the object "protocol" of coupler.json: keys "connect_deadline", "silence_deadline",
-/// "answer_deadline", "idle_deadline", "heartbeat". Does not call finish().
+/// Read the deadlines from the object "protocol" of coupler.json: keys "connect_deadline",
+/// "silence_deadline", "answer_deadline", "idle_deadline", "heartbeat". Does not call finish().
 Deadlines read_deadlines(ConfigReader& in);
 std::vector<Key> deadline_keys();
 

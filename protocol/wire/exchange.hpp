@@ -19,9 +19,9 @@ namespace gabion {
 void put(Message& message, const StepRequest& request);
 StepRequest read_step_request(const Message& message);
 
-/// On which proposed step size a "solve_step" behind an "accept_step" depends.
+/// Put the proposed step sizes on which a "solve_step" behind an "accept_step" depends.
 void put(Message& message, const DtRange& range);
-/// Empty: on none.
+/// Range that the message names; empty: it depends on none.
 std::optional<DtRange> read_dt_range(const Message& message);
 
 void put(Message& message, const StepReport& report);

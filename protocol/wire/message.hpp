@@ -42,7 +42,7 @@ struct Message {
   /// An extent of -1 in `shape` accepts any.
   const std::vector<double>& reals(const std::string& name,
                                    const std::vector<std::int64_t>& shape) const;
-  /// The same, moved out: the array is left empty.
+  /// As above, but moved out of the message: the array is left empty.
   std::vector<double> take_reals(const std::string& name, const std::vector<std::int64_t>& shape);
   const std::vector<std::int64_t>& integers(const std::string& name,
                                             const std::vector<std::int64_t>& shape) const;

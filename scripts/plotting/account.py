@@ -21,7 +21,7 @@ def number(row: Row, name: str) -> float:
 
 @dataclass
 class Steps:
-    """Of steps.csv. Times in s."""
+    """Sums over the rows of steps.csv. Times in s."""
 
     count: int = 0
     time: float = 0.0
@@ -79,7 +79,7 @@ class Steps:
 
 @dataclass
 class Ledger:
-    """Of probes.csv: the first, last, lowest and largest value of each column that balances are made of."""
+    """From probes.csv the first, last, lowest and largest value of each column that balances are made of."""
 
     first: dict[str, float] = field(default_factory=dict)
     last: dict[str, float] = field(default_factory=dict)

@@ -30,7 +30,7 @@ class Plan:
 
     @property
     def area(self) -> float:
-        """Of a cell [m^2], in 2D its length [m]."""
+        """Area of a cell [m^2], in 2D its length [m]."""
         return self.cell ** len(self.axes)
 
     def centres(self, k: int) -> np.ndarray:
@@ -54,7 +54,7 @@ class Deposit:
 
 
 def _volumes(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
-    """Of each point: mass over density at rest, and present volume [m^3]."""
+    """Volumes of each point [m^3]: at rest (mass over density), and at present."""
     for name in ("volume", "volume_ratio"):
         if name not in frame.fields:
             raise ResultsError(f"{series.path}: its points have no {name}")
@@ -94,7 +94,8 @@ def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | No
 
 @dataclass(frozen=True)
 class Shares:
-    """For each point at most one cell. points: which ones have one; share: of the point that lies over it."""
+    """Assignment of each point to at most one cell. points: which ones have one; share: of the point that
+    lies over it."""
 
     points: np.ndarray
     cells: tuple[np.ndarray, ...]
@@ -141,7 +142,7 @@ def heap_of(frame: Frame, plan: Plan, series: Series) -> Heap:
 
 
 def find_deposit(results: Results, time: float | None = None, cell: float | None = None) -> Deposit:
-    """At the frame nearest to a time [s]; None: at the last one.
+    """Deposit at the frame nearest to a time [s]; None: at the last one.
 
     @raises ResultsError  no frames, a time beyond them, too many cells
     """

@@ -38,7 +38,7 @@ def _draw_panel(axes: Axes, table: Table, gauges: list[str], columns: tuple[str,
 
 
 def plot_gauges(results: Results, out: Path) -> Path | None:
-    """Of all gauges, a panel a quantity, a colour a gauge."""
+    """Figure of all gauges: a panel a quantity, a colour a gauge."""
     table = results.table("probes.csv")
     gauges = gauge_names(table) if table else []
     if not gauges:

@@ -207,7 +207,7 @@ def wall_columns(table: Table | None) -> list[str]:
 
 
 def is_rigid_wall(table: Table, column: str) -> bool:
-    """Of a column such as "lid.fx"; a wall of the grid has no moment."""
+    """Whether a column such as "lid.fx" is of a rigid wall; a wall of the grid has no moment."""
     return f"{column.rpartition('.')[0]}.mz" in table
 
 

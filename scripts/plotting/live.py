@@ -116,7 +116,7 @@ class Run:
 
     @property
     def num_cuts(self) -> int:
-        """Those of the step under way included, as far as the log has them."""
+        """Includes those of the current step, as far as the log has them."""
         return max(self.account.cut, self.cuts.reasons.total(), (self.summary or {}).get("cuts", 0))
 
     def seconds_since_last_row(self) -> float:

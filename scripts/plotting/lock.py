@@ -50,7 +50,7 @@ def _judge(signed: dict) -> Owner:
 
 
 def owner_of(folder: Path) -> Owner:
-    """Of the run in this folder."""
+    """State of the run that owns this folder."""
     path = folder / LOCK
     if not path.exists():
         return Owner.NONE

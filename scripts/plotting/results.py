@@ -175,7 +175,7 @@ class Results:
 
     @property
     def structures(self) -> list[Series]:
-        """Of each fem_solver, in the order of their folders."""
+        """Results of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]
 
     @cached_property
@@ -193,7 +193,7 @@ class Results:
 
     @property
     def gravity(self) -> list[float] | None:
-        """Of the first resolved settings that have it [m/s^2]; None without."""
+        """Gravity of the first resolved settings that have it [m/s^2]; None without."""
         return next((settings["gravity"] for _, settings in self._resolved
                      if isinstance(settings, dict) and settings.get("gravity")), None)
 
@@ -203,7 +203,7 @@ class Results:
 
     @property
     def origin(self) -> np.ndarray:
-        """Of the soil's coordinates on the map [m]: x, y, z."""
+        """Origin of the soil's coordinates on the map [m]: x, y, z."""
         return np.array(self.settings("mpm.json").get("origin", [0, 0, 0]))
 
     @property

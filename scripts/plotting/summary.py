@@ -62,7 +62,7 @@ def _probe_lines(results: Results) -> list[str]:
 
 
 def _direction(component: str, dim: int) -> str:
-    """Of "ux", "fy", ...: in 3D which of the axes points up is the scene's choice."""
+    """Direction of "ux", "fy", ...: in 3D which of the axes points up is the scene's choice."""
     return {"x": "horizontal", "y": "vertical"}[component[-1]] if dim == 2 else component[-1]
 
 

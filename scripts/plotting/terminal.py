@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a terminal of 100 columns shows of a run under way."""
+"""What a terminal of 100 columns shows of a running simulation."""
 
 import math
 import textwrap

@@ -33,7 +33,7 @@ def verdict(run: Run) -> list[Statement]:
 
 
 def headline(run: Run) -> str:
-    """In a word, or a few."""
+    """State of the run in a word, or a few."""
     quiet = run.seconds_since_last_row()
     if run.state() is State.RUNNING and quiet > QUIET:
         return f"running, no new row for {duration(quiet)}"
@@ -50,7 +50,7 @@ def _end(run: Run) -> Iterator[Statement]:
         return
     if state is State.RUNNING:
         share = f" of {run.end:g} s ({100 * steps.time / run.end:.0f} %)" if run.end > 0 else ""
-        yield Statement("note", "end", f"Under way: {until}{share}. All that follows is of these steps.")
+        yield Statement("note", "end", f"Running: {until}{share}. All that follows is of these steps.")
         return
     quiet = duration(run.seconds_since_last_row())
     where = "Killed" if run.owner is Owner.GONE else "Killed, or running on another machine"

@@ -3,7 +3,7 @@
 
 
 def duration(seconds: float) -> str:
-    """As the progress line of the programs has it."""
+    """Time as in the progress line of the programs."""
     if seconds < 119.5:
         return f"{seconds:.0f} s"
     if seconds >= 48 * 3600:
@@ -26,5 +26,5 @@ def percent(share: float) -> str:
 
 
 def seconds(value: float) -> str:
-    """Of a step: 12 ms, 1.3 s."""
+    """Length of a step in words: 12 ms, 1.3 s."""
     return f"{1e3 * value:.3g} ms" if value < 1 else f"{value:.3g} s"

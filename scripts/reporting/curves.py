@@ -16,7 +16,7 @@ ITERATIONS = {"iterations": "coupling", "soil_newton": "Newton, soil", "structur
 
 
 def plain(values: np.ndarray) -> list[float | None]:
-    """Of DIGITS digits; None for what JSON has no number for."""
+    """Numbers of DIGITS digits; None where JSON has no number for them."""
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]
 
 
@@ -68,7 +68,7 @@ def _of(table: Table, names: list[str]) -> list[tuple[str, np.ndarray, np.ndarra
 
 
 def _displacements(probes: Table) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Of all probed points, but for components that are round-off of the largest."""
+    """Displacements of all probed points, but for components that are round-off of the largest."""
     names = [name for point in history.probe_points(probes) for name in history.displacement_columns(probes, point)]
     sizes = {name: float(np.nanmax(np.abs(probes[name]), initial=0)) for name in names}
     least = 1e-6 * max(sizes.values(), default=0.0)
@@ -85,7 +85,7 @@ def _wall(steps: Table) -> list[tuple[str, np.ndarray, np.ndarray]]:
 
 
 def residuals(results: Results) -> dict[str, Any] | None:
-    """Of each try of a step that took iterations: residuals and limits, a number an iteration."""
+    """Residuals and limits of each try of a step that took iterations, a number an iteration."""
     table = results.table("iterations.csv")
     if table is None or not table.num_rows:
         return None
@@ -107,7 +107,7 @@ def residuals(results: Results) -> dict[str, Any] | None:
 
 
 def _tells(table: Table, begin: int, end: int) -> bool:
-    """Not of the one pass of a step without contact."""
+    """Whether a try is worth showing: the one pass of a step without contact is not."""
     return end - begin > 1 or table["status"][begin] != "converged" or table["displacement_residual"][begin] > 0
 
 

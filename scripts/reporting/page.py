@@ -19,7 +19,7 @@ PROGRAMS = ("chart.js", "residuals.js", "scene.js", "start.js")
 
 
 def page(results: Results) -> str:
-    """Of a folder in any state. Raises ResultsError where there is nothing to report."""
+    """Page of a folder in any state. Raises ResultsError where there is nothing to report."""
     run = Run(results.folder)
     run.read_on()
     files = settings_files(results)

@@ -45,7 +45,7 @@ class Residuals {
   show(k) {
     const row = this.data.tries[k];
     this.slider.value = k;
-    const status = row[this.at.status] === "going_on" ? "given up by a solver, or under way" : row[this.at.status].replace("_", " ");
+    const status = row[this.at.status] === "going_on" ? "given up by a solver, or still running" : row[this.at.status].replace("_", " ");
     this.text.textContent = `step ${row[this.at.step]} from t = ${digits(row[this.at.time])} s, dt = ${digits(row[this.at.dt])} s: ` +
       `${this.length(k)} iterations, ${status}`;
     for (const [quantity, chart] of this.charts) {

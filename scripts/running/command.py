@@ -54,7 +54,7 @@ class Relay:
 
 
 def write_all(target: int, text: bytes) -> None:
-    """The command goes on where nobody reads any more."""
+    """The command continues where nobody reads any more."""
     try:
         while text:
             text = text[os.write(target, text):]
@@ -90,7 +90,7 @@ def tell_coupler(message: tuple[str, str, str, str], runner: int) -> None:
 
 
 def tell_coupler_aside(*message: str) -> None:
-    """In a process of its own, so that this one ends at once."""
+    """Tell the coupler from a separate process, so that this one ends at once."""
     runner = os.getppid()
     if os.fork():
         return

@@ -48,7 +48,7 @@ def _kind(head: str, outer: str) -> str:
 
 
 def _count_parameters(text: str) -> int:
-    """Of a text that begins with the opening parenthesis."""
+    """Number of parameters in a text that begins with the opening parenthesis."""
     level, commas, empty = 0, 0, True
     for character in text:
         if character in "(<[{":

@@ -15,7 +15,7 @@ def soil(run: Measured, column: str) -> np.ndarray:
 
 
 def times(run: Measured) -> np.ndarray:
-    """Of the rows of probes.csv [s]."""
+    """Times of the rows of probes.csv [s]."""
     return run.table("probes.csv")["time"]
 
 
@@ -28,17 +28,18 @@ def arrival(run: Measured) -> int:
 
 
 def impulse(force: np.ndarray, run: Measured, first: int, last: int) -> float:
-    """Of a force from row `first` to row `last` of probes.csv [N s]. @param force  of each step, mean of the step"""
+    """Impulse of a force from row `first` to row `last` of probes.csv [N s]. @param force of each step, mean
+    of the step"""
     return float(np.sum((force * run.table("steps.csv")["dt"])[first:last]))
 
 
 def force_on_wall(run: Measured, wall: str, axis: str = "x") -> np.ndarray:
-    """Of the soil on a rigid wall in each step [N]."""
+    """Force of the soil on a rigid wall in each step [N]."""
     return soil(run, f"{wall}.f{axis}")[1:]
 
 
 def mean_acceleration(run: Measured, last: int) -> float:
-    """Of the soil along x from the start to a row of probes.csv [m/s^2]."""
+    """Mean acceleration of the soil along x from the start to a row of probes.csv [m/s^2]."""
     return float((soil(run, "momentum_x")[last] - soil(run, "momentum_x")[0]) / soil(run, "mass")[0] / times(run)[last])
 
 

@@ -50,7 +50,7 @@ def bent_axis(stations: np.ndarray, forces: np.ndarray, moments: np.ndarray, sti
 
 
 def _behind(values: np.ndarray) -> np.ndarray:
-    """Of each interval between stations the sum over the stations behind it."""
+    """For each interval between stations the sum over the stations behind it."""
     return np.cumsum(values[::-1], axis=0)[::-1][1:]
 
 
@@ -86,12 +86,14 @@ def earth_pressure_at_soft_contact(rest: np.ndarray, young: float, poisson: floa
 
 
 def block_acceleration(along: float, across: float, friction: float) -> float:
-    """Of a rigid block that slides down a slope [m/s^2]. @param along, across  gravity, both positive"""
+    """Acceleration of a rigid block that slides down a slope [m/s^2]. @param along, across gravity, both
+    positive"""
     return along - friction * across
 
 
 def fall_line_acceleration(slope: np.ndarray, gravity: float, friction: float) -> np.ndarray:
-    """Of rigid blocks that begin to slide, each down the fall line of its place; 0 where friction holds it.
+    """Acceleration of rigid blocks that begin to slide, each down the fall line at its place; 0 where
+    friction holds it.
 
     @param slope  n x 2, gradient of the height [-]
     @return       n x 2, horizontal part [m/s^2]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How much of the answer of granular_obstacle is the method's: contact, functions of the grid, its cells.
+"""How much of the answer of granular_obstacle is the method's: contact, basis functions, cells.
 
 Each row is an ensemble: single runs scatter by as much as these choices change the answer.
 """
@@ -24,10 +24,10 @@ FINEST = ["mpm.json:/grid/box/cells=[320,160]", "mpm.json:/grid/box/high=[0.4,0.
           "mpm.json:/bodies/0/mesh/box/cells=[160,80]", f"{INTERFACE}/surface/spacing=6.25e-4"]
 SIZES = {"5": 8, "2.5": 6, "1.25": 3}  # [mm], runs
 STEPS = {"5": 5e-4, "2.5": 2.5e-4, "1.25": 1.25e-4}  # [mm], [s]: of three or four substeps
-STEPS_IN_TIME = (1e-3, 5e-4, 2e-4, 5e-5)  # [s]
+TIME_STEPS = (1e-3, 5e-4, 2e-4, 5e-5)  # [s]
 LOCKING = "mpm.json:/locking/method"
-CURES = {"fbar": "F-bar", "none": "no F-bar", "noise": "F-bar, noise kept"}  # of locking and of noise
-OF_CURE = {"fbar": [f"{LOCKING}=fbar"], "none": [f"{LOCKING}=none"],
+REMEDIES = {"fbar": "F-bar", "none": "no F-bar", "noise": "F-bar, noise kept"}  # for locking and noise
+SETTINGS_OF_REMEDY = {"fbar": [f"{LOCKING}=fbar"], "none": [f"{LOCKING}=none"],
            "noise": [f"{LOCKING}=fbar", "mpm.json:/transfer/noise_damping=0"]}
 
 
@@ -55,7 +55,7 @@ def squares_of_triangles() -> list[str]:
 
 
 def forms_of(fine: bool) -> dict[str, list[str]]:
-    """Functions of the grid and its cells."""
+    """Basis functions and cells, four combinations."""
     return {
         "quad4, gimp": [],
         "quad4, bspline": ["mpm.json:/basis=bspline"],
@@ -64,7 +64,7 @@ def forms_of(fine: bool) -> dict[str, list[str]]:
     }
 
 
-HEAD = ["", "runs", "peak of A [mm]", "rest [mm]", "peak force [N/m]", "rest [N/m]",
+HEAD = ["", "runs", "peak of A [mm]", "residual [mm]", "peak force [N/m]", "force at rest [N/m]",
         f"impulse to {IMPACT_END:g} s [N s/m]", "impulse [N s/m]", "energy balance [%]", "iterations", "cuts",
         "CPU time [s]"]
 
@@ -103,21 +103,21 @@ def report_range(runner: Runner, forms: dict[str, list[Measured]], title: str) -
 
 
 def forms(runner: Runner, size: str, members: dict[str, int]) -> None:
-    """Functions of the grid and its cells; size of STEPS; members: cure -> runs."""
-    found = {cure: {name: form(runner, name, size, cure, number) for name in forms_of(fine=False)}
-             for cure, number in members.items()}
-    runner.report(HEAD, [row_of(f"{name}, {CURES[cure]}", runs) for cure, of_cure in found.items()
-                         for name, runs in of_cure.items()], f"h = {size} mm")
-    for cure, of_cure in found.items():
-        report_range(runner, of_cure, f"the four forms, {CURES[cure]}")
+    """Report the ensembles of forms_of; size of STEPS; members: remedy -> runs."""
+    found = {remedy: {name: form(runner, name, size, remedy, number) for name in forms_of(fine=False)}
+             for remedy, number in members.items()}
+    runner.report(HEAD, [row_of(f"{name}, {REMEDIES[remedy]}", runs) for remedy, of_remedy in found.items()
+                         for name, runs in of_remedy.items()], f"h = {size} mm")
+    for remedy, of_remedy in found.items():
+        report_range(runner, of_remedy, f"the four discretisations, {REMEDIES[remedy]}")
 
 
-def form(runner: Runner, name: str, size: str, cure: str, members: int) -> list[Measured]:
+def form(runner: Runner, name: str, size: str, remedy: str, members: int) -> list[Measured]:
     """Ensemble of one of forms_of."""
     scene = SCENE if size == "5" else f"{SCENE}_fine"
     finest = FINEST if size == "1.25" else []
-    settings = [*explicit(STEPS[size]), *forms_of(size == "2.5")[name], *finest, *OF_CURE[cure]]
-    return over_places(runner, f"{name} {size} {cure}", scene, settings, members, 1e-3 * float(size))
+    settings = [*explicit(STEPS[size]), *forms_of(size == "2.5")[name], *finest, *SETTINGS_OF_REMEDY[remedy]]
+    return over_places(runner, f"{name} {size} {remedy}", scene, settings, members, 1e-3 * float(size))
 
 
 @dataclass
@@ -137,25 +137,26 @@ def rows(runner: Runner, kinds: dict[str, Kind], title: str) -> None:
 def remark(runner: Runner) -> None:
     runner.remark("mean ± standard error of runs with the wall at places evenly over a cell, from a straight line "
                   "over the places; explicit steps of 0.1 ms a millimetre of a cell where nothing else is said; "
-                  "energy balance: of the soil at the end, by the work of gravity; iterations: mean of the steps in "
-                  f"contact; cuts: of all runs; rest: mean of the last {REST} s; CPU time: both solvers, of a run")
+                  "energy balance: error of the soil at the end, by the work of gravity; iterations: mean of the steps "
+                  "in contact; cuts: sum over the runs; residual displacement and force at rest: mean of the last "
+                  f"{REST} s; CPU time: both solvers, of a run")
 
 
 def contact(runner: Runner) -> None:
-    """The answer of granular_obstacle over functions of the grid, its cells and steps in time."""
+    """The answer of granular_obstacle over basis functions, cells and time steps."""
     forms(runner, "5", {"fbar": 8, "noise": 8})
     rows(runner, {"tri3, 3 points a triangle": Kind([*explicit(STEPS["5"]), *triangles("grid", [40, 20], 3)]),
                   "quad4, linear, cells of 3.3 mm": Kind([*explicit(3.333e-4), *squares_of_triangles()])},
          "what triangles with edges of 5 mm are like")
-    steps = {f"explicit, {1e3 * dt:g} ms": Kind(explicit(dt)) for dt in STEPS_IN_TIME}
+    steps = {f"explicit, {1e3 * dt:g} ms": Kind(explicit(dt)) for dt in TIME_STEPS}
     steps["implicit, by their error, as shipped"] = Kind([])
     steps["granular_obstacle_explicit, as shipped"] = Kind([], scene=f"{SCENE}_explicit")
-    rows(runner, steps, "steps in time, gimp, F-bar, h = 5 mm")
+    rows(runner, steps, "time steps, gimp, F-bar, h = 5 mm")
     remark(runner)
 
 
 def contact_kinds(runner: Runner) -> None:
-    """The answer of granular_obstacle over contact and cure of locking."""
+    """The answer of granular_obstacle over contact method and remedy for locking."""
     forms(runner, "5", {"none": 6})
     kinds = {f"penalty_factor {c}": Kind([*explicit(STEPS["5"]), f"{INTERFACE}/penalty_factor={c}"], 6)
              for c in (5, 50)}
@@ -167,7 +168,7 @@ def contact_kinds(runner: Runner) -> None:
 
 
 def contact_fine(runner: Runner) -> None:
-    """The answer of granular_obstacle_fine over functions of the grid and its cells."""
+    """The answer of granular_obstacle_fine over basis functions and cells."""
     forms(runner, "2.5", {"fbar": 6})
     remark(runner)
 
@@ -196,7 +197,7 @@ def report_orders(runner: Runner, of_size: dict[str, list[Measured]], title: str
 
 
 def difference(before, after) -> tuple[float, float]:
-    """Of the means, and its standard error."""
+    """Difference of the means, and its standard error."""
     return float(np.mean(after) - np.mean(before)), float(np.hypot(error(before), error(after)))
 
 

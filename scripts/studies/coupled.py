@@ -33,7 +33,7 @@ def step_size(dt: float) -> list[str]:
     return [f"coupler.json:/time/dt={dt:g}", f"coupler.json:/time/dt_min={dt / 64:g}"]
 
 
-ANSWER = ["peak of A [mm]", "rest of A [mm]", "force at rest [N/m]", f"impulse to {IMPACT_END:g} s [N s/m]",
+ANSWER = ["peak of A [mm]", "residual displacement of A [mm]", "force at rest [N/m]", f"impulse to {IMPACT_END:g} s [N s/m]",
           "impulse [N s/m]"]
 ANSWER_NAMES = [name.partition(" [")[0] for name in ANSWER]  # without units
 
@@ -46,7 +46,7 @@ def answer_of(run: Measured) -> list[float]:
 
 
 def errors_of(run: Measured, reference: Measured) -> list[float]:
-    """Of A's displacement and of the impulse."""
+    """Errors of A's displacement and of the impulse."""
     return [relative_rms(run.displacement(), reference.displacement()),
             relative_rms(run.impulse(), reference.impulse())]
 
@@ -111,7 +111,7 @@ def error_vs_time(runner: Runner) -> None:
     head = ["", "steps", "cuts", *ANSWER, "run time [s]", "error of A", "error of impulse"]
     runner.report(head, rows)
     runner.remark(f"errors: root mean square over the run, relative to fixed steps, {reference_name}; "
-                  f"rest: mean of the last {REST} s")
+                  f"residual displacement and force at rest: mean of the last {REST} s")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(FormatStrFormatter("%g"))
@@ -165,8 +165,8 @@ def tolerance(runner: Runner) -> None:
     head = ["limit [N]", "iterations", "most", "cuts", *ANSWER, "run time [s]", "error of A", "error of impulse"]
     runner.report(head, rows)
     runner.remark(f"limit: root mean square over the components of the nodal forces; errors: root mean square over "
-                  f"the run, relative to {FORCE_LIMITS[0]:g} N; iterations: mean of the steps in contact; rest: mean "
-                  f"of the last {REST} s")
+                  f"the run, relative to {FORCE_LIMITS[0]:g} N; iterations: mean of the steps in contact; "
+                  f"residual displacement and force at rest: mean of the last {REST} s")
 
 
 def mesh_convergence(runner: Runner) -> None:
@@ -191,7 +191,7 @@ def mesh_convergence(runner: Runner) -> None:
     lower.set_ylabel("impulse [N s/m]")
     lower.set_xlabel("time [s]")
     legend_beside(upper)
-    head = ["model", "peak of A [mm]", "at t [s]", "rest [mm]", "impulse [N s/m]", "run time [s]"]
+    head = ["model", "peak of A [mm]", "at t [s]", "residual [mm]", "impulse [N s/m]", "run time [s]"]
     runner.report(head, rows)
     runner.save(figure, "mesh_convergence.png")
 

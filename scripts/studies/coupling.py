@@ -18,7 +18,7 @@ PEER = {100: (195, 520), 1000: (296, 2900), 10000: (2269, 29000)}
 
 
 def coupling(runner: Runner) -> None:
-    """Iterations of the methods on two known problems, and what an iteration costs (minutes)."""
+    """Iterations of the methods on two known problems, and what an iteration costs."""
     if subprocess.run([SETUP, BINARY.name], check=False).returncode != 0:
         raise ResultsError(f"{BINARY.name} could not be built, see above")
     steps = os.environ.get("GABION_BENCH_GRID_STEPS", "0")  # 0: one second of the tube

@@ -31,7 +31,7 @@ def row_of(name: str, found: Measured) -> list:
 
 
 def fall(runner: Runner) -> None:
-    """The fall of granular_obstacle over functions of the grid, quadrature, cells and points."""
+    """The fall of granular_obstacle over basis functions, quadrature, cells and points."""
     head = ["", *(f"work of gravity to {time:g} s [J/m]" for time in TIMES), "front [mm]",
             "quadrature_loss [%]", "CPU time [s]"]
     for size in STEPS:

@@ -26,7 +26,7 @@ def settings(dt: float) -> list[str]:
 
 
 def momentum(run: Measured) -> Curve:
-    """Of the soil, along x [kg m/s]."""
+    """Momentum of the soil along x [kg m/s]."""
     table = run.table("probes.csv")
     return Curve(table["time"], table["momentum_x"])
 

@@ -14,7 +14,7 @@ from studies.runner import ROOT, Runner, folder_of
 
 SOLVER = ROOT / "build" / "release" / "bin" / "mpm_solver"
 MATERIAL = ROOT / "configs" / "column_collapse" / "mpm.json"
-# Of glibc: copies without the instructions that callgrind counts once for each byte.
+# Environment that makes glibc use copies without the instructions that callgrind counts once for each byte.
 COPIES = "glibc.cpu.x86_rep_stosb_threshold=1000000000:glibc.cpu.x86_rep_movsb_threshold=1000000000"
 CALLS = ("solve_step", "accept_step")  # what a step is
 HEAD = ["soil", "points", "Newton a step", "Krylov a Newton", "a step [M]", "an iteration [M]", "of it stress and K",
@@ -23,7 +23,7 @@ HEAD = ["soil", "points", "Newton a step", "Krylov a Newton", "a step [M]", "an 
 
 @dataclass
 class Count:
-    """Of one run, from its first step to its last."""
+    """Counts of one run, from its first step to its last."""
 
     points: int
     newton: int
@@ -33,7 +33,7 @@ class Count:
     solve: int
 
 
-def scene(basis: str, cure: str, cell: str) -> dict:
+def scene(basis: str, remedy: str, cell: str) -> dict:
     """A column of sand that begins to collapse: 5,000 points in the plane, 8,000 in space."""
     box, grid, walls, points = [[0.2, 0.1], [50, 25]], [[0.4, 0.12], [100, 30]], ["left", "bottom", "right"], 4
     if cell == "tri3":
@@ -48,7 +48,7 @@ def scene(basis: str, cure: str, cell: str) -> dict:
 
     material = json.loads(MATERIAL.read_text(encoding="utf-8"))["bodies"][0]["material"]
     return {
-        "dimension": len(gravity), "grid": mesh(*grid), "basis": basis, "locking": {"method": cure}, "gravity": gravity,
+        "dimension": len(gravity), "grid": mesh(*grid), "basis": basis, "locking": {"method": remedy}, "gravity": gravity,
         "walls": [{"group": wall, "condition": "slip" if wall in ("front", "back") else "fixed"} for wall in walls],
         "bodies": [{"name": "soil", "mesh": mesh(*box), "points_per_cell": points, "material": material}],
         "time": {"end": 1, "dt": dt, "dt_min": dt / 64}, "output": {"interval": 1},
@@ -110,7 +110,7 @@ def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
 
 
 def row(name: str, steps: int, few: Count, many: Count) -> list:
-    """Of the steps that the longer run has more: there is no start in them."""
+    """Row from the additional steps of the longer run, which have no start in them."""
     newton = many.newton - few.newton
     total = many.total - few.total
     return [name, many.points, newton / steps, (many.krylov - few.krylov) / newton, total / steps / 1e6,
@@ -119,7 +119,7 @@ def row(name: str, steps: int, few: Count, many: Count) -> list:
 
 
 def instructions(runner: Runner) -> None:
-    """Instructions of a step of the soil by basis, cure and cells, in the plane and in space; needs valgrind."""
+    """Instructions of a step of the soil by basis, F-bar and cells, in the plane and in space; needs valgrind."""
     if shutil.which("valgrind") is None:
         raise ResultsError("found no valgrind; it needs: apt-get install --no-install-recommends valgrind")
     rows = []

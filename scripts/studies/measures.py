@@ -103,7 +103,7 @@ class Measured:
         return self.summary["newton_iterations"] / self.summary["steps"]
 
     def iterations_in_contact(self) -> np.ndarray:
-        """Coupling iterations of the steps in which soil and structure could touch."""
+        """Coupling iterations of the steps in which soil and structure could be in contact."""
         table = self.table("steps.csv")
         return table["iterations"][table["skipped"] == "none"]
 

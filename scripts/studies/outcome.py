@@ -57,7 +57,7 @@ def largest_rise(values: np.ndarray) -> float:
 
 
 def column(results: Results, name: str) -> np.ndarray:
-    """Of the soil in probes.csv, alone or not."""
+    """Column of the soil in probes.csv, with a coupler or alone."""
     table = results.table("probes.csv")
     return table[name if name in table else f"soil.{name}"]
 
@@ -79,7 +79,7 @@ def beyond(face: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def far_face(results: Results, throw: Throw) -> np.ndarray:
-    """Of the wall at the end, upwards: num_vertices x 2."""
+    """Far face of the wall at the end, upwards: num_vertices x 2."""
     if throw.density is None:
         return np.array([[FACE + throw.thickness, 0], [FACE + throw.thickness, 1]])
     series = results.structures[0]

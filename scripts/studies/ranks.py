@@ -33,7 +33,7 @@ SOILS = {
 }
 WANTED_MEMORY = 0.6  # of a rank over that of the run on one
 
-# Of the model: what a message and a byte cost, and a collective call by the logarithm of the ranks.
+# Constants of the model: what a message and a byte cost, and a collective call by the logarithm of the ranks.
 LATENCY = 2e-6  # [s]
 BANDWIDTH = 10e9  # [B/s]
 FACTORS = (1, 100)  # sizes that the model is asked for, by those measured
@@ -42,7 +42,7 @@ MANY = (8, 64, 512)
 
 @dataclass
 class Count:
-    """Of one run; of the ranks the largest, but for totals."""
+    """Counts of one run: the largest over the ranks, but for totals."""
 
     points: int
     steps: int
@@ -115,7 +115,7 @@ HEAD = ["ranks", "time of one by this", "Newton a step", "linear a Newton", "mem
 
 
 def row(ranks: int, count: Count, one: Count) -> list:
-    """Of messages and bytes those of the rank with the most."""
+    """Row of the table. Messages and bytes are those of the rank with the most."""
     newton, steps = count.newton, count.steps
     kilobytes = count.message_bytes / 1e3
     return [ranks, one.seconds / count.seconds, newton / steps, count.linear / newton, count.memory / one.memory,
@@ -129,7 +129,7 @@ def faces(ranks: int, dimension: int) -> float:
 
 
 def most_neighbours(ranks: int, dimension: int) -> float:
-    """Of a part in a cube of equal cubes, corners counted."""
+    """Largest number of neighbours of a part in a cube of equal cubes, corners counted."""
     return min(ranks, 3**dimension) - 1
 
 

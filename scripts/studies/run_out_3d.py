@@ -46,7 +46,7 @@ class Cylinder:
 
     @property
     def edge(self) -> float:
-        """Of a cube [m]."""
+        """Edge of a cube [m]."""
         return RADIUS / (2 * self.cells)
 
     @property
@@ -55,7 +55,7 @@ class Cylinder:
 
     @property
     def radius(self) -> float:
-        """Of a cylinder with the volume of the cubes [m]."""
+        """Radius of a cylinder with the volume of the cubes [m]."""
         middle = np.arange(2 * self.cells) + 0.5
         inside = np.add.outer(middle**2, middle**2) < (2 * self.cells) ** 2
         return self.edge * float(np.sqrt(4 * inside.sum() / np.pi))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far runs of granular_obstacle part whose soil differs by a last digit, and when."""
+"""How far runs of granular_obstacle differ whose soil differs by a last digit, and when."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ MEMBERS = 4
 
 
 def kinetic_energy(run: Measured) -> Curve:
-    """Of the soil [J/m]."""
+    """Kinetic energy of the soil [J/m]."""
     table = run.table("probes.csv")
     return Curve(table["time"], table["soil.kinetic_energy"])
 
@@ -34,7 +34,7 @@ def deviations(name: str, runs: list[Measured]) -> list:
 
 
 def scatter(runner: Runner) -> None:
-    """How far runs of granular_obstacle part whose soil differs by a last digit."""
+    """How far runs of granular_obstacle differ whose soil differs by a last digit."""
     dt = STEPS["5"]
     of_change = {change: with_other_modulus(runner, f"modulus {change:g}", SCENE, explicit(dt), MEMBERS, change)
                  for change in CHANGES}
@@ -51,7 +51,8 @@ def scatter(runner: Runner) -> None:
         axes.semilogy(energy.time, energy.values, label=f"{change:g}")
     runner.report(["change", *(f"{t:g} s" for t in TIMES)], rows, "difference of the soil's kinetic energy")
     runner.remark("difference: root mean square over the runs from the first one, by the largest kinetic "
-                  f"energy; rest: mean of the last {REST} s; explicit steps of {1e3 * dt:g} ms")
+                  f"energy; residual displacement and force at rest: mean of the last {REST} s; explicit steps of "
+                  f"{1e3 * dt:g} ms")
     axes.set_ylim(1e-15, 1)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("difference of the kinetic energy")

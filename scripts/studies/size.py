@@ -48,7 +48,7 @@ def read(out: Path) -> tuple[dict, list[dict]]:
 
 
 def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
-    """Of a run. smallest: summary of that with the fewest points; memory counts from there."""
+    """Row of a run. smallest: summary of that with the fewest points; memory counts from there."""
     soil, phases = summary["solver"], summary["solver"]["wall_seconds"]
     total = summary["wall_seconds"]["solve"] + summary["wall_seconds"]["accept"]
     shares = [sum(phases.get(phase, 0) for phase in group) / total for group in PHASES.values()]

@@ -36,7 +36,7 @@ def sliding_rows(run: Measured, wall: str, friction: float) -> list[Row]:
 
 
 def momentum_row(run: Measured) -> Row:
-    """From the arrival until soil leaves the grid."""
+    """Balance of momentum from the arrival until soil leaves the grid."""
     start, last = arrival(run), last_kept(run)
     time, momentum = times(run), soil(run, "momentum_x")
     weight = run.results.settings("mpm.json")["gravity"][0] * soil(run, "mass")[0]
@@ -47,7 +47,7 @@ def momentum_row(run: Measured) -> Row:
 
 
 def mass_before(frame: Frame, face: float, density: float) -> float:
-    """Of the soil with x < face [kg]."""
+    """Mass of the soil with x < face [kg]."""
     mass = density * frame.fields["volume"].ravel() / frame.fields["volume_ratio"].ravel()
     return float(np.sum(mass[frame.points[:, 0] < face]))
 
@@ -61,7 +61,7 @@ def facet_forces(frame: Frame) -> np.ndarray:
 
 
 def force_rows(run: Measured) -> list[Row]:
-    """On the barrier at the end."""
+    """Forces on the barrier at the end."""
     settings = run.results.settings("mpm.json")
     gravity, density = settings["gravity"], settings["bodies"][0]["material"]["density"]
     face = run.results.settings("fem.json")["mesh"]["box"]["low"][0]
@@ -86,7 +86,7 @@ def sum_before(frame: Frame, face: float) -> np.ndarray:
 
 
 def crest_row(run: Measured) -> Row:
-    """Of the barrier, from the forces on its facets."""
+    """Crest of the barrier, computed from the forces on its facets, and found."""
     settings = run.results.settings("fem.json")
     box = settings["mesh"]["box"]
     low, high = np.array(box["low"]), np.array(box["high"])

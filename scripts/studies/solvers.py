@@ -75,7 +75,8 @@ def run(folder: Path, settings: dict, reuse: bool) -> Run:
 
 
 def tried(method: str, cells: tuple[int, int, int], regime: str) -> bool:
-    """Not: factors that take minutes, iterations that are known to end in a factor after all."""
+    """Whether a method is tried: not factors that take minutes, nor iterations that are known to end in a
+    factor."""
     large = min(cells) > 2 and max(cells) > 24
     if math.prod(cells) > 40_000:
         return method != "mumps" and regime == "static"

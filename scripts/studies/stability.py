@@ -85,7 +85,7 @@ HEAD = ["family", "runs", "to the end", "without reason", "cut steps", "most ite
 
 
 def stability(runner: Runner) -> None:
-    """Soil alone and thrown at walls, every setting far off: each run ends, named, with its energy and points."""
+    """Soil alone and thrown at walls, extreme settings: each run ends and says why, with its energy and points."""
     everything = [(family, case) for family, listed in families().items() for case in listed]
     attempts = runner.attempts([(folder(family, case), case.scene, case.settings) for family, case in everything])
     outcomes = [outcome(attempt, case.throw) for attempt, (_, case) in zip(attempts, everything)]

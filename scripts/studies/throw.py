@@ -40,7 +40,7 @@ class Throw:
 SOIL = {"law": "mohr_coulomb", "density": 2650, "young_modulus": 840e3, "poisson_ratio": 0.3,
         "friction_angle": 19.8}
 
-# Of each factor what it is varied to by itself; the sample takes the same ranges.
+# For each factor the values to which it alone is varied; the sample takes the same ranges.
 LEVELS = {
     "density": (11, 110, 11000), "young": (1e4, 1e5, 1e7, 1e8, 1e9), "thickness": (1e-3, 2.5e-3, 5e-3, 2e-2),
     "friction": (0, 0.1, 1), "dt": (5e-5, 2e-4, 2e-3, 5e-3), "penalty": (0.1, 1, 100, 1000), "points": (0, 2, 3),
@@ -64,7 +64,7 @@ def corners(base: Throw) -> dict[str, Throw]:
 
 
 def value_of(name: str, share: float) -> float:
-    """Of a factor, for a share in [0, 1) of its range."""
+    """Value of a factor for a share in [0, 1) of its range."""
     low, high = LEVELS[name][0], LEVELS[name][-1]
     if name == "points":
         return int(4 * share)

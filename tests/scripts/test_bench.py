@@ -93,7 +93,7 @@ class WrittenPage(ScriptCase):
                          r"^`scripts/bench mesh_convergence --set coupler.json:/time/dt=1e-4`: "
                          r"version \d+\.\d+\.\d+, \d+ cores of .+, \d{4}-\d\d-\d\d$")
         self.assertNotIn(platform.node(), source.split())
-        head = ["model", "peak of A [mm]", "at t [s]", "rest [mm]", "impulse [N s/m]", "run time [s]"]
+        head = ["model", "peak of A [mm]", "at t [s]", "residual [mm]", "impulse [N s/m]", "run time [s]"]
         lines = table.splitlines()
         self.assertEqual(lines[:2], [f"| {' | '.join(head)} |", "| --- | --- | --- | --- | --- | --- |"])
         self.assertRegex(lines[2], r"^\| h = 5 mm \| 4 \| 0\.\d+ \| \d\.\d+ \| 7 \| 12.5 \|$")
@@ -101,11 +101,16 @@ class WrittenPage(ScriptCase):
         self.assertTrue((self.pages / "mesh_convergence.png").exists())
 
     def test_what_is_written_by_hand_stays(self) -> None:
-        page = self.write("measured/mesh_convergence.md", "# Old\n\nold\n\n## What it shows\n\nThis | stays.\n")
+        page = self.write("measured/mesh_convergence.md", "# Old\n\n**Question:** which?\n**Answer:** this.\n\nold\n\n"
+                          "## What it shows\n\nThis | stays.\n")
         self.write_page("--write")
         text = page.read_text()
         self.assertTrue(text.endswith(".png)\n\n## What it shows\n\nThis | stays.\n"), text)
         self.assertNotIn("old", text)
+        title, opening, source, *_ = text.split("\n\n")
+        self.assertTrue(title.startswith("# A's displacement"), title)
+        self.assertEqual(opening, "**Question:** which?\n**Answer:** this.")
+        self.assertTrue(source.startswith("`scripts/bench mesh_convergence`"), source)
 
     def test_prose_is_wrapped_and_tables_are_not(self) -> None:
         words = "word " * 40

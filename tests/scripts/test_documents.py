@@ -11,9 +11,10 @@ from script_case import ROOT, ScriptCase
 
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 CODE = re.compile(r"`[^`]*`")
-NAMED = re.compile(r"`([a-z_0-9/]+\.(?:hpp|cpp|h|py)): ([A-Za-z_0-9]+)`")
+NAMED = re.compile(r"`([a-z_0-9/]+\.(?:hpp|cpp|h|py)):\s([A-Za-z_0-9]+)`")
+OPENING = re.compile(r"\*\*Question:\*\*\s.+\*\*Answer:\*\*\s.+\*\*How\s+sure:\*\*\s.+", re.DOTALL)
 NOT_OURS = {"build", "results", ".git"}
-MAX_WIDTH, MAX_README, MAX_FOLDER_README, MAX_CONTRIBUTING = 120, 110, 60, 90
+MAX_WIDTH, MAX_README, MAX_FOLDER_README, MAX_CONTRIBUTING = 120, 110, 60, 110
 LONG = {"README.md": MAX_README, "protocol/README.md": 400}  # the contract is one page
 
 
@@ -93,6 +94,15 @@ def missing_functions(root: Path) -> Iterator[str]:
                 yield f"{path.name}: no {name} in {file}"
 
 
+def without_opening(root: Path) -> Iterator[str]:
+    """Pages of docs/measured whose first paragraph is not question, answer and how sure that is."""
+    for path in sorted((root / "docs" / "measured").glob("*.md")):
+        paragraphs = path.read_text(encoding="utf-8").split("\n\n")
+        opening = paragraphs[1] if len(paragraphs) > 1 else ""
+        if path.name != "README.md" and not OPENING.match(opening):
+            yield f"{path.name}: begins with {opening[:40]!r}"
+
+
 def repeated_numbers(root: Path) -> Iterator[str]:
     """Each equation of docs/theory has a number of its own, in the order of the page."""
     for path in sorted((root / "docs" / "theory").glob("*.md")):
@@ -108,6 +118,9 @@ class Tree(unittest.TestCase):
 
     def test_widths_and_lengths(self) -> None:
         self.assertEqual([*long_lines(ROOT), *long_readmes(ROOT)], [])
+
+    def test_openings(self) -> None:
+        self.assertEqual(list(without_opening(ROOT)), [])
 
     def test_theory(self) -> None:
         self.assertEqual([*missing_functions(ROOT), *repeated_numbers(ROOT)], [])
@@ -139,6 +152,13 @@ class Findings(ScriptCase):
         self.assertEqual(list(long_readmes(self.folder)), [])
         self.write("soil/README.md", "x\n" * (MAX_FOLDER_README + 1))
         self.assertEqual(list(long_readmes(self.folder)), ["soil/README.md: 61 lines, allowed: 60"])
+
+    def test_openings(self) -> None:
+        self.write("docs/measured/a.md", "# A\n\n**Question:** which?\n**Answer:** this. **How sure:** very.\n\n| |\n")
+        self.write("docs/measured/README.md", "# Measured\n\nTables.\n")
+        self.assertEqual(list(without_opening(self.folder)), [])
+        self.write("docs/measured/b.md", "# B\n\n`scripts/bench b`\n\n**Question:** which?\n")
+        self.assertEqual(list(without_opening(self.folder)), ["b.md: begins with '`scripts/bench b`'"])
 
     def test_theory(self) -> None:
         self.write("soil/grid.cpp", "void map_points() {}\n")

@@ -152,7 +152,7 @@ class Pages(ReportCase):
         self.write("resolved_config.json", json.dumps({"coupler.json": {"time": {"end": 1}}}))
         page = self.report()
         self.assertEqual(page.blocks, {})
-        self.assertIn("Under way: 0 steps to t = 0 s of 1 s (0 %)", self.text)
+        self.assertIn("Running: 0 steps to t = 0 s of 1 s (0 %)", self.text)
 
     def test_nothing_there(self) -> None:
         empty = self.python_script("report", self.folder)

@@ -37,7 +37,7 @@ class Ends(VerdictCase):
             "failed": ("bad", f"Failed after 500 steps to t = 0.5 s: {REASON}."),
             "stopped": ("note", "Stopped after 500 steps to t = 0.5 s: interrupted by signal 15 (Terminated). It can go "
                         "on from step 500: scripts/run SCENE --restart "),
-            "unfinished": ("note", "Under way: 500 steps to t = 0.5 s of 1 s (50 %). All that follows is of these steps."),
+            "unfinished": ("note", "Running: 500 steps to t = 0.5 s of 1 s (50 %). All that follows is of these steps."),
             "killed": ("bad", "Killed, or running on another machine: 500 steps to t = 0.5 s, no summary.json, no new row "
                        "for "),
         }

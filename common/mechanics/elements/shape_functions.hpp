@@ -71,7 +71,8 @@ template <int dim>
 std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree);
 
 /// Where the points of a quad or hex lie: at the points of the Gauss rule, or at the centres of
-/// equal parts, which then fill the cell without overlap. Triangles and tetrahedra know one way.
+/// equal parts, which then fill the cell without overlap. Triangles and tetrahedra have one such
+/// division.
 enum class PointPlacement { gauss, regular };
 
 /// Rule with this many points of positive weight inside the cell, for laying material points:

@@ -27,7 +27,7 @@ std::vector<std::int32_t> find_parts(const Mesh<dim>& mesh, MeshConnection<dim>&
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     for (const std::int32_t i : mesh.cell(c)) sets.join(mesh.cell(c)[0], i);
   }
-  std::vector<std::int32_t> part(mesh.nodes.size(), -1);  // of the least node of each set
+  std::vector<std::int32_t> part(mesh.nodes.size(), -1);  // part of the least node of each set
   for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
     std::int32_t& number = part[sets.find(mesh.cell(c)[0])];
     if (number < 0) {

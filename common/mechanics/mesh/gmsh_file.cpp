@@ -100,7 +100,7 @@ class Scanner {
     if (found != end) fail(fmt::format("found \"{}\", expected {}", found.substr(0, 40), end));
   }
 
-  /// Pass over a section that nobody reads.
+  /// Skip a section that is not needed.
   void skip_section() {
     const std::size_t end = text_.find("\n$End" + section_.substr(1), position_);
     if (end == std::string::npos) fail("found the end of the file, expected the section's end");

@@ -65,7 +65,7 @@ CellType find_cell_type(const GmshFile& file, const std::string& path) {
   return *result;
 }
 
-/// From node tags of the file to positions in its list of nodes.
+/// Maps node tags of the file to positions in its list of nodes.
 std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
                                                            const std::string& path) {
   std::unordered_map<std::uint64_t, std::size_t> index;
@@ -218,7 +218,7 @@ class MeshBuilder {
     }
   }
 
-  /// Warn of names that stand for no facet or cell.
+  /// Warn of names that have no facet or cell.
   void warn_of_empty_groups() const {
     for (const auto& [key, name] : file_.physical_names) {
       const bool is_facets = key.first == dim - 1;

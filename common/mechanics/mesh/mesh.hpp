@@ -31,9 +31,9 @@ struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
   std::vector<Vector<dim>> nodes;   ///< [m]
   std::vector<std::int32_t> cells;  ///< num_cells x num_nodes(cell_type), positive volume
-  /// On the boundary; each facet is ordered so that its normal points out of the cell it belongs to
-  /// (2D: the cell lies to the left of the segment's direction, so the outward normal is the
-  /// direction turned clockwise).
+  /// Groups of facets on the boundary; each facet is ordered so that its normal points out of the
+  /// cell it belongs to (2D: the cell lies to the left of the segment's direction, so the outward
+  /// normal is the direction turned clockwise).
   FacetGroups facet_groups;
   std::map<std::string, std::vector<std::int32_t>> cell_groups;
   std::string file;  ///< it was read from, as the scene names it; empty: made from numbers
@@ -57,7 +57,7 @@ struct Mesh {
   }
 };
 
-/// Volume (2D: area) of a cell with these corners [m^dim]; negative when they run the wrong way
+/// Volume (2D: area) of a cell with these corners [m^dim]; negative when their order is reversed
 /// round.
 template <int dim>
 double cell_volume(CellType type, std::span<const Vector<dim>> corners);
@@ -103,10 +103,10 @@ Mesh<dim> read_gmsh(const std::string& path);
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
-/// The same, a box not yet as a mesh.
+/// As above, but a box is not yet made into a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
-/// The same, the file not yet opened.
+/// As above, but the file is not yet opened.
 template <int dim>
 std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in);
 /// Read what read_box_or_file() named. @param in  as there, for errors

@@ -23,15 +23,15 @@ struct PartNumbers {
   std::int32_t num_cells = 0;  ///< of the whole
 };
 
-/// Some cells of a mesh and the nodes that they touch. It has all facet groups of the whole, with
-/// its own facets, and no groups of cells.
+/// Some cells of a mesh and their nodes. It has all facet groups of the whole, with its own facets,
+/// and no groups of cells.
 template <int dim>
 struct MeshPart {
   Mesh<dim> mesh;
   PartNumbers numbers;
 };
 
-/// Those rectangles or bricks of box_mesh() of a box that are wanted; the whole is not made.
+/// Makes the wanted rectangles or bricks of box_mesh() alone, not the whole mesh.
 /// @param wanted  tells by the centre [m]
 /// @throws ConfigError  as box_mesh()
 template <int dim>

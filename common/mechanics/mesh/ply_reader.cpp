@@ -14,7 +14,7 @@ namespace {
 struct Property {
   std::string name;
   std::string type;
-  std::string count_type;  // of a list, else empty
+  std::string count_type;  // type of the count of a list, else empty
 };
 
 struct Element {

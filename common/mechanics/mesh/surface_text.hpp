@@ -31,7 +31,7 @@ class SurfaceText {
                               : fmt::format("{}: line {}: {}", path_, lines + 1, message));
   }
 
-  /// From here on numbers are bytes. @param position  where they begin
+  /// Read numbers as bytes from now on. @param position  where they begin
   void read_bytes_from(std::size_t position) {
     position_ = position;
     binary_ = true;

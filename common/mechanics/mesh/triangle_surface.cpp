@@ -148,7 +148,8 @@ void check_sides(const TriangleSurface& surface, const std::string& path) {
   }
 }
 
-// What lies on each other in opposite senses encloses nothing: soil would touch both sides.
+// Triangles that lie on each other in opposite senses enclose nothing: soil would be in contact
+// with both.
 void check_doubles(const TriangleSurface& surface, const std::string& path) {
   std::vector<std::pair<Triangle, std::size_t>> sorted;
   for (const Triangle& triangle : surface.triangles) {

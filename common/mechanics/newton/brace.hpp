@@ -7,12 +7,12 @@
 
 namespace gabion {
 
-/// How much stiffness Newton's method adds at kinks of the equations (NewtonProblem::brace): a
-/// share of the full one, after the rule of Levenberg and Marquardt. It starts at one and falls
-/// tenfold with each good step, a hundredfold where |r| fell tenfold; below a thousandth plain
-/// steps come back. It rises tenfold after a refused step and after one that raised |r|, and then
-/// stays for one good step. On the flat of a kink |r| hardly changes: up to a tenth more counts as
-/// good.
+/// Regularisation at kinks of the equations: how much stiffness Newton's method adds there
+/// (NewtonProblem::brace), as a share of the full one, after the rule of Levenberg and Marquardt.
+/// It starts at one and falls tenfold with each good step, a hundredfold where |r| fell tenfold;
+/// below a thousandth plain steps come back. It rises tenfold after a refused step and after one
+/// that raised |r|, and then stays for one good step. On the flat of a kink |r| hardly changes: up
+/// to a tenth more counts as good.
 ///
 /// @see Levenberg (1944); Marquardt (1963)
 class Brace {
@@ -39,7 +39,8 @@ class Brace {
       if (share_ < smallest) share_ = 0;
     }
   }
-  /// Whether a step with the brace may be taken: the way round a kink may lead over a larger |r|.
+  /// Whether a step with the brace may be taken: the path around a kink may pass through a larger
+  /// |r|.
   static bool allows(double norm_before, double norm) { return norm <= growth * norm_before; }
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int max_cuts = 8;
 constexpr double energy_reduction = 0.8;
-constexpr double reuse_reduction = 0.25;  // of |r| by an iteration with an old matrix
+constexpr double reuse_reduction = 0.25;  // |r| after over before an old matrix
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 
@@ -269,7 +269,7 @@ bool Newton<block_size>::goes_in_circles() const {
          go_in_circles(std::span<const double>(report_.residuals).subspan(unbraced_since_));
 }
 
-// After a step was taken.
+// Whether the iterate is the solution after a step was taken.
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
   if (brace_.active() || supported_) return false;
@@ -277,7 +277,8 @@ bool Newton<block_size>::is_converged() const {
          (!matrix_is_old_ && step_size_ <= increment_round_off * problem_.increment_scale());
 }
 
-// Before the step at hand is taken: the iterate is within both limits, whatever lies beyond a kink.
+// Whether the iterate is the solution before the next step is taken: it is within both limits,
+// whatever lies beyond a kink.
 template <int block_size>
 bool Newton<block_size>::is_solution() const {
   return current_.small_residual && !brace_.active() && !supported_ && !matrix_is_old_ &&

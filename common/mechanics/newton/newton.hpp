@@ -36,7 +36,7 @@ template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
-  /// Whose the nodes of the vectors are; the default: each rank has all nodes.
+  /// Which ranks share the nodes of the vectors; by default each rank has all nodes.
   virtual const SharedNodes& shared() const {
     static const SharedNodes every_rank_has_all;
     return every_rank_has_all;
@@ -73,7 +73,7 @@ class NewtonProblem {
 /// The matrix of a solve and who solves with it.
 template <int block_size>
 struct NewtonMatrix {
-  BlockMatrix<block_size>& K;  ///< with its pattern; the values are overwritten
+  BlockMatrix<block_size>& K;  ///< matrix with its pattern; the values are overwritten
   LinearSolver<block_size>& linear;
   /// For `reuse_matrix`: `linear` holds the matrix (and its factor) of an earlier solve, which may
   /// serve again. The caller sets it to false when pattern, dt, constraints or method changed;

@@ -19,7 +19,7 @@ class NumberedRows {
   /// @note Collective.
   NumberedRows(MPI_Comm comm, std::span<const std::int64_t> numbers, std::int64_t end);
 
-  /// From values of the points of this rank to those of its rows.
+  /// Turns values of the points of this rank into those of its rows.
   /// @param own    num_points x width
   /// @returns      num_rows x width
   /// @note Collective.

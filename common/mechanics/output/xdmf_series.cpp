@@ -76,7 +76,7 @@ std::vector<T> arrange(std::span<const double> values, int components,
     for (int column : columns) {
       const double value = column < 0 ? 0.0 : values[r * components + column];
       result.push_back(static_cast<T>(value));
-      // Not require(): it would make a text for every value.
+      // require() would make a text for every value.
       if (std::isfinite(static_cast<double>(result.back())) || !std::isfinite(value)) continue;
       throw Error(fmt::format("output field {}: found {}, allowed: what a 32-bit number can hold",
                               what, value));

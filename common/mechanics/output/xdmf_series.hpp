@@ -29,7 +29,7 @@ struct OutputField {
 /// behind those of the ranks before; node numbers count the points of all.
 struct OutputFrame {
   double time = 0;                      ///< [s]
-  int dim = 2;                          ///< of the space of the points, 2 or 3
+  int dim = 2;                          ///< dimension of the space of the points, 2 or 3
   std::span<const double> coordinates;  ///< num_points x dim [m]
   CellType cell_type = CellType::point1;
   /// num_cells x num_nodes(cell_type); empty for CellType::point1: each point a cell
@@ -59,7 +59,7 @@ class XdmfSeries {
   int num_frames() const { return static_cast<int>(times_.size()); }
 
  private:
-  struct Rows;  // of a frame, over the ranks
+  struct Rows;  // rows of a frame, over the ranks
   void check(const OutputFrame& frame) const;
   void make_folder() const;
   std::string grid_text(const OutputFrame& frame, const Rows& rows,

@@ -24,7 +24,7 @@ class CellBlocks {
   std::span<const std::int32_t> runs() const { return runs_; }
   /// Block of node a and the first node of run r; those of the run's other nodes follow.
   double* at(int a, int r) const { return at(a * static_cast<int>(runs_.size()) + r); }
-  /// The same by the place a (number of runs) + r.
+  /// As above, addressed by the place a (number of runs) + r.
   double* at(int place) const {
     return values_ + static_cast<std::ptrdiff_t>(slots_[place]) * block_size * block_size;
   }
@@ -74,14 +74,14 @@ class BlockMatrix {
   /// Add the dense matrix of cell c (as numbered in set_pattern), (n block_size) x (n block_size),
   /// row-major.
   void add_cell(std::int32_t c, const double* K);
-  /// For a sum block by block, see above.
+  /// Blocks of a cell, for a sum block by block, see above.
   CellBlocks<block_size> cell_blocks(std::int32_t c) {
     return {runs_of(c), slots_.data() + slot_starts_[c], values_.data()};
   }
   /// Add one block. @pre i and j share a cell of the pattern
   void add_block(std::int32_t i, std::int32_t j, const NodeBlock<block_size>& block);
   void add_diagonal(std::int32_t i, double value);  ///< value times the unit block
-  double mean_diagonal() const;                     ///< of all unknowns
+  double mean_diagonal() const;                     ///< mean over all unknowns
 
   /// Constrain the increment of each listed node i to the range of its projector Q_i (symmetric,
   /// Q Q = Q): K_ij <- Q_i K_ij Q_j, then, where the node is owned, add scale_i (1 - Q_i) to the

@@ -16,7 +16,7 @@ struct LinearSolverSettings {
   /// aggregation); for Krylov methods
   std::string preconditioner = "auto";
   double tolerance = 1e-8;   ///< on the true residual, relative to the right-hand side; [eps, 1e-2]
-  int max_iterations = 500;  ///< of a Krylov method, then the direct one takes over; >= 1
+  int max_iterations = 500;  ///< after these the direct method replaces a Krylov one; >= 1
 };
 KeyTable linear_solver_keys();
 LinearSolverSettings read_linear_solver_settings(ConfigReader in);
@@ -36,7 +36,7 @@ struct LinearRegime {
 enum class SolutionMethod { lu, mumps, bicgstab, gmres, cg };
 enum class Preconditioner { none, jacobi, ilu, multigrid };
 
-/// A way to solve a linear system.
+/// A method to solve a linear system.
 struct LinearMethod {
   SolutionMethod method = SolutionMethod::mumps;
   Preconditioner preconditioner = Preconditioner::none;

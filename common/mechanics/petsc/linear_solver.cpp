@@ -58,15 +58,15 @@ struct LinearSolver<block_size>::Implementation {
   PetscSolver::Result use_rescue(SolutionMethod method, double b_norm, const char* reason);
 
   LinearSolverSettings settings;
-  int dim;  // of the space of the nodes
+  int dim;  // dimension of the space of the nodes
   int num_ranks = 1;
   PetscMatrix<block_size> matrix;
   LinearMethod chosen;
   bool is_chosen = false;
-  PetscSolver main;    // with the chosen method
+  PetscSolver main;    // solver with the chosen method
   PetscSolver rescue;  // direct, when the chosen method failed for this matrix
   bool use_rescue_first = false;
-  KrylovPause pause;                            // as the step began
+  KrylovPause pause;                            // state at the start of the step
   bool has_failed = false, has_worked = false;  // the chosen Krylov method in this step
   std::int64_t fallbacks = 0;
 };
@@ -83,7 +83,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolve
     return result;
   }
   const double allowed = (direct ? direct_tolerance : 10 * tolerance) * b_norm;
-  // Also false for NaN.
+  // The comparison is false for NaN too.
   if (!(matrix.residual_norm() <= allowed)) {
     result.converged = false;
     result.reason = "the true residual is above the tolerance";

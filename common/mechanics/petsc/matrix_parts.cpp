@@ -61,7 +61,7 @@ class PartsJacobi final : public PartsPreconditioner {
   }
 
  private:
-  std::vector<NodeBlock<block_size>> inverses_;  // of the owned nodes
+  std::vector<NodeBlock<block_size>> inverses_;  // inverse blocks of the owned nodes
 };
 
 template <int block_size>
@@ -84,7 +84,7 @@ class PartsIlu final : public PartsPreconditioner {
   SharedNodes shared_;
   bool overlapping_;
   BlockIlu<block_size> factors_;
-  std::vector<double> x_;  // of the held nodes; those of others stay 0 without overlap
+  std::vector<double> x_;  // values at the held nodes; those of others stay 0 without overlap
 };
 
 // What this rank's part says of the nodes that it shares with one other: row by row the number of

@@ -30,11 +30,11 @@ class MatrixParts {
   MatrixParts& operator=(MatrixParts&&) = delete;
   ~MatrixParts() = default;
 
-  /// As PETSc multiplies by it: rows of the owned nodes.
+  /// Operator by which PETSc multiplies; it has the rows of the owned nodes.
   Mat get() const { return shell_.get(); }
   /// y = K x. @param x, y  num_owned x block_size
   void multiply(const double* x, double* y);
-  /// For the present values. @note Collective.
+  /// Preconditioner for the present values. @note Collective.
   std::unique_ptr<PartsPreconditioner> preconditioner(const LinearMethod& method) const;
 
  private:
@@ -44,7 +44,7 @@ class MatrixParts {
   const BlockMatrix<block_size>& K_;
   SharedNodes shared_;
   MatHandle shell_;
-  std::vector<double> x_, y_;  // of the held nodes
+  std::vector<double> x_, y_;  // values at the held nodes
 };
 
 }  // namespace gabion

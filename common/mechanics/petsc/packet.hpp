@@ -14,7 +14,7 @@
 
 namespace gabion {
 
-/// Numbers on their way to another rank: taken in the order in which they were put.
+/// Numbers sent to another rank: taken in the order in which they were put.
 class Packet {
  public:
   Packet() = default;

@@ -78,13 +78,13 @@ class PetscMatrix final : public PetscOperator {
   std::int64_t pattern_id_ = 0, shared_id_ = 0;
   bool is_new_ = false;  // made since the last `set`
   std::int64_t num_nodes_of_all_ = 0;
-  std::vector<PetscInt> numbers_;     // of the nodes of K among those of all ranks
-  std::vector<int> owners_;           // of them; one rank: empty
+  std::vector<PetscInt> numbers_;     // numbers of the nodes of K among those of all ranks
+  std::vector<int> owners_;           // ranks that own them; one rank: empty
   std::vector<std::int32_t> owned_;   // ascending, with consecutive numbers
   std::vector<int> counts_, starts_;  // dofs of each rank, where every rank has all nodes
-  MatHandle matrix_;                  // with parts: made when rows are asked for
+  MatHandle matrix_;                  // matrix of the parts: made when rows are asked for
   std::unique_ptr<MatrixParts<block_size>> parts_;
-  const BlockMatrix<block_size>* K_ = nullptr;  // of the parts
+  const BlockMatrix<block_size>* K_ = nullptr;  // matrix of the parts
   bool rows_are_old_ = false;
   VecHandle b_, x_, r_;
 };

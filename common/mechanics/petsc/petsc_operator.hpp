@@ -13,9 +13,9 @@ namespace gabion {
 class PetscOperator {
  public:
   virtual ~PetscOperator() = default;
-  /// To multiply vectors with.
+  /// Matrix by which vectors are multiplied.
   virtual Mat get() const = 0;
-  /// The same matrix with its entries, for direct methods and multigrid. @note Collective.
+  /// This matrix with its entries, for direct methods and multigrid. @note Collective.
   virtual Mat rows() = 0;
   /// Where get() has no entries: that of the method, for the present values; else null.
   /// @note Collective.

@@ -25,12 +25,12 @@ class PetscSolver {
   void configure(const LinearMethod& method, int max_iterations);
 
   /// The values of `matrix` are new (pattern too, if so); set-up happens at the next solve.
-  /// Multigrid goes on with a matrix of the same pattern while it serves: until a solve takes 5
+  /// Multigrid continues with a matrix of the same pattern while it serves: until a solve takes 5
   /// iterations more than 1.5 times those of the first one with it, by digit of the tolerance.
   void invalidate(bool new_pattern);
   /// Give up what was set up, and the matrix that it was set up for.
   void release();
-  /// Nothing of earlier matrices serves any longer, but the present one may go on.
+  /// Earlier matrices serve no longer, but the present one may stay in use.
   void begin_step();
 
   /// Positions of the nodes for multigrid, see Multigrid.

@@ -68,8 +68,8 @@ class Directory {
 struct Neighbour {
   int rank = 0;
   std::vector<std::int32_t> shared{};
-  std::vector<std::int32_t> owned{};   // of `shared`, by this rank
-  std::vector<std::int32_t> theirs{};  // of `shared`, by the other one
+  std::vector<std::int32_t> owned{};   // nodes of `shared` owned by this rank
+  std::vector<std::int32_t> theirs{};  // nodes of `shared` owned by the other one
 };
 
 using NodeList = std::vector<std::int32_t> Neighbour::*;

@@ -41,15 +41,15 @@ class SharedNodes {
   std::int32_t num_shared() const;              ///< held by this rank and others; @pre not alone
   int num_neighbours() const;                   ///< ranks that hold some of these; @pre not alone
   int neighbour(int n) const;                   ///< rank, ascending with n; @pre not alone
-  /// Held nodes that neighbour n holds too, in the same order as there. @pre not alone
+  /// Nodes of this rank that neighbour n has too, in the same order as there. @pre not alone
   std::span<const std::int32_t> shared_with(int n) const;
 
   /// Replace the values of each node, of which every holder has a part, by their sum.
   /// @param values  num_held x components
   void sum(std::span<double> values, int components) const;
-  /// The same for two fields at once.
+  /// As above, for two fields at once.
   void sum(std::span<double> a, std::span<double> b, int components) const;
-  /// The same at the owner of each node only; values at nodes of others are left as they are.
+  /// As above, at the owner of each node only; values at nodes of other ranks are left as they are.
   void add_to_owners(std::span<double> values, int components) const;
   /// Replace the values of each node by its owner's.
   void take_from_owners(std::span<double> values, int components) const;

@@ -50,7 +50,7 @@ std::vector<Value> gather(MPI_Comm comm, std::span<const Value> own) {
   return gather(comm, own, counts);
 }
 
-/// The same on all ranks.
+/// As above, on all ranks.
 template <class Value>
 std::vector<Value> gather_on_all(MPI_Comm comm, std::span<const Value> own) {
   const int count = static_cast<int>(own.size());

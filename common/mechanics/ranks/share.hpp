@@ -11,7 +11,7 @@ namespace gabion {
 struct RowShare {
   std::int64_t first = 0;
   std::int64_t count = 0;
-  std::int64_t total = 0;  ///< of all ranks
+  std::int64_t total = 0;  ///< sum over all ranks
 };
 
 /// @note Collective.

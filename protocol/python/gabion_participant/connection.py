@@ -105,7 +105,7 @@ class Connection:
         self._heartbeat.set_phase("waiting", False)
         begin = time.monotonic()
         while True:
-            # Judged before the look at the queue: what came counts.
+            # Silence is judged before the queue is read: a message that has arrived counts.
             was_silent = bool(self._coupler.silence(self.welcome.silence_deadline))
             request = self._receive_request() or self._look_after_coupler(was_silent)
             if request:
@@ -133,7 +133,7 @@ class Connection:
             self._post(Message("abort", self._last_sequence, {"reason": reason}))
 
     def close(self) -> None:
-        """Wait until the last message is on its way, and close."""
+        """Wait until the last message is sent, and close."""
         if self._closed:
             return
         self._closed = True
@@ -236,8 +236,8 @@ class Connection:
         return None
 
     def _last_words(self) -> Message | None:
-        """Of a coupler that is gone, or about to go: why (raised), or that the run is finished. What else it
-        asked, nobody awaits."""
+        """Read the last message of a coupler that has ended or is about to: its reason (raised), or that the
+        run is finished. Other requests are dropped, since nobody awaits their answer."""
         end = time.monotonic() + LAST_WORDS
         while time.monotonic() < end:
             request = self._receive_request()

@@ -31,7 +31,7 @@ def says_all(problem: BaseException) -> bool:
 
 
 def text_of(problem: BaseException) -> str:
-    """For the coupler: `KeyError: 'wall'`, or the text alone where it says all."""
+    """Text for the coupler: `KeyError: 'wall'`, or the text alone where it says all."""
     kind, text = type(problem).__name__, str(problem)
     if text and says_all(problem):
         return text

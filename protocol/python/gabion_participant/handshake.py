@@ -158,7 +158,8 @@ def read_welcome(message: Message) -> Welcome:
 
 
 def read_force_kinds(message: Message, interfaces: Sequence[InterfaceMesh]) -> dict[str, str]:
-    """Of "set_force_kinds". Raises ProtocolError for an interface that is none of these, or no such kind."""
+    """Force kinds of a message "set_force_kinds". Raises ProtocolError for an interface that is none of
+    these, or no such kind."""
     kinds = message.object("kinds").fields
     names = [mesh.name for mesh in interfaces]
     for name, kind in kinds.items():

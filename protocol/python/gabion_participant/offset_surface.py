@@ -95,11 +95,11 @@ def turned(matrices: np.ndarray, spin: np.ndarray) -> np.ndarray:
 
 def outline(axis: np.ndarray, left: float | None = None, right: float | None = None,
             ends: tuple[int, int] = (0, 0)) -> OffsetSurface:
-    """Of a line in the plane, num_nodes x 2: its face on the left and on the right of the way at these distances [m]
-    (None: dry; 0: the line itself), parallel to the line at its bends. ends: in how many segments the first and last
-    end are closed, 0: open; of two wet faces only.
+    """Surface around a line in the plane, num_nodes x 2: its face on the left and on the right in the
+    direction of the line, at these distances [m] (None: dry; 0: the line itself), parallel to the line at its
+    bends. ends: in how many segments the first and last end are closed, 0: open; of two wet faces only.
 
-    Order: the right face on the way, the last end, the left face back, the first end.
+    Order: the right face along the line, the last end, the left face back, the first end.
     """
     axis = np.asarray(axis, dtype=float)
     if axis.ndim != 2 or axis.shape[1] != 2 or len(axis) < 2:
@@ -144,9 +144,9 @@ def bisectors(axis: np.ndarray) -> np.ndarray:
 
 def shell(nodes: np.ndarray, facets: np.ndarray, above: float | None = None, below: float | None = None,
           rim: bool = False) -> OffsetSurface:
-    """Of a mid-surface: nodes num_nodes x 3, facets num_facets x 3 or 4 with normals by the right hand. Its faces along
-    the normal (above) and against it (below) at these distances [m] (None: dry), and the free edges between two wet
-    faces (rim)."""
+    """Surface around a mid-surface: nodes num_nodes x 3, facets num_facets x 3 or 4 with normals by the right
+    hand. Its faces along the normal (above) and against it (below) at these distances [m] (None: dry), and
+    the free edges between two wet faces (rim)."""
     nodes, facets = np.asarray(nodes, dtype=float), np.asarray(facets)
     if above is None and below is None or rim and None in (above, below):
         raise ValueError(f"shell: found above {above}, below {below}, rim {rim}, allowed: a wet face, two with a rim")
@@ -199,9 +199,10 @@ def free_edges(facets: np.ndarray) -> np.ndarray:
 
 def tube(axis: np.ndarray, section: np.ndarray, upwards: tuple[float, float, float], closed: bool = True,
          ends: bool = False) -> OffsetSurface:
-    """Of a line in space, num_nodes x 3: a polygon (num x 2, [m]) along it. The polygon's first axis is `upwards`, made
-    normal to the line, its second one completes the right hand of (way, first, second); the polygon runs from the
-    first to the second. closed: back to its first corner; else an open strip. ends: with lids, all in triangles."""
+    """Surface around a line in space, num_nodes x 3: a polygon (num x 2, [m]) along it. The polygon's first
+    axis is `upwards`, made normal to the line, its second one completes the right hand of (direction, first,
+    second); the polygon runs from the first to the second. closed: back to its first corner; else an open
+    strip. ends: with lids, all in triangles."""
     axis, section = np.asarray(axis, dtype=float), np.asarray(section, dtype=float)
     way = np.diff(axis, axis=0)
     way /= np.linalg.norm(way, axis=1, keepdims=True)

@@ -14,7 +14,7 @@ ME = "this participant"  # in messages
 
 
 class OwnLoop(RequestHandler):
-    """The step under way, as the coupler asked for it and as the code has answered. An answer that has to
+    """The current step, as the coupler asked for it and as the code has answered. An answer that has to
     wait for the code, which has to go back first, say, is pending."""
 
     def __init__(self) -> None:

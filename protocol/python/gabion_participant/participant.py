@@ -237,7 +237,7 @@ class Participant:
             self._do_next_request()
 
     def _await_verdict(self) -> None:
-        """After an answer to solve_step: until the coupler accepts it, rejects it or asks again."""
+        """Serve after an answer to solve_step until the coupler accepts it, rejects it or asks again."""
         while self._loop.awaits_verdict and not self._finished:
             self._do_next_request()
 

@@ -36,7 +36,8 @@ class CoupledMesh:
 
 @dataclass
 class PreciceConfig:
-    """Of one participant. max_time, window: [s] as the file has them, None without; only compared."""
+    """Settings of one participant. max_time, window: [s] as the file has them, None without; only
+    compared."""
 
     path: Path
     participant: str  # in coupler.json

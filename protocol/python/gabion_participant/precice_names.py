@@ -99,7 +99,7 @@ class _Mesh:
 
 
 class Participant:
-    """As precice.Participant of version 3: the same calls in the same order."""
+    """Participant with the calls of precice.Participant, version 3, in the same order."""
 
     def __init__(self, solver_name: str, configuration_file_name: str, solver_process_index: int,
                  solver_process_size: int, communicator: Any = None) -> None:

@@ -40,7 +40,7 @@ class RankWatch:
 
 
 def watch(name: str, leader: int, others: Sequence[ProcessIdentity]) -> None:
-    """Until standard input is closed, or a rank has died."""
+    """Watch until standard input is closed, or a rank has died."""
     while not select.select([sys.stdin], [], [], INTERVAL)[0]:
         for rank, process in enumerate(others, 1):
             if is_gone(process):

@@ -102,9 +102,9 @@ class Solver(ABC):
         results, "end" and "dt" [s]; "check", true where nothing shall be written (protocol/README.md, section 4)."""
 
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
-        """Of a structure, optional: which forces it will receive, by interface, END_OF_STEP or STEP_MEAN.
-        Comes before the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for
-        those of the end of the step, and the coupler warns."""
+        """Which forces a structure will receive, by interface: END_OF_STEP or STEP_MEAN. Optional. Comes before
+        the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for those of the end
+        of the step, and the coupler warns."""
         raise NotImplementedError
 
     def reject_step(self) -> None:

@@ -20,7 +20,7 @@ class RequestHandler(ABC):
 
     @abstractmethod
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message | None:
-        """From the accepted state."""
+        """Solve from the accepted state."""
 
     @abstractmethod
     def accept_step(self, step: StepRequest, was_solved: bool, output_time: float | None) -> Message | None:

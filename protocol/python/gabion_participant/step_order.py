@@ -20,7 +20,7 @@ class StepOrder:
         return self._solution is not None
 
     def check(self, request: StepRequest) -> None:
-        """Before a solution, and before a step that is accepted without one."""
+        """Check the request before a solution, and before a step that is accepted without one."""
         if not self._accepted:
             return
         last = self._accepted

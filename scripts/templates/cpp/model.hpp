@@ -15,8 +15,8 @@ inline constexpr double mass = 0.6;       ///< [kg]; in 2D per metre of width, a
 inline constexpr double damping = 10;     ///< [N s/m]
 inline constexpr double stiffness = 5e3;  ///< [N/m]
 
-/// What the soil can touch, at the start. Up the right side, over the top, down the left side: the
-/// soil is on the right of the way. In 3D this line is drawn along z.
+/// Surface that the soil can reach, at the start. Up the right side, over the top, down the left
+/// side: the soil is on the right of that line. In 3D this line is drawn along z.
 struct Surface {
   std::vector<double> points;        ///< [m], num_points x dimension
   std::vector<std::int64_t> facets;  ///< points of each, num_facets x vertices_per_facet

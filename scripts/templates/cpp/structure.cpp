@@ -28,7 +28,7 @@ class Structure : public gabion::Solver {
   gabion::StepReport solve_step(const gabion::StepRequest& request,
                                 const gabion::InterfaceValues& received,
                                 gabion::InterfaceValues& sent) override {
-    std::vector<double> force(surface_.points.size());  // nothing touches
+    std::vector<double> force(surface_.points.size());  // no contact
     if (!received.empty()) force = received.at("wall");
     trial_ = model::step(accepted_, request.dt, force);
     sent["wall"] = model::displacement(trial_, surface_.points.size() / model::dimension);

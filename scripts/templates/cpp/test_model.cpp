@@ -21,7 +21,7 @@ double at_rest() {
   return 2.0 * static_cast<double>(points.size()) / model::dimension / model::stiffness;
 }
 
-/// Of a sudden load after 0.1 s, by the closed form of the damped oscillator.
+/// Error after 0.1 s of a sudden load, against the closed form of the damped oscillator.
 double error_with(int steps) {
   const double end = 0.1, decay = model::damping / (2 * model::mass);
   const double omega = std::sqrt(model::stiffness / model::mass - decay * decay);

@@ -21,7 +21,7 @@ class Plate(unittest.TestCase):
         self.assertEqual(model.displacement(state).shape, model.POINTS.shape)
 
     def error(self, steps: int) -> float:
-        """Of a sudden load after 0.1 s, by the closed form of the damped oscillator."""
+        """Error after 0.1 s of a sudden load, against the closed form of the damped oscillator."""
         end, decay = 0.1, model.DAMPING / (2 * model.MASS)
         omega = np.sqrt(model.STIFFNESS / model.MASS - decay**2)
         exact = self.rest * (1 - np.exp(-decay * end) * (np.cos(omega * end) + decay / omega * np.sin(omega * end)))

@@ -98,7 +98,7 @@ TEST(GridMesh, a_grid_in_two_parts_is_refused_where_nothing_holds_the_seam) {
   for (const int i : {4, 5, 6, 7}) apart.nodes[i][1] += 1;
   const TemporaryMesh basins(apart, 3);
   json["grid"]["file"] = basins.path();
-  expect_said(json, {"warning", "2 parts that do not touch", "from (0, 2) to (1, 3)"});
+  expect_said(json, {"warning", "2 parts that are not connected", "from (0, 2) to (1, 3)"});
 }
 
 TEST(SoilAtRest, units_that_do_not_fit_are_said) {

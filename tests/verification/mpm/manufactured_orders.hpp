@@ -34,14 +34,12 @@ inline const std::string cells_are_crossed =
     "once points cross cells, the jumps of the linear gradient let the error grow with refinement";
 
 inline const std::string points_are_uneven =
-    "the error of splines stalls at this amplitude, where that of gimp goes on falling: points "
-    "that "
-    "moved integrate the splines' gradients unevenly";
+    "the error of splines stalls at this amplitude, where that of gimp continues to fall: points "
+    "that moved integrate the splines' gradients unevenly";
 
 inline const std::string shear_is_large =
     "at shears of up to 3 within half a unit no basis converges on these grids: with linear "
-    "functions "
-    "cells are crossed, domains of gimp stay boxes, points lie in uneven rows";
+    "basis functions cells are crossed, domains of gimp stay boxes, points lie in uneven rows";
 
 /// Errors over the cell size, at a step so small that it does not count: a row with the error on
 /// the finest grid, and unless `expected` has none one with the last order.

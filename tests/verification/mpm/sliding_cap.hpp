@@ -117,7 +117,7 @@ inline void check_cap_slides(const ParabolicCap& cap, const std::string& what, c
           .bound = 1e-6,
           .unit = "m/s^2"});
   verify({.id = "V22",
-          .what = what + "way of the centre",
+          .what = what + "path of the centre",
           .exact = 0.5 * cap.acceleration() * last.t * last.t,
           .computed = last.x,
           .bound = 0.01,

@@ -70,7 +70,7 @@ void row(const std::string& what, double error, double bound, const std::string&
 }
 
 const std::string one_grid =
-    "disks of one grid meet inelastically and touch up to a cell early, and the linear basis "
+    "disks of one grid meet inelastically, up to a cell before contact, and the linear basis "
     "scatters energy when points cross cells";
 
 /// Flight, collision at about 1.4 s, flight until the given time.

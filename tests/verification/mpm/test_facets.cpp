@@ -220,7 +220,7 @@ TEST(Facets, nothing_passes_through_a_thin_wall) {
     verify(
         {.id = "V8",
          .what = fmt::format("soil of 20 m/s at a wall of facets a fifth of a cell thick, dt {} s: "
-                             "way beyond its face",
+                             "path beyond its face",
                              dt),
          .exact = 0,
          .computed = std::max(0.0, farthest - 1.5),

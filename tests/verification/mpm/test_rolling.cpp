@@ -97,12 +97,11 @@ struct Bounds {
 /// its points (6 points: 0.9, 0.4 %; 12: 0.4, 0.1 %); FLIP takes 2.2, 1.1 %, TPIC 1.3, 0.9 %, both
 /// less in shorter steps (20 cells, 1 ms: 0.6, 0.5 %).
 const std::string lost_spin =
-    "a round body rolls over its material points as over corners, and the transfer takes spin: "
-    "both "
-    "fall with more points and shorter steps";
+    "a round body rolls on its material points as on corners, and the transfer takes spin: "
+    "both fall with more points and shorter steps";
 
 const std::string corners =
-    "a ball of so few cells a radius rocks over its corners, its spin to and fro by 15 % (4 cells)";
+    "a sphere of so few cells a radius rocks on its corners, and its spin varies by 15 % (4 cells)";
 
 template <int dim>
 void check(const Roll& roll, const std::string& what, const Motion<dim>& motion,
@@ -115,11 +114,11 @@ void check(const Roll& roll, const std::string& what, const Motion<dim>& motion,
   const double after = roll.end - ramp, asked = dim == 2 ? 0.01 : 0.02;
   const std::string& cause = dim == 2 ? lost_spin : corners;
   const std::string name = fmt::format(
-      "{} on a plane of {:.0f} degrees by facets, mu {}, {}, h {}: ", dim == 2 ? "disc" : "ball",
+      "{} on a plane of {:.0f} degrees by facets, mu {}, {}, h {}: ", dim == 2 ? "disc" : "sphere",
       roll.slope * 180 / M_PI, roll.mu, what, roll.h);
   // The smooth ramp 3 s^2 - 2 s^3 has the integrals 1/2 and, twice, 0.15.
   verify({.id = "V10",
-          .what = name + "way",
+          .what = name + "path",
           .exact = a * (0.15 * ramp * ramp + 0.5 * ramp * after + 0.5 * after * after),
           .computed = motion.x.norm(),
           .bound = bounds.way,
