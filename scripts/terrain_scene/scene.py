@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from .barrier import Wall, build_wall
-from .depths import Mass, below_top, near_polygon, of_raster
+from .depths import Mass, below_top, near_outlines, of_raster
 from .gauges import gauge_settings
-from .plan import GRAVITY, Plan
+from .outline import limits_of
+from .plan import GRAVITY, Plan, Probe
 from .raster import Raster, TerrainError
 from .slope import THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
 
@@ -29,6 +30,7 @@ class Made:
     columns: Columns
     wall: Wall | None
     gauges: list[dict]  # settings
+    probes: list[dict]
     cells: tuple[int, int, int]  # of the grid, from (0, 0, 0)
 
 
@@ -50,12 +52,12 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
 def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
     """The mass in local coordinates."""
     slide = plan.slide
-    polygon = None if slide.polygon is None else slide.polygon - origin[:2]
+    outlines = None if slide.outlines is None else [outline.moved(-origin[:2]) for outline in slide.outlines]
     if slide.top is not None:
-        return Mass(of_raster(below_top(near_polygon(slide.top, slide.polygon), plan.slope), origin), 0.0, polygon)
+        return Mass(of_raster(below_top(near_outlines(slide.top, slide.outlines), plan.slope), origin), [], outlines)
     if isinstance(slide.depth, Raster):
-        return Mass(of_raster(near_polygon(slide.depth, slide.polygon), origin), 0.0, polygon)
-    return Mass(None, slide.depth, polygon)
+        return Mass(of_raster(near_outlines(slide.depth, slide.outlines), origin), [], outlines)
+    return Mass(None, slide.depth, outlines)
 
 
 def place_text(place: np.ndarray) -> str:
@@ -68,12 +70,11 @@ def make(plan: Plan) -> Made:
     columns = lay_columns(slope, mass_of(plan, origin))
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
-        polygon = plan.slide.polygon
+        ends = None if plan.slide.outlines is None else limits_of(plan.slide.outlines)
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
                            f"the area from {place_text(plan.low)} to {place_text(plan.high)}"
                            + (f"; {raster.path}: {raster.reach()}" if raster else "")
-                           + ("" if polygon is None else f"; the polygon from {place_text(polygon.min(axis=0))} to "
-                              f"{place_text(polygon.max(axis=0))}"))
+                           + ("" if ends is None else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}"))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():
@@ -84,7 +85,18 @@ def make(plan: Plan) -> Made:
     top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max()) + plan.clear_height
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
     gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
-    return Made(plan, origin, slope, columns, wall, gauges, (count, rows, int(np.ceil(top / plan.cell_size))))
+    probes = [probe_settings(probe, slope, columns, origin) for probe in plan.probes]
+    return Made(plan, origin, slope, columns, wall, gauges, probes, (count, rows, int(np.ceil(top / plan.cell_size))))
+
+
+def probe_settings(probe: Probe, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
+    """In the middle of the soil at its place. @raises TerrainError  there is none"""
+    x, y = probe.place - origin[:2]
+    rows, count = columns.depth.shape
+    depth = columns.depth[min(int(y / slope.spacing), rows - 1), min(int(x / slope.spacing), count - 1)]
+    if not depth >= THINNEST * slope.spacing:
+        raise TerrainError(f"probe {probe.name}: found no mass at {place_text(probe.place)}, allowed: places on the slide")
+    return {"name": probe.name, "point": [float(x), float(y), float(slope.at(x, y) + depth / 2)]}
 
 
 def soil_settings(made: Made) -> dict:
@@ -103,6 +115,8 @@ def soil_settings(made: Made) -> dict:
     }
     if made.gauges:
         settings["gauges"] = made.gauges
+    if made.probes:
+        settings["probes"] = made.probes
     if made.wall is not None:
         settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
                                    "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]
