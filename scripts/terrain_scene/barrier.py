@@ -66,6 +66,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     places, asides = stations(line, ways, h / 2 / np.hypot(1, steep) / widened)
     rim = places[:, None, :] + np.array([-1, 1])[None, :, None] * asides[:, None, :]  # station, side, axis
     slope.require_inside(rim, "barrier/line")
+    slope.require_known(slope.at(rim[..., 0], rim[..., 1]), rim, "barrier/line")
     fall = np.abs(np.diff(slope.at(rim[..., 0], rim[..., 1]))).max()
     through = max(LEAST_THROUGH, int(np.ceil(np.hypot(thickness, fall) / (h / 2) - 1e-9)))
     x = places[:, None, :] + np.linspace(-1, 1, through + 1)[None, :, None] * asides[:, None, :]

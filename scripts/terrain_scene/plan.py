@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .changes import changed
 from .features import Feature, key_of
 from .map_inputs import MapInputs, settle_projection
 from .outline import Outline, limits_of
@@ -19,7 +20,7 @@ CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poiss
 GRAVITY = 9.81
 
 # Keys of the objects of the file.
-PLAN = ("slope", "projection", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "probes", "time")
+PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "probes", "time")
 SLIDE = ("polygon", "depth", "top", "material")
 BARRIER = ("line", "height", "thickness", "material", "friction")
 GAUGE = ("name", "line", "height")
@@ -67,11 +68,13 @@ class Probe:
 class Plan:
     """Coordinates are those of the world, as in the rasters [m].
 
-    projection: of them all, None: no file names one.
+    projection: of them all, None: no file names one; open_gaps: where the slope has no data there is no ground, else such a
+    place is an error.
     """
 
     slope: Raster
     projection: str | None
+    open_gaps: bool
     cell_size: float
     low: np.ndarray
     high: np.ndarray
@@ -182,6 +185,13 @@ def read_probes(reader: Reader, maps: MapInputs) -> list[Probe]:
             for feature in maps.features(child, "points", "point").features]
 
 
+def read_gaps(reader: Reader) -> bool:
+    found = reader.values.get("gaps", "refuse")
+    if found not in ("refuse", "open"):
+        raise reader.fail("gaps", "refuse, open")
+    return found == "open"
+
+
 def read_area(reader: Reader, maps: MapInputs) -> np.ndarray:
     """Two corners, or around the polygons of a file."""
     if isinstance(reader.values.get("area"), str):
@@ -199,9 +209,14 @@ def read_json(path: Path) -> object:
         raise TerrainError(f"{path}: {error}") from error
 
 
-def read_plan(path: Path) -> Plan:
-    """Files are relative to the plan. @raises TerrainError"""
-    reader = Reader(read_json(path), str(path), PLAN)
+def read_plan(path: Path, changes: dict | None = None) -> Plan:
+    """changes: by key, of its values. @raises TerrainError"""
+    return plan_of(changed(read_json(path), changes or {}), path)
+
+
+def plan_of(values: object, path: Path) -> Plan:
+    """path: of the plan, to which files are relative. @raises TerrainError"""
+    reader = Reader(values, str(path), PLAN)
     slope = reader.raster("slope", path.parent)
     maps = MapInputs(path.parent, settle_projection(reader, slope))
     corners = read_area(reader, maps)
@@ -210,7 +225,7 @@ def read_plan(path: Path) -> Plan:
     time = reader.child("time", TIME)
     slide = read_slide(reader.child("slide", SLIDE), maps, slope)
     gauges, probes = read_gauges(reader, maps), read_probes(reader, maps)
-    plan = Plan(slope, maps.projection, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"),
+    plan = Plan(slope, maps.projection, read_gaps(reader), reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"),
                 friction, slide, barrier, time.number("end"), time.number("dt"), gauges, probes, maps.notes)
     require_all_in_area(plan, str(path))
     return plan

@@ -2,6 +2,7 @@
 """From a plan to the folder of a scene."""
 
 import json
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,9 +44,11 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
                            f"allowed: {MOST_IN_PLAN}")
     count = sides.astype(int)
     x, y = np.meshgrid(plan.low[0] + h * np.arange(count[0] + 1), plan.low[1] + h * np.arange(count[1] + 1))
-    z = plan.slope.needed_at(x, y)
+    z = plan.slope.at(x, y) if plan.open_gaps else plan.slope.needed_at(x, y)
+    if np.isnan(z).all():
+        raise TerrainError(f"area: found no data from {place_text(plan.low)} to {place_text(plan.high)}; {plan.slope.reach()}")
     # A cell of the grid below the lowest place, since a point must not leave it there.
-    bottom = h * (np.floor(z.min() / h) - 1)
+    bottom = h * (np.floor(np.nanmin(z) / h) - 1)
     return np.array([*plan.low, bottom]), Slope(h, z - bottom)
 
 
@@ -165,6 +168,20 @@ def write_json(path: Path, values: dict) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
+def map_settings(made: Made, folder: Path) -> dict:
+    """Where the scene lies, for scripts/map: coordinates of the world, the raster of the slope relative to the folder."""
+    plan = made.plan
+    settings = {"slope": os.path.relpath(plan.slope.path.resolve(), folder.resolve()), "projection": plan.projection,
+                "origin": [float(v) for v in made.origin],
+                "area": [plan.low.tolist(), (plan.low + made.slope.size()).tolist()],
+                "gauges": [{"name": gauge.name, "line": gauge.line.tolist()} for gauge in plan.gauges]}
+    if plan.slide.outlines is not None:
+        settings["slide"] = [[ring.tolist() for ring in outline.rings] for outline in plan.slide.outlines]
+    if plan.barrier is not None:
+        settings["barrier"] = plan.barrier.line.tolist()
+    return settings
+
+
 def write_scene(made: Made, folder: Path) -> list[str]:
     """Write the files; returns what to say of them."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -172,12 +189,21 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     num_facets = write_ply(facets, folder / "terrain.ply")
     write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))
+    write_json(folder / "map.json", map_settings(made, folder))
     columns, cells = made.columns, int(np.prod(made.cells))
     lines = [f"origin of the local coordinates: ({', '.join(f'{v:.10g}' for v in made.origin)}) m",
              f"terrain: {num_facets} facets of {facets.spacing:.3g} m",
              f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 ({100 * (columns.filled / columns.asked - 1):+.2f} %)"
              f" in {8 * len(columns.cells)} points; left out: columns thinner than a quarter of a cell",
              f"grid: {' x '.join(map(str, made.cells))} = {cells} cells of {made.plan.cell_size:g} m"]
+    unknown = np.isnan(made.slope.z)
+    if unknown.any():
+        lines.append(f"slope: {unknown.mean():.1%} of its nodes have no data: there is no ground, soil that comes there falls off "
+                     "the map and is taken out")
+    deepest = float(made.columns.depth.max()) / made.plan.cell_size
+    if deepest < 1:
+        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells on, below it "
+                     "moves as a block on the friction of the slope")
     advised = np.sqrt(0.5) * made.plan.cell_size
     if facets.longest_edge() > advised:
         lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope is very steep")
