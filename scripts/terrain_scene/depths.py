@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Depth of the mass over places: each cell of a raster of depths keeps its volume, whatever the grid's cells are."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,11 +70,15 @@ class CellDepths:
 
 @dataclass
 class Mass:
-    """Depth of the mass: of a raster, or one depth for each outline (cells: None); inside the outlines, None: everywhere."""
+    """Depth of the mass: of a raster, or one depth for each outline (cells: None); inside the outlines, None: everywhere.
+
+    stretch: upright depth over the given one, where that is measured across the slope; None: it is upright.
+    """
 
     cells: CellDepths | None
     depths: list[float]
     outlines: list[Outline] | None
+    stretch: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Depth at places [m]; x and y have one shape."""
@@ -85,10 +90,13 @@ class Mass:
         for k, outline in enumerate(self.outlines):
             inside = outline.contains(places)
             depth[inside] = self.depths[k] if within is None else within[inside]
+        if self.stretch is not None:
+            within = depth > 0
+            depth[within] *= self.stretch(*places[within].T)
         return depth.reshape(x.shape)
 
     def asked(self) -> float:
-        """Volume [m^3]: sum of the cells of the raster, or area of each outline times its depth."""
+        """Volume [m^3]: sum of the cells of the raster, or area of each outline times its depth, upright."""
         if self.cells is None:
             return sum(depth * outline.area() for depth, outline in zip(self.depths, self.outlines))
         if self.outlines is None:

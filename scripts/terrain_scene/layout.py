@@ -18,8 +18,7 @@ from .reader import Reader
 RASTERS, SHAPES = (".asc", ".tif", ".tiff"), (".shp", ".gpkg", ".geojson")
 DEPTH = "thickness"  # attribute of the polygons in REL
 LEFT_OUT = {"ENT": "entrainment", "RES": "resistance", "SECREL": "secondary releases", "ENTTH": "entrainment"}
-FRICTION = 0.5
-BARRIER = {"height": 5.0, "thickness": 2.0}
+ASKED = {"friction": "of the slope, such as 0.6", "barrier/height": "[m]", "barrier/thickness": "[m]"}  # no folder has them
 DEEP = 3.5  # depths in a cell of the grid: a column is left out below a quarter of a cell
 AROUND = 4  # cells of the grid around what blocks come by
 
@@ -51,12 +50,12 @@ def plan_of_layout(folder: Path, scene: Path, changes: dict) -> tuple[dict, list
     reader = Reader(values, str(folder), None)
     maps = MapInputs(scene, settle_projection(reader, slope))
     values["slide"], start, depth = slide_of(base, scene, changes.get("slide", {}), slope, maps)
-    values |= {"friction": changes.get("friction", FRICTION), "cell_size": changes.get("cell_size", cell_for(slope, depth))}
-    if "friction" not in changes:
-        notes.append(f"friction: not given, taken: {FRICTION}")
-    barrier = barrier_of(base, scene, changes.get("barrier", {}), notes)
+    barrier = barrier_of(base, scene, changes, notes)
+    require_asked(folder, changes, barrier is not None)
+    values |= {"friction": Reader(changes, str(folder), None).number("friction", at_least_zero=True),
+               "cell_size": changes.get("cell_size", cell_for(slope, depth))}
     line = np.empty((0, 2))
-    if barrier:
+    if barrier is not None:
         values["barrier"] = barrier
         line = maps.line(Reader(barrier, f"{folder}/barrier", None), "line")
     notes += size_of(values, changes, slope, (start, depth), line)
@@ -98,7 +97,7 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     reader = Reader(values, str(base), None)
     outlines, features = maps.outlines(reader, "polygon")
     if "depth" in changes or not rasters:
-        values["depth"] = changes.get("depth", {"field": key_of(features[0].values, DEPTH, features[0].where)})
+        values["depth"] = changes.get("depth", {"field": key_of(features[0].values, DEPTH, features[0].where), "across_slope": True})
     else:
         values["depth"] = named(only(rasters, "depth of the release", "slide/depth", base), scene)
     if isinstance(values["depth"], dict):
@@ -119,17 +118,30 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     return values, places[inside], min(depths)
 
 
-def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict | None:
-    """Keys of the barrier: along the line in DAM; None: there is none."""
-    lines = files_in(base / "DAM", SHAPES)
-    if not lines and not changes:
-        return None
-    line = chosen(changes, "line", scene) or only(lines, "barrier", "barrier/line", base)
-    missing = {key: value for key, value in BARRIER.items() if key not in changes}
+def require_asked(folder: Path, changes: dict, barrier: bool) -> None:
+    """@raises TerrainError  what no such folder says, and the command line does not either"""
+    given = {"friction"} & set(changes) | {f"barrier/{key}" for key in changes.get("barrier") or {}}
+    missing = [key for key in ASKED if key not in given and (barrier or not key.startswith("barrier"))]
     if missing:
-        notes.append("barrier: " + ", ".join(f"{key} not given, taken: {value:g} m" for key, value in missing.items()))
+        raise TerrainError(f"{folder}: says nothing of " + ", ".join(f"{key} {ASKED[key]}" for key in missing) + ", allowed: "
+                           + " ".join(f"--set {key}=NUMBER" for key in missing)
+                           + ("; without the barrier: --set barrier=null" if barrier else ""))
+
+
+def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict | None:
+    """Keys of the barrier: along the line in DAM; None: there is none, or none is wanted."""
+    lines = files_in(base / "DAM", SHAPES)
+    asked = changes.get("barrier", {})
+    if asked is None:
+        del changes["barrier"]
+        return None
+    if not lines and not asked:
+        return None
+    if not isinstance(asked, dict):
+        raise TerrainError(f"--set barrier={asked}: allowed: null, or its keys one by one")
+    line = chosen(asked, "line", scene) or only(lines, "barrier", "barrier/line", base)
     notes.append(f"barrier: an upright wall along {line}; heights of the line and slope of its faces are not used")
-    return {**BARRIER, **changes, "line": named(line, scene)}
+    return {**asked, "line": named(line, scene)}
 
 
 def size_of(values: dict, changes: dict, slope: Raster, mass: tuple[np.ndarray, float], line: np.ndarray) -> list[str]:

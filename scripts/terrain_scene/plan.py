@@ -27,19 +27,21 @@ GAUGE = ("name", "line", "height")
 GAUGES = ("lines", "name", "height")  # of a file
 PROBES = ("points", "name")
 FIELD = ("field",)
+DEPTH_FIELD = ("field", "across_slope")
 TIME = ("end", "dt")
 
 
 @dataclass
 class Slide:
     """Mass: inside the outlines (None: anywhere), as deep as a number for each of them or a raster says, or up to the raster
-    `top`.
+    `top`. across: the depths are measured across the slope, else upright.
     """
 
     outlines: list[Outline] | None
     depth: list[float] | Raster | None
     top: Raster | None
     material: dict
+    across: bool = False
 
 
 @dataclass
@@ -101,11 +103,15 @@ def read_slide(reader: Reader, maps: MapInputs, slope: Raster) -> Slide:
     if isinstance(depth, str):
         return Slide(outlines, raster_like(slope, reader, "depth", maps.folder), None, material)
     if isinstance(depth, dict):
-        name = reader.child("depth", FIELD).text("field", "the name of an attribute of the polygons")
+        child = reader.child("depth", DEPTH_FIELD)
+        name = child.text("field", "the name of an attribute of the polygons")
+        across = child.values.get("across_slope", False)
+        if not isinstance(across, bool):
+            raise child.fail("across_slope", "true, false")
         if not features:
             raise TerrainError(f"{reader.where}/depth/field: needs polygons of a file")
         depths = [number_of(feature, name, f"{reader.where}/depth/field") for feature in features]
-        return Slide(outlines, depths, None, material)
+        return Slide(outlines, depths, None, material, across)
     number = reader.number("depth")
     if outlines is None:
         raise TerrainError(f"{reader.where}: a depth that is a number needs a polygon")

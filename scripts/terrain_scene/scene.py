@@ -52,7 +52,7 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
     return np.array([*plan.low, bottom]), Slope(h, z - bottom)
 
 
-def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
+def mass_of(plan: Plan, origin: np.ndarray, slope: Slope) -> Mass:
     """The mass in local coordinates."""
     slide = plan.slide
     outlines = None if slide.outlines is None else [outline.moved(-origin[:2]) for outline in slide.outlines]
@@ -60,7 +60,7 @@ def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
         return Mass(of_raster(below_top(near_outlines(slide.top, slide.outlines), plan.slope), origin), [], outlines)
     if isinstance(slide.depth, Raster):
         return Mass(of_raster(near_outlines(slide.depth, slide.outlines), origin), [], outlines)
-    return Mass(None, slide.depth, outlines)
+    return Mass(None, slide.depth, outlines, slope.stretch if slide.across else None)
 
 
 def place_text(place: np.ndarray) -> str:
@@ -70,7 +70,7 @@ def place_text(place: np.ndarray) -> str:
 def make(plan: Plan) -> Made:
     """@raises TerrainError"""
     origin, slope = sample_slope(plan)
-    columns = lay_columns(slope, mass_of(plan, origin))
+    columns = lay_columns(slope, mass_of(plan, origin, slope))
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
         ends = None if plan.slide.outlines is None else limits_of(plan.slide.outlines)
@@ -185,7 +185,7 @@ def map_settings(made: Made, folder: Path) -> dict:
 def write_scene(made: Made, folder: Path) -> list[str]:
     """Write the files; returns what to say of them."""
     folder.mkdir(parents=True, exist_ok=True)
-    facets = made.slope.facets()
+    facets = made.slope.facets(made.columns.depth)
     num_facets = write_ply(facets, folder / "terrain.ply")
     write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))

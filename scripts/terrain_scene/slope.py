@@ -12,7 +12,7 @@ from .raster import TerrainError
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
-MOST_FACETS = 1_000_000  # where finer ones are asked for: each frame of the contact has all of them
+BULGE = 0.0125  # of a layer of cells, how far facets may rise above the ground of the lowest points: a quarter of what a run allows
 MOST_CELLS = 10_000_000  # of the mass: 100 times what a run on a workstation has
 NUDGE = 1e-6  # of a cell: how far inside its corners the depth is looked up
 
@@ -54,6 +54,17 @@ class Slope:
         first, *rest = (np.where(weight == 0, 0, weight * value) for weight, value in parts)
         return first + rest[0] + rest[1] + rest[2]
 
+    def stretch(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Area of the surface over that in the plan: upright depth over that across the slope."""
+        rows, columns = self.z.shape
+        s, t = np.asarray(x) / self.spacing, np.asarray(y) / self.spacing
+        i, j = np.clip(np.floor(s), 0, columns - 2).astype(int), np.clip(np.floor(t), 0, rows - 2).astype(int)
+        a, b = s - i, t - j
+        z = self.z
+        east = (1 - b) * (z[j, i + 1] - z[j, i]) + b * (z[j + 1, i + 1] - z[j + 1, i])
+        north = (1 - a) * (z[j + 1, i] - z[j, i]) + a * (z[j + 1, i + 1] - z[j, i + 1])
+        return np.sqrt(1 + (east**2 + north**2) / self.spacing**2)
+
     def cut(self, pieces: int) -> "Slope":
         """The same surface on a finer lattice: its facets follow warped cells more closely."""
         rows, columns = self.z.shape
@@ -68,17 +79,33 @@ class Slope:
         across = np.nanmax(np.minimum(np.abs(z[:-1, :-1] - z[1:, 1:]), np.abs(z[:-1, 1:] - z[1:, :-1])))
         return float(max(np.hypot(h, along), np.hypot(np.sqrt(2) * h, across)))
 
-    def facets(self) -> "Slope":
-        """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces, up to
-        four times, which a slope of 70 degrees takes, as long as there are not too many of them.
+    def facets(self, depth: np.ndarray) -> "Slope":
+        """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces, and that
+        none rises into the lowest points of the mass, up to four times, which a slope of 70 degrees takes.
 
-        At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep.
+        At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep. In four the
+        facets meet the warped cells exactly below the points, whose places are quarters of a cell.
+
+        depth: of the mass over each cell [m].
         """
         pieces = 2
-        most = min(MOST_PIECES, int(np.sqrt(MOST_FACETS / (2 * self.z.size))))
-        while pieces < most and self.cut(pieces).longest_edge() > np.sqrt(0.5) * self.spacing:
+        while pieces < MOST_PIECES and (self.cut(pieces).longest_edge() > np.sqrt(0.5) * self.spacing
+                                        or self.bulge(pieces, depth) > BULGE):
             pieces += 1
         return self.cut(pieces)
+
+    def bulge(self, pieces: int, depth: np.ndarray) -> float:
+        """Largest distance of facets of cells in `pieces` from the warped cells below points at quarters of a cell, over the
+        height of a layer of the mass there.
+        """
+        z = self.z
+        warp = np.abs(z[:-1, :-1] - z[:-1, 1:] - z[1:, :-1] + z[1:, 1:]) / pieces**2
+        share = pieces / 4 % 1  # of a piece, where the points are
+        off = max(abs(share * other - end) for other in (share, 1 - share)
+                  for end in (min(share, other), max(0.0, share + other - 1)))
+        within = depth >= THINNEST * self.spacing * (1 - 1e-9)
+        layer = depth[within] / np.maximum(1, np.ceil(depth[within] / self.spacing - 1e-9))
+        return float((off * warp[within] / layer).max()) if within.any() else 0.0
 
 
 def write_ply(slope: Slope, path: Path) -> int:
@@ -171,7 +198,8 @@ def lay_columns(slope: Slope, mass: Mass) -> Columns:
         nodes.append((ground + rise).reshape(-1, 3))
         cells.append(first + 4 * np.arange(count)[:, None] + np.arange(8))
         first += 4 * (count + 1)
-    return Columns(np.concatenate(nodes), np.concatenate(cells), mass.asked(), float(filled), mean)
+    asked = mass.asked() if mass.stretch is None else float(mean.sum()) * h * h
+    return Columns(np.concatenate(nodes), np.concatenate(cells), asked, float(filled), mean)
 
 
 def write_hexahedra(nodes: np.ndarray, cells: np.ndarray, path: Path, groups: dict[str, np.ndarray] | None = None) -> None:
