@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from plotting.ground import FLOOR, ground_of
+from plotting.ground import FLOOR, MOST, ground_of
 from plotting.results import Frame, Results, ResultsError, Series, evenly
 from plotting.style import STRUCTURE, new_figure, plt, save
 from plotting.view import once, plane_view, view_of
@@ -51,9 +51,11 @@ class ScenePlot:
 
     field: soil field that gives the colour; default: displacement, else the first one there is.
     plane: axes to the right and upwards, such as "xy"; default: of gravity and the longest horizontal extent.
+    most_ground: triangles of the ground.
     """
 
-    def __init__(self, results: Results, field: str | None = None, plane: str | None = None):
+    def __init__(self, results: Results, field: str | None = None, plane: str | None = None, most_ground: int = MOST):
+        self.most_ground = most_ground
         self.soil = results.soil
         self.structures = results.structures
         self.rigid_walls = Walls(results)
@@ -103,7 +105,7 @@ class ScenePlot:
         every = self.view.project(every)
         times = self.times[evenly(len(self.times), SAMPLES)]
         walls = [segments for time in times for segments in self.rigid_walls.at(time)]
-        self.ground = self._ground(ground_of(results))
+        self.ground = self._ground(ground_of(results, self.most_ground))
         ground = self.ground[0].reshape(-1, 2)
         if len(ground):
             walls.append(np.stack([ground.min(axis=0), ground.max(axis=0)])[None])

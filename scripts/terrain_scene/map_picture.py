@@ -46,7 +46,8 @@ def draw_map(slope: Raster, result: Raster, title: str, drawn: Drawn, path: Path
     height = WIDTH * np.clip((high - low) / (right - left), 0.3, 2)
     figure, axes = plt.subplots(figsize=(WIDTH + 1.6, height + 0.8))
     shade = LightSource(azdeg=315, altdeg=45).hillshade(slope.values, dx=slope.spacing, dy=slope.spacing)
-    axes.imshow(np.where(np.isnan(slope.values), np.nan, shade), cmap="gray", origin="lower", extent=extent_of(slope), vmin=-0.3, vmax=1)
+    axes.imshow(np.where(np.isnan(slope.values), np.nan, shade), cmap="gray", origin="lower", extent=extent_of(slope), vmin=-0.3, vmax=1,
+                interpolation="bilinear")
     lines = axes.contour(slope.x + slope.spacing * np.arange(slope.values.shape[1]),
                          slope.y + slope.spacing * np.arange(slope.values.shape[0]), slope.values, 12, colors="k",
                          linewidths=0.4, alpha=0.5)
@@ -70,13 +71,13 @@ def draw_lines(axes: plt.Axes, drawn: Drawn) -> None:
         axes.plot(*np.vstack([ring, ring[:1]]).T, color=COLOURS[1], linewidth=1, label=None if k else "release")
     if drawn.barrier is not None:
         axes.plot(*drawn.barrier.T, color=COLOURS[3], linewidth=2.5, label="barrier")
-    colours = cycle(COLOURS[2:])
+    colours = cycle([COLOURS[k] for k in range(len(COLOURS)) if k not in (1, 3)])
     for name, line in drawn.gauges.items():
         axes.plot(*line.T, color=next(colours), linewidth=1.5, linestyle="--", label=f"gauge {name}")
     for name, line in drawn.sections.items():
         axes.plot(*line.T, color="k", linewidth=1, linestyle="-.", label=f"section {name}")
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper left", bbox_to_anchor=(0, -0.12), ncols=3, fontsize=9)
+        axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=3, fontsize=9)
 
 
 def along(line: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
