@@ -44,7 +44,7 @@ def plan_of_layout(folder: Path, scene: Path, changes: dict) -> tuple[dict, list
     changes = from_here(changes, scene)
     slope_file = chosen(changes, "slope", scene) or only(files_in(base, RASTERS), "slope", "slope", base)
     values = {"slope": named(slope_file, scene)} | {key: changes[key] for key in ("projection", "gaps") if key in changes}
-    notes = [f"{each}: {what} are not computed: left out" for name, what in LEFT_OUT.items()
+    notes = [f"{each}: {what}: not computed, left out" for name, what in LEFT_OUT.items()
              for each in files_in(base / name, RASTERS + SHAPES)]
     slope = read_raster(slope_file)
     reader = Reader(values, str(folder), None)
@@ -97,7 +97,8 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     reader = Reader(values, str(base), None)
     outlines, features = maps.outlines(reader, "polygon")
     if "depth" in changes or not rasters:
-        values["depth"] = changes.get("depth", {"field": key_of(features[0].values, DEPTH, features[0].where), "across_slope": True})
+        values["depth"] = changes.get("depth") or {"field": key_of(features[0].values, DEPTH, features[0].where),
+                                                   "across_slope": True}
     else:
         values["depth"] = named(only(rasters, "depth of the release", "slide/depth", base), scene)
     if isinstance(values["depth"], dict):
@@ -106,11 +107,11 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
         raster = read_raster(scene / values["depth"])
         depths = [float(np.nanmean(np.where(raster.values > 0, raster.values, np.nan)))]
     else:
-        depths = [reader.number("depth")]
+        depths = [Reader(values, f"{base}/slide", None).number("depth")]
     low, high = limits_of(outlines)
-    x, y = (start + slope.spacing * np.arange(n) for start, n in ((slope.x, slope.values.shape[1]), (slope.y, slope.values.shape[0])))
-    x, y = (ticks[(ticks >= a - slope.spacing) & (ticks <= b + slope.spacing)] for ticks, a, b in ((x, low[0], high[0]), (y, low[1], high[1])))
-    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    centres = [start + slope.spacing * np.arange(count) for start, count in zip((slope.x, slope.y), slope.values.shape[::-1])]
+    near = [ticks[(ticks >= a) & (ticks <= b)] for ticks, a, b in zip(centres, low, high)]
+    places = np.stack(np.meshgrid(*near), axis=-1).reshape(-1, 2)
     inside = np.any([outline.contains(places) for outline in outlines], axis=0)
     if not inside.any():
         raise TerrainError(f"{polygons}: found no cell of the slope inside, from ({low[0]:.9g}, {low[1]:.9g}) to "

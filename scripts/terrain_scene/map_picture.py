@@ -46,17 +46,17 @@ def draw_map(slope: Raster, result: Raster, title: str, drawn: Drawn, path: Path
     height = WIDTH * np.clip((high - low) / (right - left), 0.3, 2)
     figure, axes = plt.subplots(figsize=(WIDTH + 1.6, height + 0.8))
     shade = LightSource(azdeg=315, altdeg=45).hillshade(slope.values, dx=slope.spacing, dy=slope.spacing)
-    axes.imshow(np.where(np.isnan(slope.values), np.nan, shade), cmap="gray", origin="lower", extent=extent_of(slope), vmin=-0.3, vmax=1,
-                interpolation="bilinear")
-    lines = axes.contour(slope.x + slope.spacing * np.arange(slope.values.shape[1]),
-                         slope.y + slope.spacing * np.arange(slope.values.shape[0]), slope.values, 12, colors="k",
-                         linewidths=0.4, alpha=0.5)
-    axes.clabel(lines, fontsize=7, fmt="%g")
+    axes.imshow(np.where(np.isnan(slope.values), np.nan, shade), cmap="gray", origin="lower", extent=extent_of(slope),
+                vmin=-0.3, vmax=1, interpolation="bilinear")
+    if np.nanmax(slope.values) > np.nanmin(slope.values):
+        x, y = (start + slope.spacing * np.arange(count) for start, count in zip((slope.x, slope.y), slope.values.shape[::-1]))
+        axes.clabel(axes.contour(x, y, slope.values, 12, colors="k", linewidths=0.4, alpha=0.5), fontsize=7, fmt="%g")
     values = np.ma.masked_invalid(result.values)
     most = float(np.percentile(values.compressed(), 99.5)) if values.count() else 1.0
     image = axes.imshow(values, cmap="viridis", origin="lower", extent=extent_of(result), vmin=0, vmax=most or 1.0, alpha=0.85,
                         interpolation="nearest")
-    figure.colorbar(image, ax=axes, shrink=0.7, label=title, extend="max" if values.count() and values.max() > most else "neither")
+    beyond = "max" if values.count() and values.max() > most else "neither"
+    figure.colorbar(image, ax=axes, shrink=0.7, label=title, extend=beyond)
     draw_lines(axes, drawn)
     axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=(left, right), ylim=(low, high))
     axes.ticklabel_format(useOffset=False, style="plain")
@@ -106,7 +106,7 @@ def write_section(name: str, line: np.ndarray, slope: Raster, results: dict[str,
     fields = {key: cell_values(raster, places) for key, raster in results.items()}
     table = folder / f"section_{name}.csv"
     rows = np.column_stack([way, places, ground, *fields.values()])
-    np.savetxt(table, rows, delimiter=",", header=",".join(["way", "x", "y", "ground", *fields]), comments="", fmt="%.9g")
+    np.savetxt(table, rows, delimiter=",", header=",".join(["way", "x", "y", "ground", *fields]), comments="", fmt="%.12g")
     figure, (upper, middle, lower) = new_figure(9.5, 8, 3)
     upper.plot(way, ground, color="k", linewidth=1)
     upper.set(ylabel="z [m]", title=f"section {name}")

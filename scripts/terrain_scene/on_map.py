@@ -11,6 +11,7 @@ from plotting.results import Results, ResultsError
 
 from .features import lines_of, read_features
 from .grids import on_cells_of, write_ascii, write_geotiff
+from .map_inputs import has_gdal
 from .map_picture import Drawn, draw_map, part_of, write_section
 from .raster import Raster, TerrainError, read_raster
 
@@ -39,11 +40,13 @@ def read_place(scene: Path, sections: list[str]) -> Place:
         origin = np.array(values["origin"], dtype=float)
         slope = read_raster(scene / values["slope"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise TerrainError(f"{path}: {error!r}, allowed: the file that scripts/terrain writes into the folder of a scene") from error
+        raise TerrainError(f"{path}: {error!r}, allowed: the file that scripts/terrain writes into the folder of a "
+                           "scene") from error
     slope.projection = slope.projection or values.get("projection")
     barrier = values.get("barrier")
-    drawn = Drawn(None if barrier is None else np.array(barrier), {each["name"]: np.array(each["line"]) for each in values["gauges"]},
-                  {}, [np.array(ring) for rings in values.get("slide", []) for ring in rings])
+    gauges = {each["name"]: np.array(each["line"]) for each in values.get("gauges", [])}
+    drawn = Drawn(None if barrier is None else np.array(barrier), gauges, {},
+                  [np.array(ring) for rings in values.get("slide", []) for ring in rings])
     for source in sections:
         found = read_features(source, Path(), "line", slope.projection)
         for line, feature in lines_of(found):
@@ -77,22 +80,19 @@ def write_maps(results: Results, place: Place, time: float | None, out: Path) ->
     corner = np.array([slope.x, slope.y]) - slope.spacing / 2 - place.origin[:2]
     peaks = find_peaks(results, corner, slope.spacing, time)
     rasters = rasters_of(peaks, place)
-    lines, tiffs = [], True
+    lines = [] if has_gdal() else ["no GeoTIFF: python3-gdal, which writes it, is not installed"]
     shown = part_of(slope, place.low, place.high)
     for name, raster in rasters.items():
         title, unit = FIELDS[name]
         paths = write_ascii(raster, out / f"{name}.asc")
-        try:
+        if has_gdal():
             paths.append(write_geotiff(raster, out / f"{name}.tif", unit))
-        except TerrainError as error:
-            lines += [f"no GeoTIFF: {error}"] if tiffs else []
-            tiffs = False
         label = f"{title} at {peaks.time:.3g} s [{unit}]" if name == "depth" else f"{title} [{unit}]"
         lines += [*map(str, paths), str(draw_map(shown, raster, label, place.drawn, out / f"{name}.png"))]
     for name, line in place.drawn.sections.items():
         lines += map(str, write_section(name, line, slope, rasters, out))
     volume = float(np.nansum(peaks.depth)) * slope.spacing**2
     most = {name: float(np.nanmax(values)) for name, values in peaks.fields().items() if (~np.isnan(values)).any()}
-    return [*lines, f"{peaks.time:.6g} s: {volume:.6g} m³ of soil at rest on {np.isfinite(peaks.depth).sum()} cells of {slope.spacing:g} m; "
-            f"largest: {most.get('max_depth', 0):.4g} m, {most.get('max_speed', 0):.4g} m/s, "
+    return [*lines, f"{peaks.time:.6g} s: {volume:.6g} m³ of soil at rest on {np.isfinite(peaks.depth).sum()} cells of "
+            f"{slope.spacing:g} m; largest: {most.get('max_depth', 0):.4g} m, {most.get('max_speed', 0):.4g} m/s, "
             f"{most.get('max_dynamic_pressure', 0):.4g} Pa"]

@@ -238,7 +238,10 @@ def plan_of(values: object, path: Path) -> Plan:
 
 
 def require_all_in_area(plan: Plan, path: str) -> None:
-    """Barrier, gauges, probes, and each of several polygons: one that is left out would not be missed. @raises TerrainError"""
+    """Barrier, gauges, probes, and each of several polygons: one that is left out would not be missed.
+
+    @raises TerrainError
+    """
     if plan.barrier is not None:
         require_in_area(plan, plan.barrier.line, f"{path}/barrier/line")
     for k, gauge in enumerate(plan.gauges):

@@ -12,7 +12,7 @@ from .raster import TerrainError
 # Columns with less than this share of a cell are left out: their points would be a sixteenth of a cell.
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
-BULGE = 0.0125  # of a layer of cells, how far facets may rise above the ground of the lowest points: a quarter of what a run allows
+BULGE = 0.0125  # of a layer of cells, how far facets may rise above the ground of the lowest points: a run allows more
 MOST_CELLS = 10_000_000  # of the mass: 100 times what a run on a workstation has
 NUDGE = 1e-6  # of a cell: how far inside its corners the depth is looked up
 
