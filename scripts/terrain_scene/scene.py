@@ -15,7 +15,7 @@ from .gauges import gauge_settings
 from .outline import limits_of
 from .plan import GRAVITY, Plan, Probe
 from .raster import Raster, TerrainError
-from .slope import THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
+from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
 
 MANY_CELLS = 2_000_000
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
@@ -28,6 +28,7 @@ class Made:
     plan: Plan
     origin: np.ndarray
     slope: Slope
+    facets: Slope  # the slope as the soil feels it
     columns: Columns
     wall: Wall | None
     gauges: list[dict]  # settings
@@ -70,7 +71,8 @@ def place_text(place: np.ndarray) -> str:
 def make(plan: Plan) -> Made:
     """@raises TerrainError"""
     origin, slope = sample_slope(plan)
-    columns = lay_columns(slope, mass_of(plan, origin, slope))
+    mass = mass_of(plan, origin, slope)
+    columns = lay_columns(slope, mass)
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
         ends = None if plan.slide.outlines is None else limits_of(plan.slide.outlines)
@@ -82,6 +84,14 @@ def make(plan: Plan) -> Made:
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():
         raise TerrainError("slide: found mass at the rim of the area, allowed: an area that holds the mass with a cell around")
+    facets = slope.facets(columns.depth)
+    pieces = round(slope.spacing / facets.spacing)
+    high = slope.bulge(pieces, columns.depth) > BULGE
+    if high.any():
+        lift = np.where(high, slope.rise(pieces), 0)
+        columns = lay_columns(slope, mass, lift)
+        plan.notes.append(f"slide: {high.sum()} columns start up to {lift.max():.2g} m above the warped cells of the slope, on its "
+                          "facets")
     wall = None
     if plan.barrier is not None:
         wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
@@ -89,7 +99,7 @@ def make(plan: Plan) -> Made:
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
     gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
     probes = [probe_settings(probe, slope, columns, origin) for probe in plan.probes]
-    return Made(plan, origin, slope, columns, wall, gauges, probes, (count, rows, int(np.ceil(top / plan.cell_size))))
+    return Made(plan, origin, slope, facets, columns, wall, gauges, probes, (count, rows, int(np.ceil(top / plan.cell_size))))
 
 
 def probe_settings(probe: Probe, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
@@ -185,7 +195,7 @@ def map_settings(made: Made, folder: Path) -> dict:
 def write_scene(made: Made, folder: Path) -> list[str]:
     """Write the files; returns what to say of them."""
     folder.mkdir(parents=True, exist_ok=True)
-    facets = made.slope.facets(made.columns.depth)
+    facets = made.facets
     num_facets = write_ply(facets, folder / "terrain.ply")
     write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))

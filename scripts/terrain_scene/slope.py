@@ -13,6 +13,7 @@ from .raster import TerrainError
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
 BULGE = 0.0125  # of a layer of cells, how far facets may rise above the ground of the lowest points: a run allows more
+MOST_FACETS = 1_000_000  # where they would be cut finer than halves of a cell: a run looks at all that are near its points
 MOST_CELLS = 10_000_000  # of the mass: 100 times what a run on a workstation has
 NUDGE = 1e-6  # of a cell: how far inside its corners the depth is looked up
 
@@ -81,7 +82,8 @@ class Slope:
 
     def facets(self, depth: np.ndarray) -> "Slope":
         """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces, and that
-        none rises into the lowest points of the mass, up to four times, which a slope of 70 degrees takes.
+        none rises into the lowest points of the mass, up to four times, which a slope of 70 degrees takes, as long as there
+        are not too many of them.
 
         At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep. In four the
         facets meet the warped cells exactly below the points, whose places are quarters of a cell.
@@ -89,23 +91,41 @@ class Slope:
         depth: of the mass over each cell [m].
         """
         pieces = 2
-        while pieces < MOST_PIECES and (self.cut(pieces).longest_edge() > np.sqrt(0.5) * self.spacing
-                                        or self.bulge(pieces, depth) > BULGE):
+        most = min(MOST_PIECES, int(np.sqrt(MOST_FACETS / (2 * self.z.size))))
+        while pieces < most and (self.cut(pieces).longest_edge() > np.sqrt(0.5) * self.spacing
+                                 or self.bulge(pieces, depth).max() > BULGE):
             pieces += 1
         return self.cut(pieces)
 
-    def bulge(self, pieces: int, depth: np.ndarray) -> float:
-        """Largest distance of facets of cells in `pieces` from the warped cells below points at quarters of a cell, over the
-        height of a layer of the mass there.
+    def bulge(self, pieces: int, depth: np.ndarray) -> np.ndarray:
+        """How far facets of cells in `pieces` rise above the warped cells below points at quarters of a cell, over the height
+        of a layer of the mass of this depth [m] over each cell; 0 without mass.
         """
-        z = self.z
-        warp = np.abs(z[:-1, :-1] - z[:-1, 1:] - z[1:, :-1] + z[1:, 1:]) / pieces**2
-        share = pieces / 4 % 1  # of a piece, where the points are
-        off = max(abs(share * other - end) for other in (share, 1 - share)
-                  for end in (min(share, other), max(0.0, share + other - 1)))
         within = depth >= THINNEST * self.spacing * (1 - 1e-9)
-        layer = depth[within] / np.maximum(1, np.ceil(depth[within] / self.spacing - 1e-9))
-        return float((off * warp[within] / layer).max()) if within.any() else 0.0
+        layers = np.maximum(1, np.ceil(depth / self.spacing - 1e-9))
+        return np.where(within, self.rise(pieces) / np.where(within, depth / layers, 1), 0)
+
+    def rise(self, pieces: int) -> np.ndarray:
+        """The same in metres, for each cell the largest of its four points, at least 0."""
+        fine = self.cut(pieces).z
+        x = np.arange(self.z.shape[1] - 1)[None, :]
+        y = np.arange(self.z.shape[0] - 1)[:, None]
+        highest = np.zeros(np.broadcast(x, y).shape)
+        for first in (0.25, 0.75):
+            for second in (0.25, 0.75):
+                (i, u), (j, v) = ((int(share * pieces), share * pieces % 1) for share in (first, second))
+                a, b, c, d = (fine[y * pieces + j + dj, x * pieces + i + di] for dj, di in ((0, 0), (0, 1), (1, 1), (1, 0)))
+                along = a + u * (b - a) + v * (c - b) if u >= v else a + v * (d - a) + u * (c - d)
+                across = a + u * (b - a) + v * (d - a) if u + v <= 1 else c + (1 - u) * (d - c) + (1 - v) * (b - c)
+                facet = np.where(rising(a, b, c, d), along, across)
+                warped = (1 - u) * (1 - v) * a + u * (1 - v) * b + u * v * c + (1 - u) * v * d
+                highest = np.fmax(highest, facet - warped)
+        return highest
+
+
+def rising(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Whether a quadrangle is cut from a to c: along its shorter diagonal. Heights of its corners in turn."""
+    return np.abs(a - c) <= np.abs(b - d)
 
 
 def write_ply(slope: Slope, path: Path) -> int:
@@ -119,8 +139,8 @@ def write_ply(slope: Slope, path: Path) -> int:
     within = known[:-1, :-1] & known[:-1, 1:] & known[1:, 1:] & known[1:, :-1]
     a, b, c, d = (each[within] for each in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
     height = slope.z.ravel()
-    rising = (np.abs(height[a] - height[c]) <= np.abs(height[b] - height[d]))[..., None, None]  # shorter diagonal
-    corners = np.where(rising, np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], -2),
+    upwards = rising(*(height[each] for each in (a, b, c, d)))[..., None, None]
+    corners = np.where(upwards, np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], -2),
                        np.stack([np.stack([a, b, d], -1), np.stack([b, c, d], -1)], -2)).reshape(-1, 3)
     used = known.ravel()
     corners = (np.cumsum(used) - 1)[corners]
@@ -164,10 +184,10 @@ def count_layers(high: np.ndarray, within: np.ndarray, h: float) -> np.ndarray:
     return layers.astype(int)
 
 
-def lay_columns(slope: Slope, mass: Mass) -> Columns:
+def lay_columns(slope: Slope, mass: Mass, lift: np.ndarray | None = None) -> Columns:
     """A column a cell of the lattice, cut into layers of at most a cell: its volume is that of the soil above the cell.
 
-    The bottom is the slope. The top follows the soil where it covers the cell, and is parallel to the slope at its rim.
+    The bottom is the slope, or lies above it by `lift` of each cell [m]. The top follows the soil where it covers the cell, and is parallel to the slope at its rim.
 
     @raises TerrainError  more cells than a scene can have
     """
@@ -194,7 +214,7 @@ def lay_columns(slope: Slope, mass: Mass) -> Columns:
         corners = np.array([(j, i), (j, i + 1), (j + 1, i + 1), (j + 1, i)])
         ground = np.column_stack([corners[:, ::-1] * h, slope.z[corners[:, 0], corners[:, 1]]])
         rise = np.zeros((count + 1, 4, 3))
-        rise[..., 2] = top * np.arange(count + 1)[:, None] / count
+        rise[..., 2] = top * np.arange(count + 1)[:, None] / count + (0 if lift is None else lift[j, i])
         nodes.append((ground + rise).reshape(-1, 3))
         cells.append(first + 4 * np.arange(count)[:, None] + np.arange(8))
         first += 4 * (count + 1)

@@ -11,6 +11,7 @@ import json
 import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from script_case import ScriptCase
@@ -25,6 +26,7 @@ import made_up_results as made_up
 from plotting.ground import coarse
 from plotting.results import Results
 from terrain_scene.changes import changed, read_changes
+from terrain_scene.depths import Mass
 from terrain_scene.grids import on_cells_of, write_ascii
 from terrain_scene.on_map import read_place, write_maps
 from terrain_scene.outline import Outline, crossing_of
@@ -32,7 +34,7 @@ from terrain_scene.plan import Plan, read_plan
 from terrain_scene.raster import Raster, TerrainError, read_raster
 from terrain_scene.reach import reach_of
 from terrain_scene.scene import make, write_scene
-from terrain_scene.slope import Slope
+from terrain_scene.slope import BULGE, Slope, lay_columns, write_ply
 
 LAMBERT = 31287  # MGI / Austria Lambert, in metres
 WEST, SOUTH = 400000.0, 400000.0
@@ -365,14 +367,11 @@ class Gaps(MapCase):
         made = make(self.read(gaps="open"))
         said = write_scene(made, self.folder / "scene")
         self.assertTrue(any("nodes have no data: there is no ground" in line for line in said), said)
-        head, body = (self.folder / "scene" / "terrain.ply").read_bytes().split(b"end_header\n")
-        count = int(head.split(b"element vertex ")[1].split()[0])
-        nodes = np.frombuffer(body[:12 * count], "<f4").reshape(count, 3)
-        self.assertTrue(np.isfinite(nodes).all())
-        faces = np.frombuffer(body[12 * count:], [("size", "u1"), ("corners", "<i4", 3)])["corners"]
-        plan = nodes[faces].mean(axis=1)
+        facets = triangles_of(self.folder / "scene" / "terrain.ply")
+        self.assertTrue(np.isfinite(facets).all())
+        plan = facets.mean(axis=1)
         self.assertFalse(((plan[:, 0] > 57) & (plan[:, 1] > 29)).any())  # from the last values on
-        sides = (nodes[faces[:, k], :2] - nodes[faces[:, 0], :2] for k in (1, 2))
+        sides = (facets[:, k, :2] - facets[:, 0, :2] for k in (1, 2))
         self.assertAlmostEqual(np.abs(np.cross(*sides)).sum() / 2, 60 * 40 - 3 * 11, delta=0.01)
 
     def test_nothing_may_stand_there(self) -> None:
@@ -399,13 +398,70 @@ class Depths(MapCase):
     def test_facets_do_not_rise_into_thin_soil(self) -> None:
         """A warped cell under soil of a quarter of a cell: below points at quarters of a cell its facets are off by a share."""
         z = np.zeros((3, 3))
-        z[1, 1] = 0.2
+        z[1, 1] = -0.2
         slope, depth = Slope(1.0, z), np.full((2, 2), 0.25)
-        for pieces, share in ((1, 3 / 16), (2, 1 / 16), (3, 3 / 144), (4, 0)):
-            self.assertAlmostEqual(slope.bulge(pieces, depth), share * 0.2 / 0.25)
+        for pieces in (2, 3, 4):
+            fine = slope.cut(pieces)
+            write_ply(fine, self.folder / "a.ply")
+            corners = triangles_of(self.folder / "a.ply")
+            off = [height_of(corners, x, y) - float(slope.at(x, y)) for x in (0.25, 0.75) for y in (0.25, 0.75)]
+            self.assertAlmostEqual(slope.rise(pieces)[0, 0], max(0, *off), delta=1e-7)
+        self.assertGreater(slope.bulge(2, depth).max(), BULGE)
+        self.assertEqual(slope.bulge(4, depth).max(), 0)
         self.assertEqual(slope.facets(depth).spacing, 0.25)
         self.assertGreater(slope.facets(10 * depth).spacing, 0.25)
         self.assertGreater(slope.facets(0 * depth).spacing, 0.25)
+
+    def test_soil_starts_on_facets_that_are_too_coarse(self) -> None:
+        z = np.zeros((9, 9))
+        z[4, 4] = -0.3
+        slope = Slope(1.0, z)
+        mass = Mass(None, [0.3], [Outline((np.array([(2, 2), (6, 2), (6, 6), (2, 6)], dtype=float),))])
+        lift = slope.rise(2)
+        self.assertGreater(lift.max(), 0.01)
+        low, high = (lay_columns(slope, mass, each) for each in (None, lift))
+        np.testing.assert_allclose((high.nodes - low.nodes)[:, :2], 0)
+        self.assertEqual((high.nodes - low.nodes)[:, 2].max(), lift.max())
+        self.assertEqual((low.filled, len(low.cells)), (high.filled, len(high.cells)))
+        with mock.patch("terrain_scene.slope.MOST_FACETS", 0):
+            self.vector("slide.shp", [(f"POLYGON ({square(10, 10, 10)})", {})])
+            data = gdal.Open(str(self.slope()), gdal.GA_Update)
+            rough = np.random.default_rng(1).uniform(0, 0.8, (24, 40))
+            data.GetRasterBand(1).WriteArray(700 + rough)
+            data = None
+            made = make(self.read(cell_size=2, slide={"polygon": "slide.shp", "depth": 0.6}))
+        self.assertEqual(made.facets.spacing, 1)
+        self.assertTrue(any("columns start up to" in note for note in made.plan.notes))
+        points = made.columns.nodes[made.columns.cells]
+        for share in (0.25, 0.75):  # along x and y of each column; its lowest points lie a quarter of a layer above its bottom
+            place = (1 - share) * points[:, 0, :2] + share * points[:, 2, :2]
+            warped = np.array([made.slope.at(*each) for each in place])
+            bottom = warped + points[:, 0, 2] - np.array([made.slope.at(*each) for each in points[:, 0, :2]])
+            write_ply(made.facets, self.folder / "a.ply")
+            self.assertLess((facet_heights(self.folder / "a.ply", place) - bottom)[:len(place)].max(), BULGE * 0.6 + 1e-6)
+
+
+def triangles_of(path: Path) -> np.ndarray:
+    head, body = path.read_bytes().split(b"end_header\n")
+    count = int(head.split(b"element vertex ")[1].split()[0])
+    nodes = np.frombuffer(body[:12 * count], "<f4").reshape(count, 3).astype(float)
+    return nodes[np.frombuffer(body[12 * count:], [("size", "u1"), ("corners", "<i4", 3)])["corners"]]
+
+
+def facet_heights(path: Path, places: np.ndarray) -> np.ndarray:
+    triangles = triangles_of(path)
+    return np.array([height_of(triangles, *place) for place in places])
+
+
+def height_of(triangles: np.ndarray, x: float, y: float) -> float:
+    """Of the triangle over a place, by its weights."""
+    a, b, c = (triangles[:, k] for k in range(3))
+    area = np.cross(b[:, :2] - a[:, :2], c[:, :2] - a[:, :2])
+    place = np.array([x, y])
+    second = np.cross(place - a[:, :2], c[:, :2] - a[:, :2]) / area
+    third = np.cross(b[:, :2] - a[:, :2], place - a[:, :2]) / area
+    k = int(np.argmax(np.minimum(np.minimum(second, third), 1 - second - third)))
+    return float(a[k, 2] + second[k] * (b[k, 2] - a[k, 2]) + third[k] * (c[k, 2] - a[k, 2]))
 
 
 class Layout(MapCase):
