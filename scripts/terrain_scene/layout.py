@@ -11,6 +11,7 @@ from .changes import changed
 from .features import key_of
 from .map_inputs import MapInputs, settle_projection
 from .outline import limits_of
+from .plan import FRAMES
 from .raster import Raster, TerrainError, read_raster
 from .reach import reach_of
 from .reader import Reader
@@ -20,6 +21,7 @@ DEPTH = "thickness"  # attribute of the polygons in REL
 LEFT_OUT = {"ENT": "entrainment", "RES": "resistance", "SECREL": "secondary releases", "ENTTH": "entrainment"}
 ASKED = {"friction": "of the slope, such as 0.6", "barrier/height": "[m]", "barrier/thickness": "[m]"}  # no folder has them
 DEEP = 3.5  # depths in a cell of the grid: a column is left out below a quarter of a cell
+BETWEEN_FRAMES = 20  # cells of the slope's raster that the fastest block comes on from one frame to the next
 AROUND = 4  # cells of the grid around what blocks come by
 
 
@@ -164,7 +166,9 @@ def size_of(values: dict, changes: dict, slope: Raster, mass: tuple[np.ndarray, 
         sides = np.floor((np.minimum(np.ceil(every.max(axis=0) / h + AROUND) * h, [high_x, high_y]) - low) / h + 1e-9)
         values["area"] = [low.tolist(), (low + sides * h).tolist()]
     time = changes.get("time", {})
-    values["time"] = {"end": float(f"{reach.time:.2g}"), "dt": float(f"{h / reach.fastest:.2g}")} | time
+    end = float(f"{reach.time:.2g}")
+    interval = min(end / FRAMES, BETWEEN_FRAMES * slope.spacing / reach.fastest)
+    values["time"] = {"end": end, "dt": float(f"{h / reach.fastest:.2g}"), "interval": float(f"{interval:.2g}")} | time
     x, y = (ticks(start_of, end_of, h) for start_of, end_of in zip(*values["area"]))
     if np.isnan(slope.at(*np.meshgrid(x, y))).any():
         values.setdefault("gaps", "open")

@@ -18,6 +18,8 @@ from .raster import Raster, TerrainError, read_raster
 FIELDS = {"depth": ("depth", "m"), "max_depth": ("largest depth", "m"), "max_speed": ("largest speed", "m/s"),
           "max_dynamic_pressure": ("largest dynamic pressure", "Pa"), "arrival": ("time of arrival", "s")}
 
+FAR = 3  # cells between two frames: largest values have gaps
+
 
 @dataclass
 class Place:
@@ -93,6 +95,12 @@ def write_maps(results: Results, place: Place, time: float | None, out: Path) ->
         lines += map(str, write_section(name, line, slope, rasters, out))
     volume = float(np.nansum(peaks.depth)) * slope.spacing**2
     most = {name: float(np.nanmax(values)) for name, values in peaks.fields().items() if (~np.isnan(values)).any()}
+    series = results.frames_of_soil()
+    apart = float(np.diff(series.times).max()) if len(series) > 1 else 0.0
+    way = most.get("max_speed", 0) * apart / slope.spacing
+    if way > FAR:
+        lines.append(f"warning: the largest values are those of the frames, every {apart:.3g} s: the fastest soil comes on by up to "
+                     f"{way:.3g} cells between two of them; a smaller output/interval sees more")
     return [*lines, f"{peaks.time:.6g} s: {volume:.6g} m³ of soil at rest on {np.isfinite(peaks.depth).sum()} cells of "
             f"{slope.spacing:g} m; largest: {most.get('max_depth', 0):.4g} m, {most.get('max_speed', 0):.4g} m/s, "
             f"{most.get('max_dynamic_pressure', 0):.4g} Pa"]

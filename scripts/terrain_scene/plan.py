@@ -18,6 +18,7 @@ from .reader import Reader
 SOIL = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 5e6, "poisson_ratio": 0.3, "friction_angle": 33}
 CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poisson_ratio": 0.2}
 GRAVITY = 9.81
+FRAMES = 20  # of a run, unless the plan says otherwise
 
 # Keys of the objects of the file.
 PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "probes", "time")
@@ -28,7 +29,7 @@ GAUGES = ("lines", "name", "height")  # of a file
 PROBES = ("points", "name")
 FIELD = ("field",)
 DEPTH_FIELD = ("field", "across_slope")
-TIME = ("end", "dt")
+TIME = ("end", "dt", "interval")
 
 
 @dataclass
@@ -86,6 +87,7 @@ class Plan:
     barrier: Barrier | None
     end: float
     dt: float
+    interval: float  # of the frames [s]
     gauges: list[Gauge]
     probes: list[Probe]
     notes: list[str] = field(default_factory=list)  # defaults that were taken
@@ -229,10 +231,11 @@ def plan_of(values: object, path: Path) -> Plan:
     friction = reader.number("friction", at_least_zero=True)
     barrier = read_barrier(reader.child("barrier", BARRIER), maps, friction) if "barrier" in reader.values else None
     time = reader.child("time", TIME)
+    interval = time.number("interval") if "interval" in time.values else time.number("end") / FRAMES
     slide = read_slide(reader.child("slide", SLIDE), maps, slope)
     gauges, probes = read_gauges(reader, maps), read_probes(reader, maps)
     plan = Plan(slope, maps.projection, read_gaps(reader), reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"),
-                friction, slide, barrier, time.number("end"), time.number("dt"), gauges, probes, maps.notes)
+                friction, slide, barrier, time.number("end"), time.number("dt"), interval, gauges, probes, maps.notes)
     require_all_in_area(plan, str(path))
     return plan
 

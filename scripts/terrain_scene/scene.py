@@ -134,7 +134,7 @@ def soil_settings(made: Made) -> dict:
         settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
                                    "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]
     else:
-        settings |= {"time": time_settings(plan), "output": {"interval": plan.end / 20}}
+        settings |= {"time": time_settings(plan), "output": {"interval": plan.interval}}
     return settings
 
 
@@ -160,7 +160,7 @@ def coupling_settings(made: Made) -> dict:
     weight = made.plan.slide.material.get("density", 1800) * GRAVITY * made.columns.filled
     return {
         "time": time_settings(made.plan),
-        "output": {"interval": made.plan.end / 20},
+        "output": {"interval": made.plan.interval},
         "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
         "interfaces": [{"name": "barrier", "soil": "soil", "structure": "structure"}],
         "coupling": {

@@ -572,6 +572,7 @@ class ResultsOnTheMap(MapCase):
     def test_rasters_lie_on_the_cells_of_the_slope(self) -> None:
         ended = self.python_script("map", self.run, self.folder / "scene")
         self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        self.assertNotIn("warning", ended.stdout)
         self.assertIn("2 s: 16 m³ of soil at rest on 4 cells of 2 m; largest: 1 m, 3 m/s, 1.296e+04 Pa", ended.stdout)
         slope = gdal.Open(str(self.folder / "slope.tif"))
         expected = {"depth": {16: 1.0, 18: 1.0}, "max_depth": {k: 1.0 for k in (10, 12, 14, 16, 18)},
@@ -602,6 +603,12 @@ class ResultsOnTheMap(MapCase):
         place.slope = Raster(self.folder / "a.asc", WEST + 15, SOUTH, 2.0, np.zeros((30, 30)))
         with self.assertRaisesRegex(TerrainError, "found soil beyond it, from .400010, 400009."):
             write_maps(Results(self.run), place, None, out)
+
+    def test_frames_far_apart_are_said(self) -> None:
+        place = read_place(self.folder / "scene", [])
+        place.slope = Raster(self.folder / "a.asc", WEST, SOUTH, 0.5, np.zeros((90, 150)))
+        said = write_maps(Results(self.run), place, None, self.folder)
+        self.assertIn("every 1 s: the fastest soil comes on by up to 6 cells between two of them", said[-2])
 
     def test_sections(self) -> None:
         self.vector("lines.gpkg", [(f"LINESTRING ({WEST + 8} {SOUTH + 12}, {WEST + 24} {SOUTH + 12})", {"name": "down the slope"})], 4326)

@@ -355,7 +355,7 @@ class Scenes(TerrainCase):
         settings.write_text("{}")
         self.refused("has a scene already", "--replace")
         self.assertEqual(settings.read_text(), "{}")
-        for barrier, files in (({}, 3), ({"barrier": None}, 1)):
+        for barrier, files in (({}, 4), ({"barrier": None}, 2)):
             result = self.python_script("terrain", self.plan(**barrier), self.folder / "scene", "--replace")
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertNotEqual(settings.read_text(), "{}")
