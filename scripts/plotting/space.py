@@ -93,7 +93,9 @@ def box_side(low: list[float], high: list[float], side: str) -> np.ndarray:
 
 
 def rigid_walls(results: Results) -> list[np.ndarray]:
-    """Those that are sides of boxes, at their place at the start; the bottom of the grid where there is no wall at all."""
+    """Those that are sides of boxes, at their place at the start; the bottom of the grid where there is none, nor
+    terrain.
+    """
     settings = results.settings("mpm.json")
     walls = []
     for wall in settings.get("rigid_walls", []):
@@ -101,7 +103,9 @@ def rigid_walls(results: Results) -> list[np.ndarray]:
         if box:
             walls += [box_side(box["low"], box["high"], group) for group in wall["surface"]["groups"]]
     grid = settings.get("grid", {}).get("box")
-    if not settings.get("rigid_walls") and grid and any(wall["group"] == "bottom" for wall in settings.get("walls", [])):
+    terrain = any("triangles" in wall["surface"] for wall in settings.get("rigid_walls", []))
+    has_floor = any(wall["group"] == "bottom" for wall in settings.get("walls", []))
+    if not walls and not terrain and grid and has_floor:
         walls.append(box_side(grid["low"], grid["high"], "bottom")[:, ::-1])
     return walls
 
@@ -164,7 +168,7 @@ class SpacePlot(ScenePlot):
                 np.concatenate([behind, depths]))
 
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
-        """Sides of boxes first, then all else from the back to the front; what is turned away is left out, but for ground."""
+        """Sides of boxes first, then all else from the back to the front; what is turned away is left out."""
         parts = self._soil_parts(time) if self.soil else []
         for structure in self.structures:
             faces = self._structure_faces(structure, time)

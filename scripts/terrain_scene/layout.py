@@ -20,7 +20,7 @@ RASTERS, SHAPES = (".asc", ".tif", ".tiff"), (".shp", ".gpkg", ".geojson")
 DEPTH = "thickness"  # attribute of the polygons in REL
 LEFT_OUT = {"ENT": "entrainment", "RES": "resistance", "SECREL": "secondary releases", "ENTTH": "entrainment"}
 ASKED = {"friction": "of the slope, such as 0.6", "barrier/height": "[m]", "barrier/thickness": "[m]"}  # no folder has them
-DEEP = 3.5  # depths in a cell of the grid: a column is left out below a quarter of a cell
+DEEP = 4  # depths in a cell of the grid: a column is left out below a quarter of a cell
 BETWEEN_FRAMES = 20  # cells of the slope's raster that the fastest block comes on from one frame to the next
 AROUND = 4  # cells of the grid around what blocks come by
 

@@ -5,6 +5,7 @@
     test_map_results.py
 """
 
+import base64
 import json
 import unittest
 from pathlib import Path
@@ -14,8 +15,12 @@ import numpy as np
 from map_case import SOUTH, WEST, MapCase, gdal, square
 
 import made_up_results as made_up
-from plotting.ground import coarse
+from plotting.ground import FLOOR, coarse, ground_of
 from plotting.results import Results
+from plotting.scene import ScenePlot
+from plotting.space import SpacePlot
+from plotting.style import plt
+from reporting.frames import Packer
 from terrain_scene.changes import changed, read_changes
 from terrain_scene.grids import on_cells_of, write_ascii
 from terrain_scene.on_map import read_place, write_maps
@@ -213,6 +218,33 @@ class ResultsOnTheMap(MapCase):
         normals = np.cross(few[:, 1] - few[:, 0], few[:, 2] - few[:, 0])
         self.assertTrue((normals[:, 2] > -1e-9).all())
         self.assertGreater(normals[:, 2].sum() / 2, 0.8 * 59**2)
+    def test_every_picture_of_a_scene_in_space_shows_the_ground(self) -> None:
+        settings = json.loads((self.run / "mpm" / "resolved_config.json").read_text())
+        settings["mpm.json"]["rigid_walls"] = [{"name": "terrain", "surface": {"triangles": "terrain.ply", "normals": "up"}}]
+        self.write("run/mpm/resolved_config.json", json.dumps(settings))
+        points = np.array([(0, 0, 8), (20, 0, 0), (20, 20, 0), (0, 20, 8)], dtype=float)
+        cells = np.array([(0, 1, 2), (0, 2, 3)])
+        made_up.write_series(self.run / "mpm", "contact_terrain", [(0.0, points, cells, {"pressure": np.zeros(2)})])
+        results = Results(self.run)
+        np.testing.assert_array_equal(ground_of(results), points[cells])
+        side, space = ScenePlot(results), SpacePlot(results, None, (30.0, 25.0))
+        np.testing.assert_array_equal(side.ground[0].max(axis=(0, 1)), [20, 8])  # x to the right, z upwards
+        self.assertTrue((side.high > [19, 7]).all())  # wider than the soil
+        self.assertEqual(len(space.ground), 2)
+        figure, axes = plt.subplots(1, 2)
+        for view, each in zip((side, space), axes):
+            view.draw(each, 0.0)
+            faces = sum(len(part.get_paths()) for part in each.collections)
+            self.assertGreater(faces, 2)
+            floor = [tuple(np.round(colour[:3] / colour[0], 2)) for part in each.collections for colour in part.get_facecolor()]
+            self.assertIn(tuple(np.round(FLOOR / FLOOR[0], 2)), floor)
+        plt.close(figure)
+        packed = Packer(results).pack()["ground"]
+        corners = np.frombuffer(base64.b64decode(packed["corners"]), "<i4").reshape(2, 3, 2)
+        self.assertEqual(len(base64.b64decode(packed["bright"])), 2)
+        window = side.high - side.low
+        np.testing.assert_allclose(side.low + corners / 65535 * window, side.ground[0], atol=1e-3)
+
 
 if __name__ == "__main__":
     unittest.main()
