@@ -11,7 +11,7 @@ from .changes import changed
 from .features import key_of
 from .map_inputs import MapInputs, settle_projection
 from .outline import limits_of
-from .plan import FRAMES
+from .plan import FRAMES, read_area
 from .raster import Raster, TerrainError, read_raster
 from .reach import reach_of
 from .reader import Reader
@@ -44,6 +44,10 @@ def plan_of_layout(folder: Path, scene: Path, changes: dict) -> tuple[dict, list
     """
     base = folder / "Inputs" if (folder / "Inputs").is_dir() else folder
     changes = from_here(changes, scene)
+    given = Reader(changes, "--set", None)
+    for key in ("slide", "time"):
+        if key in changes:
+            given.child(key, None)
     slope_file = chosen(changes, "slope", scene) or only(files_in(base, RASTERS), "slope", "slope", base)
     values = {"slope": named(slope_file, scene)} | {key: changes[key] for key in ("projection", "gaps") if key in changes}
     notes = [f"{each}: {what}: not computed, left out" for name, what in LEFT_OUT.items()
@@ -54,13 +58,15 @@ def plan_of_layout(folder: Path, scene: Path, changes: dict) -> tuple[dict, list
     values["slide"], start, depth = slide_of(base, scene, changes.get("slide", {}), slope, maps)
     barrier = barrier_of(base, scene, changes, notes)
     require_asked(folder, changes, barrier is not None)
-    values |= {"friction": Reader(changes, str(folder), None).number("friction", at_least_zero=True),
-               "cell_size": changes.get("cell_size", cell_for(slope, depth))}
+    values |= {"friction": given.number("friction", at_least_zero=True),
+               "cell_size": given.number("cell_size") if "cell_size" in changes else cell_for(slope, depth)}
     line = np.empty((0, 2))
     if barrier is not None:
         values["barrier"] = barrier
         line = maps.line(Reader(barrier, f"{folder}/barrier", None), "line")
-    notes += size_of(values, changes, slope, (start, depth), line)
+    if "area" in changes:
+        values["area"] = read_area(Reader(changes, "--set", None), maps).tolist()
+    notes += size_of(values, changes.get("time", {}), slope, (start, depth), line)
     return changed(values, changes), notes
 
 
@@ -147,25 +153,26 @@ def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict
     return {**asked, "line": named(line, scene)}
 
 
-def size_of(values: dict, changes: dict, slope: Raster, mass: tuple[np.ndarray, float], line: np.ndarray) -> list[str]:
+def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, float], line: np.ndarray) -> list[str]:
     """Area, height and time of the run into `values`, from blocks that slide from the mass, as far as they are not given;
     returns what to say of it.
 
-    mass: places that it starts from and its depth; line: of the barrier, empty: none.
+    time: what is given of it; mass: places that it starts from and its depth; line: of the barrier, empty: none.
+
+    @raises TerrainError  the slope has no data there
     """
     start, depth = mass
     h = values["cell_size"]
     reach = reach_of(slope, start, depth, values["friction"])
+    if not reach.fastest > 0:
+        raise TerrainError(f"{slope.path}: found no data under the release, from ({start[0, 0]:.9g}, {start[0, 1]:.9g}) on")
     values["clear_height"] = float(f"{4 * max(depth, h):.2g}")
     every = np.concatenate([reach.places, line])
-    if "area" in changes:
-        values["area"] = changes["area"]
-    else:
+    if "area" not in values:
         low_x, low_y, high_x, high_y = slope.limits()
         low = np.maximum(np.floor(every.min(axis=0) / h - AROUND) * h, [low_x, low_y])
         sides = np.floor((np.minimum(np.ceil(every.max(axis=0) / h + AROUND) * h, [high_x, high_y]) - low) / h + 1e-9)
         values["area"] = [low.tolist(), (low + sides * h).tolist()]
-    time = changes.get("time", {})
     end = float(f"{reach.time:.2g}")
     interval = min(end / FRAMES, BETWEEN_FRAMES * slope.spacing / reach.fastest)
     values["time"] = {"end": end, "dt": float(f"{h / reach.fastest:.2g}"), "interval": float(f"{interval:.2g}")} | time

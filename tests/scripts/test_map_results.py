@@ -75,6 +75,20 @@ class Layout(MapCase):
         self.assertEqual((plan["cell_size"], "barrier" in plan), (2, False))
         self.assertIn("fricton: unknown", self.terrain(*self.asked, "--set", "fricton=1", "--replace")[1])
 
+    def test_changes_that_cannot_be(self) -> None:
+        for change, words in (("slide=5", "--set/slide: found 5, allowed: an object"), ("time=3", "--set/time: found 3"),
+                              ("cell_size=abc", "--set/cell_size: found 'abc'"), ("area=[1, 2]", "--set/area: found [1, 2]"),
+                              ("area=none.shp", "none.shp: no such file"),
+                              ("slide/depth=-1", "/slide/depth: found -1"), ("gaps=maybe", "/gaps: found 'maybe'"),
+                              ("friction=-1", "--set/friction: found -1"), ("gauges=1", "/gauges: found 1")):
+            code, said = self.terrain(*self.asked, "--set", change)
+            self.assertEqual(code, 2, said)
+            self.assertIn(words, said)
+        self.assertIn("--set barrier=5: allowed: null", self.terrain("--set", "friction=1", "--set", "barrier=5")[1])
+        self.vector("area.gpkg", [(f"POLYGON ({square(2, 2, 42)})", {})], 4326)
+        code, said = self.terrain(*self.asked, "--set", f"area={self.folder}/area.gpkg")
+        self.assertEqual(code, 0, said)
+
     def test_doubled_missing_and_empty_files(self) -> None:
         self.slope("Inputs/other.tif")
         self.assertIn("found as slope: dem.tif, other.tif, allowed: one, or the choice: --set slope=FILE", self.terrain(*self.asked)[1])
