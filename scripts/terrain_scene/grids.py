@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .projection import reference, text_of_prj
 from .raster import Raster, TerrainError, load_gdal
 
 NO_DATA = -9999.0
@@ -42,13 +43,12 @@ def write_ascii(raster: Raster, path: Path) -> list[Path]:
     if raster.projection is None:
         path.with_suffix(".prj").unlink(missing_ok=True)  # of a raster that is replaced
         return [path]
-    path.with_suffix(".prj").write_text(raster.projection + "\n", encoding="utf-8")
+    path.with_suffix(".prj").write_text(text_of_prj(raster.projection) + "\n", encoding="utf-8")
     return [path, path.with_suffix(".prj")]
 
 
 def write_geotiff(raster: Raster, path: Path, unit: str) -> Path:
     """Single precision, compressed. unit: of the values. @raises TerrainError  GDAL is missing or cannot write"""
-    from .projection import reference  # noqa: PLC0415  the rest works without GDAL
     gdal, _, _ = load_gdal(str(path))
     rows, columns = raster.values.shape
     h = raster.spacing

@@ -30,6 +30,13 @@ def name_of(text: str) -> str:
     return reference(text, "a projection").GetName() or "without a name"
 
 
+def text_of_prj(text: str) -> str:
+    """As .prj files have it, in ESRI's words; what a .prj file said stays as it was."""
+    if "AUTHORITY[" not in text and "CRS[" not in text:
+        return text
+    return reference(text, "a projection").ExportToWkt(["FORMAT=WKT1_ESRI"])
+
+
 def require_metres(text: str, where: str) -> None:
     """@raises TerrainError  a projection in degrees, feet, ..."""
     found = reference(text, where)

@@ -171,7 +171,9 @@ class ResultsOnTheMap(MapCase):
             text = read_raster(self.run / "map" / f"{name}.asc")
             np.testing.assert_allclose(np.nan_to_num(text.values, nan=-9999)[::-1], values, rtol=1e-6)
             self.assertEqual((text.x, text.y, text.spacing), (WEST + 1, SOUTH + 1, 2))
-            self.assertTrue((self.run / "map" / f"{name}.prj").exists())
+            words = (self.run / "map" / f"{name}.prj").read_text()
+            self.assertIn("D_MGI", words)  # as ESRI calls the datum
+            self.assertNotIn("AUTHORITY", words)
             self.assertGreater((self.run / "map" / f"{name}.png").stat().st_size, 5000)
 
     def test_any_offset_of_the_scene_on_the_raster_keeps_the_volume(self) -> None:
