@@ -90,7 +90,7 @@ def has_gdal() -> bool:
     return True
 
 
-STEEPEST = 10  # heights over the longer side of a raster: a wall rock face of a kilometre has less on any map
+STEEPEST = 10  # heights over the longer side of a raster: no ground is as steep over all of a map
 
 
 def require_gentle(slope: Raster, where: str) -> None:
