@@ -200,10 +200,10 @@ void write_results(const fs::path& folder) {
                                  "plots/scene.gif",
                                  "deposit/depth.asc",
                                  "deposit/deposit.png",
-                                "map/max_depth.asc",
-                                "map/max_depth.prj",
-                                "map/arrival.tif",
-                                "map/section_dam.csv"}) {
+                                 "map/max_depth.asc",
+                                 "map/max_depth.prj",
+                                 "map/arrival.tif",
+                                 "map/section_dam.csv"}) {
     write(folder / name, "ours");
   }
   write(folder / "resolved_config.json", R"({"coupler.json": {"participants": {"plate": {}}}})");
