@@ -56,14 +56,17 @@ bool is_of_checkpoint(const std::string& name) {
   return is_one_of(name, written);
 }
 
-/// scripts/plot and scripts/deposit.
+/// scripts/plot, scripts/deposit and scripts/map.
 bool is_of_script(const std::string& folder, const std::string& name) {
   static const Names pictures =
       names({R"((probes|residuals|iterations|energies|forces|wall_forces|moments|removed)\.png)",
              R"((gauges|column|compare|contact_.+)\.png)", R"((scene|space)\.(png|gif))"});
   static const Names rasters =
       names({R"((depth|opened|max_depth|max_speed)\.asc)", R"(deposit\.(csv|png))"});
-  return is_one_of(name, folder == "plots" ? pictures : rasters);
+  static const Names maps =
+      names({R"((depth|max_depth|max_speed|max_dynamic_pressure|arrival)\.(asc|prj|tif|png))",
+             R"(section_.+\.(csv|png))"});
+  return is_one_of(name, folder == "plots" ? pictures : folder == "map" ? maps : rasters);
 }
 
 /// Folders of participants below those of a run, as its settings name them.
@@ -118,7 +121,7 @@ bool remove_result_files(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     if (name == "checkpoints") {
       remove_checkpoints(entry.path());
-    } else if (name == "plots" || name == "deposit") {
+    } else if (name == "plots" || name == "deposit" || name == "map") {
       remove_files(entry.path(), [&](const std::string& file) { return is_of_script(name, file); });
     } else if (participants.contains(name)) {
       remove_files(entry.path(), is_of_participant);

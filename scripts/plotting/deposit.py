@@ -53,7 +53,7 @@ class Deposit:
     max_speed: np.ndarray
 
 
-def _volumes(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
+def volumes_of(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
     """Volumes of each point [m^3]: at rest (mass over density), and at present."""
     for name in ("volume", "volume_ratio"):
         if name not in frame.fields:
@@ -62,15 +62,16 @@ def _volumes(frame: Frame, series: Series) -> tuple[np.ndarray, np.ndarray]:
     return volume / frame.fields["volume_ratio"], volume
 
 
-def _extents(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.ndarray, np.ndarray]:
+def extents_of(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corners in the plan of the cubes (2D: squares) that the points at rest stand for."""
-    half = 0.5 * _volumes(frame, series)[0] ** (1 / (len(axes) + 1))
+    half = 0.5 * volumes_of(frame, series)[0] ** (1 / (len(axes) + 1))
     centres = frame.points[:, axes]
     return centres - half[:, None], centres + half[:, None]
 
 
-def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | None) -> Plan:
-    """Cells that hold all soil of the frames 0 to `last`; their corners are multiples of the cell [m].
+def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | None,
+              corner: np.ndarray | float = 0.0) -> Plan:
+    """Cells that hold all soil of the frames 0 to `last`; their corners are multiples of the cell away from `corner` [m].
 
     cell: None: two mean points of the first frame with soil wide.
     """
@@ -80,16 +81,16 @@ def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | No
         if not len(frame.points):
             continue
         if cell is None:
-            cell = 2 * float(np.mean(_volumes(frame, series)[0])) ** (1 / (len(axes) + 1))
-        low, high = _extents(frame, axes, series)
+            cell = 2 * float(np.mean(volumes_of(frame, series)[0])) ** (1 / (len(axes) + 1))
+        low, high = extents_of(frame, axes, series)
         corners += [low.min(axis=0), high.max(axis=0)]
     if not corners:
         raise ResultsError(f"{series.path}: its frames have no material points")
-    first = np.floor(np.min(corners, axis=0) / cell + ROUND_OFF)
-    shape = np.maximum(1, np.ceil(np.max(corners, axis=0) / cell - ROUND_OFF) - first)
+    first = np.floor((np.min(corners, axis=0) - corner) / cell + ROUND_OFF)
+    shape = np.maximum(1, np.ceil((np.max(corners, axis=0) - corner) / cell - ROUND_OFF) - first)
     if np.prod(shape) > MAX_CELLS:
         raise ResultsError(f"cells of {cell:g} m make {np.prod(shape):.0f} of them, allowed: {MAX_CELLS}")
-    return Plan(axes, first * cell, cell, tuple(int(n) for n in shape))
+    return Plan(axes, corner + first * cell, cell, tuple(int(n) for n in shape))
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Shares:
     share: np.ndarray
 
 
-def _shares(low: np.ndarray, high: np.ndarray, plan: Plan) -> Iterator[Shares]:
+def shares_of(low: np.ndarray, high: np.ndarray, plan: Plan) -> Iterator[Shares]:
     """All cells below each point; the shares of a point add up to 1."""
     low = np.maximum(low, plan.low)
     high = np.minimum(high, plan.low + plan.cell * np.array(plan.shape))
@@ -130,10 +131,10 @@ def heap_of(frame: Frame, plan: Plan, series: Series) -> Heap:
     heap = Heap(*(np.zeros(plan.shape) for _ in range(3)))
     if not len(frame.points):
         return heap
-    low, high = _extents(frame, plan.axes, series)
-    at_rest, volumes = _volumes(frame, series)
+    low, high = extents_of(frame, plan.axes, series)
+    at_rest, volumes = volumes_of(frame, series)
     speeds = np.linalg.norm(frame.fields["velocity"], axis=1)
-    for part in _shares(low, high, plan):
+    for part in shares_of(low, high, plan):
         share = part.share / plan.area
         np.add.at(heap.depth, part.cells, at_rest[part.points] * share)
         np.add.at(heap.opened, part.cells, (volumes - at_rest)[part.points] * share)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
+from plotting.ground import FLOOR, MOST, ground_of
 from plotting.results import Frame, Results, ResultsError, Series, evenly
 from plotting.style import STRUCTURE, new_figure, plt, save
 from plotting.view import once, plane_view, view_of
@@ -50,9 +51,11 @@ class ScenePlot:
 
     field: soil field that gives the colour; default: displacement, else the first one there is.
     plane: axes to the right and upwards, such as "xy"; default: of gravity and the longest horizontal extent.
+    most_ground: triangles of the ground.
     """
 
-    def __init__(self, results: Results, field: str | None = None, plane: str | None = None):
+    def __init__(self, results: Results, field: str | None = None, plane: str | None = None, most_ground: int = MOST):
+        self.most_ground = most_ground
         self.soil = results.soil
         self.structures = results.structures
         self.rigid_walls = Walls(results)
@@ -102,9 +105,28 @@ class ScenePlot:
         every = self.view.project(every)
         times = self.times[evenly(len(self.times), SAMPLES)]
         walls = [segments for time in times for segments in self.rigid_walls.at(time)]
+        self.ground = self._ground(ground_of(results, self.most_ground))
+        ground = self.ground[0].reshape(-1, 2)
+        if len(ground):
+            walls.append(np.stack([ground.min(axis=0), ground.max(axis=0)])[None])
         low, high = widened(every.min(axis=0), every.max(axis=0), walls)
         margin = 0.04 * (high - low).max()
         self.low, self.high = low - margin, high + margin
+
+    def _ground(self, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Triangles in the picture, those behind first, n x 3 x 2 [m], and how bright each is: the more it looks upwards."""
+        if not len(triangles):
+            return np.zeros((0, 3, 2)), np.zeros(0)
+        triangles = triangles[self.view.order(triangles.mean(axis=1))]
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        level = np.abs(normals[:, self.view.up]) / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
+        return self.view.project(triangles), 0.6 + 0.4 * level
+
+    def _draw_ground(self, axes: Axes) -> None:
+        """Behind all else: from the side it would hide the soil in a gully."""
+        triangles, bright = self.ground
+        colours = FLOOR * bright[:, None]
+        axes.add_collection(PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=0.2, rasterized=True))
 
     def _colours(self) -> None:
         if not self.soil:
@@ -151,6 +173,8 @@ class ScenePlot:
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""
         instant = self.times[np.argmin(np.abs(self.times - time))]
+        if len(self.ground[1]):
+            self._draw_ground(axes)
         soil = self._draw_soil(axes, time) if self.soil else None
         for structure in self.structures:
             self._draw_structure(axes, structure, time)

@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 
+from plotting.ground import FLOOR, ground_of
 from plotting.results import Results, ResultsError, Series, evenly
 from plotting.scene import DISC, ScenePlot, label_of, scalar
 from plotting.style import new_figure, plt, save
 from plotting.surface import surface_of
 from plotting.view import FACES, outer_faces
 
-GROUND, STEEL = np.array([0.80, 0.77, 0.72]), np.array([0.45, 0.52, 0.60])
+STEEL = np.array([0.45, 0.52, 0.60])
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
 GRAIN = 0.5  # size of a loose point
 TILES = 24  # of the side of a box along its longer edge
@@ -92,7 +93,9 @@ def box_side(low: list[float], high: list[float], side: str) -> np.ndarray:
 
 
 def rigid_walls(results: Results) -> list[np.ndarray]:
-    """Those that are sides of boxes, at their place at the start; the bottom of the grid where there is none."""
+    """Those that are sides of boxes, at their place at the start; the bottom of the grid where there is none, nor
+    terrain.
+    """
     settings = results.settings("mpm.json")
     walls = []
     for wall in settings.get("rigid_walls", []):
@@ -100,7 +103,9 @@ def rigid_walls(results: Results) -> list[np.ndarray]:
         if box:
             walls += [box_side(box["low"], box["high"], group) for group in wall["surface"]["groups"]]
     grid = settings.get("grid", {}).get("box")
-    if not walls and grid and any(wall["group"] == "bottom" for wall in settings.get("walls", [])):
+    terrain = any("triangles" in wall["surface"] for wall in settings.get("rigid_walls", []))
+    has_floor = any(wall["group"] == "bottom" for wall in settings.get("walls", []))
+    if not walls and not terrain and grid and has_floor:
         walls.append(box_side(grid["low"], grid["high"], "bottom")[:, ::-1])
     return walls
 
@@ -112,12 +117,14 @@ class SpacePlot(ScenePlot):
         if results.dim != 3:
             raise ResultsError(f"{results.folder}: a scene in 2D has no view in space")
         self.walls = rigid_walls(results)
+        self.ground = ground_of(results)
         self.direction = direction
         super().__init__(results, field)
 
     def _window(self, results: Results, plane: str | None) -> None:
         clouds = [f.points for series in (self.soil, *self.structures) if series for f in self._sample(series)]
-        every = np.vstack([*clouds, *(wall.reshape(-1, 3) for wall in self.walls)])
+        every = np.vstack([*clouds, *(wall.reshape(-1, 3) for wall in self.walls),
+                           self.ground.reshape(-1, 3)])
         self.camera = camera_of(results.gravity, np.ptp(every, axis=0), *self.direction)
         seen = self.camera.project(every)
         margin = 0.03 * np.ptp(seen, axis=0).max()
@@ -128,7 +135,7 @@ class SpacePlot(ScenePlot):
         if not tiles:
             return None
         tiles = np.concatenate(tiles)
-        colours = shade(GROUND, normals_of(tiles), self.camera)
+        colours = shade(FLOOR, normals_of(tiles), self.camera)
         return PolyCollection(self.camera.project(tiles), facecolors=colours, edgecolors=0.94 * colours, linewidths=0.3)
 
     def _colours_of(self, values: np.ndarray) -> np.ndarray:
@@ -150,8 +157,18 @@ class SpacePlot(ScenePlot):
             return np.zeros((0, 4, 3))
         return frame.points[outer_faces(frame.cells)]
 
+    def _with_ground(self, polygons: list, shaded: np.ndarray, normals: np.ndarray,
+                     depths: np.ndarray) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
+        """What is drawn, and the ground before it: ground hides what lies behind it by more than the size of its triangles."""
+        own = normals_of(self.ground)
+        size = np.linalg.norm(self.ground[:, 1] - self.ground[:, 0], axis=1) + np.linalg.norm(
+            self.ground[:, 2] - self.ground[:, 0], axis=1)
+        behind = self.camera.depth(self.ground.mean(axis=1)) - size
+        return ([*self.ground, *polygons], np.vstack([shade(FLOOR, own, self.camera), shaded]), np.vstack([own, normals]),
+                np.concatenate([behind, depths]))
+
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
-        """Walls first, then all else from the back to the front; what is turned away is left out."""
+        """Sides of boxes first, then all else from the back to the front; what is turned away is left out."""
         parts = self._soil_parts(time) if self.soil else []
         for structure in self.structures:
             faces = self._structure_faces(structure, time)
@@ -162,7 +179,10 @@ class SpacePlot(ScenePlot):
         polygons = [polygon for part, _, _ in parts for polygon in part]
         normals = np.concatenate([part for _, _, part in parts])
         shaded = shade(np.concatenate([part for _, part, _ in parts]), normals, self.camera)
-        order = np.argsort([self.camera.depth(polygon.mean(axis=0)) for polygon in polygons], kind="stable")
+        depths = np.array([self.camera.depth(polygon.mean(axis=0)) for polygon in polygons])
+        if len(self.ground):
+            polygons, shaded, normals, depths = self._with_ground(polygons, shaded, normals, depths)
+        order = np.argsort(depths, kind="stable")
         order = order[normals[order] @ self.camera.eye > 0]
         axes.add_collection(PolyCollection([self.camera.project(polygons[k]) for k in order], facecolors=shaded[order],
                                            edgecolors=shaded[order], linewidths=0.2))

@@ -11,6 +11,7 @@ from plotting.scene import ScenePlot, label_of, scalar
 
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
+MAX_GROUND = 12_000  # triangles
 FIELDS = ("displacement", "velocity", "plastic_strain", "pressure")
 
 
@@ -22,7 +23,7 @@ class Packer:
     """Packs the frames of one scene, seen as scripts/plot sees it."""
 
     def __init__(self, results: Results) -> None:
-        self.scene = ScenePlot(results)
+        self.scene = ScenePlot(results, most_ground=MAX_GROUND)
         self.view = self.scene.view
         self.meshes = [self._mesh(structure) for structure in self.scene.structures]
         soil = self.scene.soil
@@ -70,7 +71,16 @@ class Packer:
             frames = [self._places(structure.frame(structure.nearest(time)).points[used]) for time in times]
             packed["structures"].append({"corners": faces.shape[1], "faces": text_of(faces.astype("<u4")),
                                          "frames": frames})
-        return packed | self._walls(times)
+        return packed | self._walls(times) | self._ground()
+
+    def _ground(self) -> dict[str, Any]:
+        """Triangles of the ground, those behind first: x, y of each corner, brightness of each triangle."""
+        triangles, bright = self.scene.ground
+        if not len(triangles):
+            return {}
+        span = self.scene.high - self.scene.low
+        places = np.round(65535 * (triangles - self.scene.low) / span)  # those beyond the window are cut off by the canvas
+        return {"ground": {"corners": text_of(places.astype("<i4")), "bright": text_of(np.round(255 * bright).astype("u1"))}}
 
     def _walls(self, times: np.ndarray) -> dict[str, Any]:
         """Lines of rigid walls and the strokes behind them, x1, y1, x2, y2 of each; which of them stand in each frame."""

@@ -12,6 +12,7 @@ from plotting.results import Results, ResultsError
 from plotting.verdict import Statement, headline, verdict
 from reporting.curves import charts, residuals
 from reporting.frames import scene_frames
+from reporting.maps import map_section
 from reporting.settings import mesh_files, overview, settings_files
 
 HERE = Path(__file__).resolve().parent
@@ -29,10 +30,12 @@ def page(results: Results) -> str:
     problems: list[str] = []
     readers = {"charts": charts, "residuals": residuals, "scene": scene_frames}
     data = {key: _or_problem(read, results, problems) for key, read in readers.items()}
+    maps = map_section(results.folder, problems)
     name = results.folder.resolve().name
     parts = {
         "TITLE": html.escape(name), "HEADLINE": html.escape(headline(run)), "STATE": run.state().value,
         "STYLE": (HERE / "page.css").read_text(encoding="utf-8"),
+        "MAP": maps,
         "VERDICT": _verdict(verdict(run), problems),
         "OVERVIEW": _table(overview(files)), "SETTINGS": _settings(files),
         "VERSIONS": _table(_versions(run)), "REPEAT": _repeat(run, files),

@@ -34,6 +34,7 @@ class Scene {
     if (data.shown < data.points) {
       html("p", {className: "hint"}, section, `${data.shown} of ${data.points} points are drawn, larger than they are.`);
     }
+    this.ground = data.ground ? this.paintGround(data.ground) : null;
     document.addEventListener("time", (event) => this.show(nearest(data.times, event.detail), false));
     this.show(data.times.length - 1, false);
   }
@@ -84,11 +85,34 @@ class Scene {
   draw() {
     const pen = this.canvas.getContext("2d");
     pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (this.ground) pen.drawImage(this.ground, 0, 0);
     this.drawSoil(pen);
     for (const structure of this.structures) this.drawStructure(pen, structure);
     for (const number of this.data.standing[this.frame]) this.drawWall(pen, ...this.walls[number]);
     this.drawScales(pen);
     this.canvas.dataset.drawn = this.frame;
+  }
+
+  // The ground does not move: it is painted once. "bright" of the colour of walls in scripts/plotting/ground.py.
+  paintGround(ground) {
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [this.canvas.width, this.canvas.height];
+    const pen = canvas.getContext("2d");
+    const corners = new Int32Array(bytes(ground.corners));
+    new Uint8Array(bytes(ground.bright)).forEach((bright, k) => {
+      pen.fillStyle = pen.strokeStyle = `rgb(${[0.80, 0.77, 0.72].map((c) => Math.round(c * bright)).join(",")})`;
+      pen.beginPath();
+      for (let c = 0; c < 3; ++c) pen.lineTo(...this.place(corners, 3 * k + c));
+      pen.closePath();
+      pen.fill();
+      pen.stroke();
+    });
+    const [left, top] = this.pixel(0, this.data.inverted ? 0 : this.data.high[1] - this.data.low[1]);
+    const window = document.createElement("canvas");
+    [window.width, window.height] = [canvas.width, canvas.height];
+    const size = this.data.high.map((high, k) => (high - this.data.low[k]) * this.scale);
+    window.getContext("2d").drawImage(canvas, left, top, ...size, left, top, ...size);
+    return window;
   }
 
   drawSoil(pen) {

@@ -59,6 +59,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
             raise TerrainError(f"barrier/line/{k + 1}: found the corner before it again, allowed: corners that differ")
     ways = mitred(line, thickness)
     fine = stations(line, ways, h / 8)[0]
+    slope.require_known(slope.at(*fine.T), fine, "barrier/line")
     steep = np.abs(np.diff(slope.at(*fine.T)) / np.linalg.norm(np.diff(fine, axis=0), axis=1)).max()
     # Round a corner the outer face is longer than the line.
     lengths = [np.linalg.norm(np.diff(line + side * ways, axis=0), axis=1) for side in (0, -1, 1)]
@@ -66,6 +67,7 @@ def build_wall(slope: Slope, line: np.ndarray, height: float, thickness: float) 
     places, asides = stations(line, ways, h / 2 / np.hypot(1, steep) / widened)
     rim = places[:, None, :] + np.array([-1, 1])[None, :, None] * asides[:, None, :]  # station, side, axis
     slope.require_inside(rim, "barrier/line")
+    slope.require_known(slope.at(rim[..., 0], rim[..., 1]), rim, "barrier/line")
     fall = np.abs(np.diff(slope.at(rim[..., 0], rim[..., 1]))).max()
     through = max(LEAST_THROUGH, int(np.ceil(np.hypot(thickness, fall) / (h / 2) - 1e-9)))
     x = places[:, None, :] + np.linspace(-1, 1, through + 1)[None, :, None] * asides[:, None, :]

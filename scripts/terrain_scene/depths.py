@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Depth of the mass over places: each cell of a raster of depths keeps its volume, whatever the grid's cells are."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.path import Path as Polygon
 
+from .outline import Outline, limits_of
 from .raster import Raster
 
 SAMPLES = 8  # along each side of a cell where a polygon cuts it
@@ -69,26 +70,36 @@ class CellDepths:
 
 @dataclass
 class Mass:
-    """Depth of the mass: of a raster, or one depth (cells: None); inside the polygon, None: everywhere."""
+    """Depth of the mass: of a raster, or one depth for each outline (cells: None); inside the outlines, None: everywhere.
+
+    stretch: upright depth over the given one, where that is measured across the slope; None: it is upright.
+    """
 
     cells: CellDepths | None
-    constant: float
-    polygon: np.ndarray | None
+    depths: list[float]
+    outlines: list[Outline] | None
+    stretch: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Depth at places [m]; x and y have one shape."""
-        depth = np.full(x.shape, self.constant) if self.cells is None else self.cells.at(x, y)
-        if self.polygon is None:
-            return depth
-        inside = Polygon(self.polygon).contains_points(np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape)
-        return np.where(inside, depth, 0)
+        if self.outlines is None:
+            return self.cells.at(x, y)
+        places = np.column_stack([x.ravel(), y.ravel()])
+        depth = np.zeros(len(places))
+        within = None if self.cells is None else self.cells.at(x, y).ravel()
+        for k, outline in enumerate(self.outlines):
+            inside = outline.contains(places)
+            depth[inside] = self.depths[k] if within is None else within[inside]
+        if self.stretch is not None:
+            within = depth > 0
+            depth[within] *= self.stretch(*places[within].T)
+        return depth.reshape(x.shape)
 
     def asked(self) -> float:
-        """Volume [m^3]: sum of the cells of the raster, or area of the polygon times its depth."""
+        """Volume [m^3]: sum of the cells of the raster, or area of each outline times its depth, upright."""
         if self.cells is None:
-            x, y = self.polygon.T
-            return self.constant * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
-        if self.polygon is None:
+            return sum(depth * outline.area() for depth, outline in zip(self.depths, self.outlines))
+        if self.outlines is None:
             return self.cells.volume()
         rows, columns = self.cells.values.shape
         ticks = (np.arange(max(rows, columns) * SAMPLES) + 0.5) * self.cells.spacing / SAMPLES
@@ -98,7 +109,7 @@ class Mass:
     def means(self, h: float, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
         """Mean depth of each cell of the grid's plan, and whether soil covers all of it.
 
-        h: side of a cell [m]; shape: rows and columns, from (0, 0). Exact for a raster; sampled where there is a polygon.
+        h: side of a cell [m]; shape: rows and columns, from (0, 0). Exact for a raster; sampled where there are outlines.
         """
         pieces = [self._pieces(axis, h, shape[1 - axis]) for axis in (0, 1)]
         (x, wide, first_x), (y, high, first_y) = pieces
@@ -113,7 +124,7 @@ class Mass:
     def _pieces(self, axis: int, h: float, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Along an axis: centres and lengths of the pieces on each of which depth is bilinear, first piece of each cell."""
         lines = h * np.arange(count + 1)
-        samples = 1 if self.polygon is None else SAMPLES
+        samples = 1 if self.outlines is None else SAMPLES
         cuts = np.concatenate([h / samples * np.arange(count * samples + 1),
                                [] if self.cells is None else self.cells.breaks(axis, lines[-1])])
         cuts = np.unique(np.concatenate([lines, cuts]))
@@ -137,14 +148,15 @@ def between(marks: np.ndarray) -> tuple[int, int]:
     return (int(places[0]), int(places[-1]) + 1) if len(places) else (0, 1)
 
 
-def near_polygon(raster: Raster, polygon: np.ndarray | None) -> Raster:
-    """The part of a raster that reaches a cell beyond the polygon on the map; all of it without one."""
-    if polygon is None:
+def near_outlines(raster: Raster, outlines: list[Outline] | None) -> Raster:
+    """The part of a raster that reaches a cell beyond the outlines on the map; all of it without any."""
+    if outlines is None:
         return raster
+    ends = limits_of(outlines)
     parts, first = [], []
     for axis, start in ((1, raster.y), (0, raster.x)):
         count = raster.values.shape[1 - axis]
-        low, high = ((end(polygon[:, axis]) - start) / raster.spacing for end in (np.min, np.max))
+        low, high = ((end[axis] - start) / raster.spacing for end in ends)
         begin, behind = np.clip([np.floor(low) - 1, np.ceil(high) + 2], 0, count).astype(int)
         begin = min(begin, count - 1)
         parts.append(slice(begin, max(behind, begin + 1)))

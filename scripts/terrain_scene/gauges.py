@@ -25,9 +25,10 @@ def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
     count = int(np.ceil(SAMPLES * length / slope.spacing)) + 1
     places = np.linspace(line[0], line[1], count)
     ground = slope.at(*places.T)
+    slope.require_known(ground, places, f"gauge {gauge.name}: line")
     along = (line[1] - line[0]) / length
     across = slope.spacing * np.array([along[1], -along[0]])
     beside = (np.clip(places + side * across, 0, slope.size()) for side in (-1, 1))
-    lowest = min(ground.min(), *(slope.at(*each.T).min() for each in beside))
+    lowest = min(ground.min(), *(np.nanmin([*slope.at(*each.T), ground.min()]) for each in beside))
     foot = [[*map(float, place), float(lowest)] for place in line]
     return {"name": gauge.name, "corners": [*foot, [*foot[0][:2], float(ground.max() + gauge.height)]]}

@@ -65,7 +65,7 @@ def draw_section(axes: plt.Axes, made: Made) -> None:
     ground = made.slope.at(*places.T) + z0
     index = np.minimum((places / h).astype(int), np.array(made.columns.depth.shape)[::-1] - 1)
     depth = made.columns.depth[index[:, 1], index[:, 0]]
-    axes.fill_between(way, ground.min() - 2 * h, ground, color="0.8")
+    axes.fill_between(way, np.nanmin(ground) - 2 * h, ground, color="0.8")
     axes.plot(way, ground, color="k", linewidth=1, label="slope")
     axes.fill_between(way, ground, np.where(depth > 0, ground + depth, np.nan), color=COLOURS[1], label="mass")
     if made.wall is not None:

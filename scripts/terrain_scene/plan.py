@@ -3,33 +3,46 @@
 
 import json
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
-from .raster import Raster, TerrainError, read_raster
+from .changes import changed
+from .features import Feature, key_of
+from .map_inputs import MapInputs, settle_projection
+from .outline import Outline, limits_of
+from .projection import require_same
+from .raster import Raster, TerrainError
+from .reader import Reader
 
 SOIL = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 5e6, "poisson_ratio": 0.3, "friction_angle": 33}
 CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poisson_ratio": 0.2}
 GRAVITY = 9.81
+FRAMES = 20  # of a run, unless the plan says otherwise
 
 # Keys of the objects of the file.
-PLAN = ("slope", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "time")
+PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "probes", "time")
 SLIDE = ("polygon", "depth", "top", "material")
 BARRIER = ("line", "height", "thickness", "material", "friction")
 GAUGE = ("name", "line", "height")
-TIME = ("end", "dt")
+GAUGES = ("lines", "name", "height")  # of a file
+PROBES = ("points", "name")
+FIELD = ("field",)
+DEPTH_FIELD = ("field", "across_slope")
+TIME = ("end", "dt", "interval")
 
 
 @dataclass
 class Slide:
-    """Mass: inside the polygon (None: anywhere), as deep as a number or a raster says, or up to the raster `top`."""
+    """Mass: inside the outlines (None: anywhere), as deep as a number for each of them or a raster says, or up to the raster
+    `top`. across: the depths are measured across the slope, else upright.
+    """
 
-    polygon: np.ndarray | None
-    depth: float | Raster | None
+    outlines: list[Outline] | None
+    depth: list[float] | Raster | None
     top: Raster | None
     material: dict
+    across: bool = False
 
 
 @dataclass
@@ -49,10 +62,22 @@ class Gauge:
 
 
 @dataclass
+class Probe:
+    name: str
+    place: np.ndarray
+
+
+@dataclass
 class Plan:
-    """Coordinates are those of the world, as in the rasters [m]."""
+    """Coordinates are those of the world, as in the rasters [m].
+
+    projection: of them all, None: no file names one; open_gaps: where the slope has no data there is no ground, else such a
+    place is an error.
+    """
 
     slope: Raster
+    projection: str | None
+    open_gaps: bool
     cell_size: float
     low: np.ndarray
     high: np.ndarray
@@ -62,84 +87,51 @@ class Plan:
     barrier: Barrier | None
     end: float
     dt: float
+    interval: float  # of the frames [s]
     gauges: list[Gauge]
+    probes: list[Probe]
     notes: list[str] = field(default_factory=list)  # defaults that were taken
 
 
-class Reader:
-    """An object of the file: each key is asked for by name, other ones are refused.
-
-    @raises TerrainError  it is no object or has a key that is not one of `keys` (None: any)
-    """
-
-    def __init__(self, values: object, where: str, keys: tuple[str, ...] | None):
-        if not isinstance(values, dict):
-            raise TerrainError(f"{where}: found {values!r}, allowed: an object")
-        for key in values:
-            if keys is not None and key not in keys:
-                near = get_close_matches(key.lower(), keys, 1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                raise TerrainError(f"{where}/{key}: unknown, allowed: {', '.join(keys)}{hint}")
-        self.values, self.where = dict(values), where
-
-    def fail(self, key: str, allowed: str) -> TerrainError:
-        found = repr(self.values[key]) if key in self.values else "nothing"
-        return TerrainError(f"{self.where}/{key}: found {found}, allowed: {allowed}")
-
-    def number(self, key: str, at_least_zero: bool = False) -> float:
-        value = self.values.get(key)
-        real = isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
-        if not real or not (value > 0 or (at_least_zero and value == 0)):
-            raise self.fail(key, "a number >= 0" if at_least_zero else "a number > 0")
-        return float(value)
-
-    def rows(self, key: str, at_least: int) -> np.ndarray:
-        try:
-            rows = np.array(self.values.get(key), dtype=float)
-        except (TypeError, ValueError) as error:
-            raise self.fail(key, f"at least {at_least} rows [x, y]") from error
-        if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < at_least or not np.isfinite(rows).all():
-            raise self.fail(key, f"at least {at_least} rows [x, y]")
-        return rows
-
-    def text(self, key: str, allowed: str) -> str:
-        value = self.values.get(key)
-        if not isinstance(value, str) or not value:
-            raise self.fail(key, allowed)
-        return value
-
-    def raster(self, key: str, folder: Path) -> Raster:
-        name = self.text(key, "the name of a raster")
-        try:
-            return read_raster(folder / name)
-        except TerrainError as error:
-            raise TerrainError(f"{self.where}/{key}: {error}") from error
-
-    def children(self, key: str, keys: tuple[str, ...]) -> "list[Reader]":
-        """Of a list of objects; none where the key is missing."""
-        values = self.values.get(key, [])
-        if not isinstance(values, list):
-            raise self.fail(key, "a list of objects")
-        return [Reader(value, f"{self.where}/{key}/{k}", keys) for k, value in enumerate(values)]
-
-    def child(self, key: str, keys: tuple[str, ...] | None) -> "Reader":
-        return Reader(self.values.get(key), f"{self.where}/{key}", keys)
-
-
-def read_slide(reader: Reader, folder: Path, notes: list[str]) -> Slide:
-    polygon = reader.rows("polygon", 3) if "polygon" in reader.values else None
+def read_slide(reader: Reader, maps: MapInputs, slope: Raster) -> Slide:
+    outlines, features = maps.outlines(reader, "polygon") if "polygon" in reader.values else (None, [])
     if ("depth" in reader.values) == ("top" in reader.values):
-        raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, or a raster) and top (a raster)")
-    depth = top = None
+        raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, an attribute of the polygons, or a raster) "
+                           "and top (a raster)")
+    material = material_of(reader, SOIL, maps.notes)
     if "top" in reader.values:
-        top = reader.raster("top", folder)
-    elif isinstance(reader.values["depth"], str):
-        depth = reader.raster("depth", folder)
-    else:
-        depth = reader.number("depth")
-        if polygon is None:
-            raise TerrainError(f"{reader.where}: a depth that is a number needs a polygon")
-    return Slide(polygon, depth, top, material_of(reader, SOIL, notes))
+        return Slide(outlines, None, raster_like(slope, reader, "top", maps.folder), material)
+    depth = reader.values["depth"]
+    if isinstance(depth, str):
+        return Slide(outlines, raster_like(slope, reader, "depth", maps.folder), None, material)
+    if isinstance(depth, dict):
+        child = reader.child("depth", DEPTH_FIELD)
+        name = child.text("field", "the name of an attribute of the polygons")
+        across = child.values.get("across_slope", False)
+        if not isinstance(across, bool):
+            raise child.fail("across_slope", "true, false")
+        if not features:
+            raise TerrainError(f"{reader.where}/depth/field: needs polygons of a file")
+        depths = [number_of(feature, name, f"{reader.where}/depth/field") for feature in features]
+        return Slide(outlines, depths, None, material, across)
+    number = reader.number("depth")
+    if outlines is None:
+        raise TerrainError(f"{reader.where}: a depth that is a number needs a polygon")
+    return Slide(outlines, [number] * len(outlines), None, material)
+
+
+def number_of(feature: Feature, name: str, where: str) -> float:
+    try:
+        return feature.number(name)
+    except TerrainError as error:
+        raise TerrainError(f"{where}: {error}") from error
+
+
+def raster_like(slope: Raster, reader: Reader, key: str, folder: Path) -> Raster:
+    """A raster in the projection of the slope."""
+    raster = reader.raster(key, folder)
+    require_same(raster, slope.projection, f"the slope, {slope.path},")
+    return raster
 
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
@@ -150,42 +142,122 @@ def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     return default
 
 
-def read_barrier(reader: Reader, friction: float, notes: list[str]) -> Barrier:
-    return Barrier(reader.rows("line", 2), reader.number("height"), reader.number("thickness"),
-                   material_of(reader, CONCRETE, notes),
+def read_barrier(reader: Reader, maps: MapInputs, friction: float) -> Barrier:
+    return Barrier(maps.line(reader, "line"), reader.number("height"), reader.number("thickness"),
+                   material_of(reader, CONCRETE, maps.notes),
                    reader.number("friction", True) if "friction" in reader.values else friction)
 
 
-def read_gauge(reader: Reader) -> Gauge:
-    line = reader.rows("line", 2)
+def require_two(line: np.ndarray, where: str) -> np.ndarray:
     if len(line) != 2:
-        raise TerrainError(f"{reader.where}/line: found {len(line)} rows, allowed: 2, the ends of a straight line")
-    return Gauge(reader.text("name", "a name"), line, reader.number("height"))
+        raise TerrainError(f"{where}: found {len(line)} rows, allowed: 2, the ends of a straight line")
+    return line
 
 
-def read_plan(path: Path) -> Plan:
-    """Files are relative to the plan. @raises TerrainError"""
+def read_gauges(reader: Reader, maps: MapInputs) -> list[Gauge]:
+    """A list, or an object with a file of lines."""
+    if not isinstance(reader.values.get("gauges"), dict):
+        return [Gauge(each.text("name", "a name"), require_two(maps.line(each, "line"), f"{each.where}/line"),
+                      each.number("height")) for each in reader.children("gauges", GAUGE)]
+    child = reader.child("gauges", GAUGES)
+    child.text("lines", "the name of a file of lines")
+    found = maps.features(child, "lines", "line")
+    gauges = []
+    for line, feature in maps.lines(child, "lines", found):
+        height = child.values.get("height")
+        if isinstance(height, dict):
+            field_name = child.child("height", FIELD).text("field", "the name of an attribute of the lines")
+            number = number_of(feature, field_name, f"{child.where}/height/field")
+        else:
+            number = child.number("height")
+        gauges.append(Gauge(name_in(child, feature), require_two(line, f"{child.where}/lines: {feature.where}"), number))
+    return gauges
+
+
+def name_in(reader: Reader, feature: Feature) -> str:
+    """The attribute that the key `name` names, by default `name`. Names of the programs have no spaces."""
+    name = reader.text("name", "the name of an attribute") if "name" in reader.values else "name"
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise TerrainError(f"{path}: {error}") from error
-    reader = Reader(values, str(path), PLAN)
-    slope = reader.raster("slope", path.parent)
-    notes: list[str] = []
+        return "_".join(feature.text(key_of(feature.values, name, feature.where)).split())
+    except TerrainError as error:
+        raise TerrainError(f"{reader.where}/name: {error}") from error
+
+
+def read_probes(reader: Reader, maps: MapInputs) -> list[Probe]:
+    """Points of a file."""
+    if "probes" not in reader.values:
+        return []
+    child = reader.child("probes", PROBES)
+    child.text("points", "the name of a file of points")
+    return [Probe(name_in(child, feature), feature.parts[0][0])
+            for feature in maps.features(child, "points", "point").features]
+
+
+def read_gaps(reader: Reader) -> bool:
+    found = reader.values.get("gaps", "refuse")
+    if found not in ("refuse", "open"):
+        raise reader.fail("gaps", "refuse, open")
+    return found == "open"
+
+
+def read_area(reader: Reader, maps: MapInputs) -> np.ndarray:
+    """Two corners, or around the polygons of a file."""
+    if isinstance(reader.values.get("area"), str):
+        return np.array(limits_of(maps.outlines(reader, "area")[0]))
     corners = reader.rows("area", 2)
     if len(corners) != 2 or not (corners[0] < corners[1]).all():
-        raise TerrainError(f"{path}/area: found {corners.tolist()}, allowed: two corners, the lower one first")
+        raise TerrainError(f"{reader.where}/area: found {corners.tolist()}, allowed: two corners, the lower one first")
+    return corners
+
+
+def read_json(path: Path) -> object:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise TerrainError(f"{path}: {error}") from error
+
+
+def read_plan(path: Path, changes: dict | None = None) -> Plan:
+    """changes: by key, of its values. @raises TerrainError"""
+    return plan_of(changed(read_json(path), changes or {}), path)
+
+
+def plan_of(values: object, path: Path) -> Plan:
+    """path: of the plan, to which files are relative. @raises TerrainError"""
+    reader = Reader(values, str(path), PLAN)
+    slope = reader.raster("slope", path.parent)
+    maps = MapInputs(path.parent, settle_projection(reader, slope))
+    corners = read_area(reader, maps)
     friction = reader.number("friction", at_least_zero=True)
-    barrier = read_barrier(reader.child("barrier", BARRIER), friction, notes) if "barrier" in reader.values else None
+    barrier = read_barrier(reader.child("barrier", BARRIER), maps, friction) if "barrier" in reader.values else None
     time = reader.child("time", TIME)
-    plan = Plan(slope, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"), friction,
-                read_slide(reader.child("slide", SLIDE), path.parent, notes), barrier, time.number("end"), time.number("dt"),
-                [read_gauge(each) for each in reader.children("gauges", GAUGE)], notes)
-    if barrier is not None:
-        require_in_area(plan, barrier.line, f"{path}/barrier/line")
+    interval = time.number("interval") if "interval" in time.values else time.number("end") / FRAMES
+    slide = read_slide(reader.child("slide", SLIDE), maps, slope)
+    gauges, probes = read_gauges(reader, maps), read_probes(reader, maps)
+    plan = Plan(slope, maps.projection, read_gaps(reader), reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"),
+                friction, slide, barrier, time.number("end"), time.number("dt"), interval, gauges, probes, maps.notes)
+    require_all_in_area(plan, str(path))
+    return plan
+
+
+def require_all_in_area(plan: Plan, path: str) -> None:
+    """Barrier, gauges, probes, and each of several polygons: one that is left out would not be missed.
+
+    @raises TerrainError
+    """
+    if plan.barrier is not None:
+        require_in_area(plan, plan.barrier.line, f"{path}/barrier/line")
     for k, gauge in enumerate(plan.gauges):
         require_in_area(plan, gauge.line, f"{path}/gauges/{k}/line")
-    return plan
+    for probe in plan.probes:
+        require_in_area(plan, probe.place[None], f"{path}/probes: {probe.name}")
+    names = [each.name for each in (*plan.gauges, *plan.probes)]
+    doubled = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if doubled is not None:
+        raise TerrainError(f"{path}: found the name {doubled} of gauges and probes twice, allowed: one each")
+    outlines = plan.slide.outlines or []
+    for k, outline in enumerate(outlines if len(outlines) > 1 else []):
+        require_in_area(plan, outline.rings[0], f"{path}/slide/polygon: polygon {k + 1}")
 
 
 def require_in_area(plan: Plan, rows: np.ndarray, where: str) -> None:
@@ -196,6 +268,8 @@ def require_in_area(plan: Plan, rows: np.ndarray, where: str) -> None:
         return
     x, y = rows[outside][0]
     degrees = (np.abs(rows) <= 360).all() and not (np.abs(plan.low) <= 360).all()
+    swapped = ((rows[:, ::-1] >= plan.low) & (rows[:, ::-1] <= high)).all()
     raise TerrainError(f"{where}: found ({x:.9g}, {y:.9g}) outside the area, allowed: from ({plan.low[0]:.9g}, "
                        f"{plan.low[1]:.9g}) to ({high[0]:.9g}, {high[1]:.9g}), in metres, as the rasters"
-                       + ("; the numbers look like degrees" if degrees else ""))
+                       + ("; the numbers look like degrees" if degrees else "")
+                       + ("; with x and y exchanged they lie inside" if swapped else ""))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rasters of heights or depths: ESRI ASCII grids, GeoTIFF where GDAL is installed."""
+"""Rasters of heights or depths: ESRI ASCII grids, and what GDAL reads where it is installed."""
 
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -15,7 +16,8 @@ class TerrainError(Exception):
 class Raster:
     """Values at the centres of square cells.
 
-    x, y: centre of the cell in the south-west [m]; values: rows from south to north, nan: no data.
+    x, y: centre of the cell in the south-west [m]; values: rows from south to north, nan: no data; projection: WKT or what
+    the .prj file beside it says, None: it names none.
     """
 
     path: Path
@@ -23,6 +25,7 @@ class Raster:
     y: float
     spacing: float
     values: np.ndarray
+    projection: str | None = None
 
     def limits(self) -> tuple[float, float, float, float]:
         """Lowest x and y, highest x and y between which values are known [m]."""
@@ -91,6 +94,7 @@ def checked(raster: Raster) -> Raster:
     return raster
 
 
+UNITS = ("", "m", "M", "metre", "meter", "metres", "meters")  # of the values, as files write them
 HEADER = {"ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "nodata_value"}
 
 
@@ -136,17 +140,33 @@ def read_ascii(path: Path) -> Raster:
         except ValueError as error:
             raise TerrainError(f"{path}: line {k + 1}: found \"{word}\", expected a number") from error
     values = without_data(values, head.get("nodata_value", -9999))
-    return checked(Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1]))
+    return checked(Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1], projection_beside(path)))
 
 
-def read_geotiff(path: Path) -> Raster:
-    """The first band of what GDAL reads, cells square and along the axes."""
+def load_gdal(what: str) -> tuple[ModuleType, ModuleType, ModuleType]:
+    """gdal, ogr and osr. what: needs them, for the message. @raises TerrainError  they are not installed"""
     try:
-        from osgeo import gdal
+        from osgeo import gdal, ogr, osr
     except ImportError as error:
-        raise TerrainError(f"{path}: GeoTIFF needs GDAL: install python3-gdal, or turn the file into an ESRI ASCII grid "
-                           f"elsewhere: gdal_translate -of AAIGrid {path.name} {path.stem}.asc") from error
-    gdal.UseExceptions()
+        raise TerrainError(f"{what}: needs GDAL: install python3-gdal, which reads rasters other than ESRI ASCII grids, "
+                           "shapefiles, GeoPackage, GeoJSON and KML, and turns one projection into another") from error
+    for module in (gdal, ogr, osr):
+        module.UseExceptions()
+    return gdal, ogr, osr
+
+
+def projection_beside(path: Path) -> str | None:
+    """What the .prj file of a raster says; None: there is none."""
+    beside = next((p for p in (path.with_suffix(".prj"), path.with_suffix(".PRJ")) if p.is_file()), None)
+    try:
+        return None if beside is None else beside.read_text(encoding="utf-8").strip() or None
+    except (OSError, UnicodeDecodeError) as error:
+        raise TerrainError(f"{beside}: cannot be read: {error}") from error
+
+
+def read_with_gdal(path: Path) -> Raster:
+    """The only band of what GDAL reads, cells square and along the axes, in metres. @raises TerrainError"""
+    gdal, _, _ = load_gdal(str(path))
     try:
         data = gdal.Open(str(path))
     except RuntimeError as error:
@@ -155,21 +175,24 @@ def read_geotiff(path: Path) -> Raster:
     if row_turn or column_turn or not width > 0 or abs(width + height) > 1e-9 * width:
         raise TerrainError(f"{path}: found the transform {data.GetGeoTransform()}, allowed: square cells along the axes, "
                            "north up")
+    if data.RasterCount != 1:
+        raise TerrainError(f"{path}: found {data.RasterCount} bands, allowed: one; gdal_translate -b NUMBER takes one out")
     band = data.GetRasterBand(1)
+    if band.GetUnitType() not in UNITS:
+        raise TerrainError(f"{path}: found values in {band.GetUnitType()}, allowed: metres")
     values = without_data(np.array(band.ReadAsArray(), dtype=float), band.GetNoDataValue())
     # The number for no data is one of the stored values, before the band's scale and offset.
     scale, offset = band.GetScale(), band.GetOffset()
     values = values * (1.0 if scale is None else scale) + (0.0 if offset is None else offset)
     rows = values.shape[0]
-    return checked(Raster(path, left + width / 2, top - (rows - 0.5) * width, width, values[::-1]))
+    if min(values.shape) < 2:
+        raise TerrainError(f"{path}: found {rows} x {values.shape[1]} values, allowed: at least 2 x 2")
+    return checked(Raster(path, left + width / 2, top - (rows - 0.5) * width, width, values[::-1],
+                          data.GetProjection() or projection_beside(path)))
 
 
 def read_raster(path: Path) -> Raster:
-    """By the ending of the name."""
+    """An ESRI ASCII grid by its ending .asc, all else by GDAL."""
     if not path.is_file():
         raise TerrainError(f"{path}: no such raster")
-    if path.suffix.lower() in (".tif", ".tiff"):
-        return read_geotiff(path)
-    if path.suffix.lower() == ".asc":
-        return read_ascii(path)
-    raise TerrainError(f"{path}: allowed: .asc (ESRI ASCII grid), .tif, .tiff (GeoTIFF)")
+    return read_ascii(path) if path.suffix.lower() == ".asc" else read_with_gdal(path)

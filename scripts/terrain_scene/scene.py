@@ -2,6 +2,7 @@
 """From a plan to the folder of a scene."""
 
 import json
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from .barrier import Wall, build_wall
-from .depths import Mass, below_top, near_polygon, of_raster
+from .depths import Mass, below_top, near_outlines, of_raster
 from .gauges import gauge_settings
-from .plan import GRAVITY, Plan
+from .outline import limits_of
+from .plan import GRAVITY, Plan, Probe
 from .raster import Raster, TerrainError
-from .slope import THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
+from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
 
 MANY_CELLS = 2_000_000
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
@@ -26,9 +28,11 @@ class Made:
     plan: Plan
     origin: np.ndarray
     slope: Slope
+    facets: Slope  # the slope as the soil feels it
     columns: Columns
     wall: Wall | None
     gauges: list[dict]  # settings
+    probes: list[dict]
     cells: tuple[int, int, int]  # of the grid, from (0, 0, 0)
 
 
@@ -41,21 +45,23 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
                            f"allowed: {MOST_IN_PLAN}")
     count = sides.astype(int)
     x, y = np.meshgrid(plan.low[0] + h * np.arange(count[0] + 1), plan.low[1] + h * np.arange(count[1] + 1))
-    z = plan.slope.needed_at(x, y)
+    z = plan.slope.at(x, y) if plan.open_gaps else plan.slope.needed_at(x, y)
+    if np.isnan(z).all():
+        raise TerrainError(f"area: found no data from {place_text(plan.low)} to {place_text(plan.high)}; {plan.slope.reach()}")
     # A cell of the grid below the lowest place, since a point must not leave it there.
-    bottom = h * (np.floor(z.min() / h) - 1)
+    bottom = h * (np.floor(np.nanmin(z) / h) - 1)
     return np.array([*plan.low, bottom]), Slope(h, z - bottom)
 
 
-def mass_of(plan: Plan, origin: np.ndarray) -> Mass:
+def mass_of(plan: Plan, origin: np.ndarray, slope: Slope) -> Mass:
     """The mass in local coordinates."""
     slide = plan.slide
-    polygon = None if slide.polygon is None else slide.polygon - origin[:2]
+    outlines = None if slide.outlines is None else [outline.moved(-origin[:2]) for outline in slide.outlines]
     if slide.top is not None:
-        return Mass(of_raster(below_top(near_polygon(slide.top, slide.polygon), plan.slope), origin), 0.0, polygon)
+        return Mass(of_raster(below_top(near_outlines(slide.top, slide.outlines), plan.slope), origin), [], outlines)
     if isinstance(slide.depth, Raster):
-        return Mass(of_raster(near_polygon(slide.depth, slide.polygon), origin), 0.0, polygon)
-    return Mass(None, slide.depth, polygon)
+        return Mass(of_raster(near_outlines(slide.depth, slide.outlines), origin), [], outlines)
+    return Mass(None, slide.depth, outlines, slope.stretch if slide.across else None)
 
 
 def place_text(place: np.ndarray) -> str:
@@ -65,26 +71,45 @@ def place_text(place: np.ndarray) -> str:
 def make(plan: Plan) -> Made:
     """@raises TerrainError"""
     origin, slope = sample_slope(plan)
-    columns = lay_columns(slope, mass_of(plan, origin))
+    mass = mass_of(plan, origin, slope)
+    columns = lay_columns(slope, mass)
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
-        polygon = plan.slide.polygon
+        ends = None if plan.slide.outlines is None else limits_of(plan.slide.outlines)
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
                            f"the area from {place_text(plan.low)} to {place_text(plan.high)}"
                            + (f"; {raster.path}: {raster.reach()}" if raster else "")
-                           + ("" if polygon is None else f"; the polygon from {place_text(polygon.min(axis=0))} to "
-                              f"{place_text(polygon.max(axis=0))}"))
+                           + ("" if ends is None else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}"))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():
         raise TerrainError("slide: found mass at the rim of the area, allowed: an area that holds the mass with a cell around")
+    facets = slope.facets(columns.depth)
+    pieces = round(slope.spacing / facets.spacing)
+    high = slope.bulge(pieces, columns.depth) > BULGE
+    if high.any():
+        lift = np.where(high, slope.rise(pieces), 0)
+        columns = lay_columns(slope, mass, lift)
+        plan.notes.append(f"slide: {high.sum()} columns start up to {lift.max():.2g} m above the warped cells of the slope, on its "
+                          "facets")
     wall = None
     if plan.barrier is not None:
         wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
     top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max()) + plan.clear_height
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
     gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
-    return Made(plan, origin, slope, columns, wall, gauges, (count, rows, int(np.ceil(top / plan.cell_size))))
+    probes = [probe_settings(probe, slope, columns, origin) for probe in plan.probes]
+    return Made(plan, origin, slope, facets, columns, wall, gauges, probes, (count, rows, int(np.ceil(top / plan.cell_size))))
+
+
+def probe_settings(probe: Probe, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
+    """In the middle of the soil at its place. @raises TerrainError  there is none"""
+    x, y = probe.place - origin[:2]
+    rows, count = columns.depth.shape
+    depth = columns.depth[min(int(y / slope.spacing), rows - 1), min(int(x / slope.spacing), count - 1)]
+    if not depth >= THINNEST * slope.spacing:
+        raise TerrainError(f"probe {probe.name}: found no mass at {place_text(probe.place)}, allowed: places on the slide")
+    return {"name": probe.name, "point": [float(x), float(y), float(slope.at(x, y) + depth / 2)]}
 
 
 def soil_settings(made: Made) -> dict:
@@ -103,11 +128,13 @@ def soil_settings(made: Made) -> dict:
     }
     if made.gauges:
         settings["gauges"] = made.gauges
+    if made.probes:
+        settings["probes"] = made.probes
     if made.wall is not None:
         settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
                                    "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]
     else:
-        settings |= {"time": time_settings(plan), "output": {"interval": plan.end / 20}}
+        settings |= {"time": time_settings(plan), "output": {"interval": plan.interval}}
     return settings
 
 
@@ -133,7 +160,7 @@ def coupling_settings(made: Made) -> dict:
     weight = made.plan.slide.material.get("density", 1800) * GRAVITY * made.columns.filled
     return {
         "time": time_settings(made.plan),
-        "output": {"interval": made.plan.end / 20},
+        "output": {"interval": made.plan.interval},
         "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
         "interfaces": [{"name": "barrier", "soil": "soil", "structure": "structure"}],
         "coupling": {
@@ -151,19 +178,42 @@ def write_json(path: Path, values: dict) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
+def map_settings(made: Made, folder: Path) -> dict:
+    """Where the scene lies, for scripts/map: coordinates of the world, the raster of the slope relative to the folder."""
+    plan = made.plan
+    settings = {"slope": os.path.relpath(plan.slope.path.resolve(), folder.resolve()), "projection": plan.projection,
+                "origin": [float(v) for v in made.origin],
+                "area": [plan.low.tolist(), (plan.low + made.slope.size()).tolist()],
+                "gauges": [{"name": gauge.name, "line": gauge.line.tolist()} for gauge in plan.gauges]}
+    if plan.slide.outlines is not None:
+        settings["slide"] = [[ring.tolist() for ring in outline.rings] for outline in plan.slide.outlines]
+    if plan.barrier is not None:
+        settings["barrier"] = plan.barrier.line.tolist()
+    return settings
+
+
 def write_scene(made: Made, folder: Path) -> list[str]:
     """Write the files; returns what to say of them."""
     folder.mkdir(parents=True, exist_ok=True)
-    facets = made.slope.facets()
+    facets = made.facets
     num_facets = write_ply(facets, folder / "terrain.ply")
     write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))
+    write_json(folder / "map.json", map_settings(made, folder))
     columns, cells = made.columns, int(np.prod(made.cells))
     lines = [f"origin of the local coordinates: ({', '.join(f'{v:.10g}' for v in made.origin)}) m",
              f"terrain: {num_facets} facets of {facets.spacing:.3g} m",
              f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 ({100 * (columns.filled / columns.asked - 1):+.2f} %)"
              f" in {8 * len(columns.cells)} points; left out: columns thinner than a quarter of a cell",
              f"grid: {' x '.join(map(str, made.cells))} = {cells} cells of {made.plan.cell_size:g} m"]
+    unknown = np.isnan(made.slope.z)
+    if unknown.any():
+        lines.append(f"slope: {unknown.mean():.1%} of its nodes have no data: there is no ground, soil that comes there falls off "
+                     "the map and is taken out")
+    deepest = float(made.columns.depth.max()) / made.plan.cell_size
+    if deepest < 1:
+        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells on, below it "
+                     "moves as a block on the friction of the slope")
     advised = np.sqrt(0.5) * made.plan.cell_size
     if facets.longest_edge() > advised:
         lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope is very steep")

@@ -78,7 +78,7 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
     for number, (time, points, cells, fields) in enumerate(frames):
         file = f"{name}_{number:06d}.h5"
         write_frame(folder / file, points, cells, fields)
-        kind = "Polyvertex" if cells is None else {2: "Polyline", 4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
+        kind = "Polyvertex" if cells is None else {2: "Polyline", 3: "Triangle", 4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
         topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
         attributes = "".join(
             f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'

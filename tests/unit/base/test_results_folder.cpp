@@ -199,7 +199,11 @@ void write_results(const fs::path& folder) {
                                  "plots/contact_wall.png",
                                  "plots/scene.gif",
                                  "deposit/depth.asc",
-                                 "deposit/deposit.png"}) {
+                                 "deposit/deposit.png",
+                                 "map/max_depth.asc",
+                                 "map/max_depth.prj",
+                                 "map/arrival.tif",
+                                 "map/section_dam.csv"}) {
     write(folder / name, "ours");
   }
   write(folder / "resolved_config.json", R"({"coupler.json": {"participants": {"plate": {}}}})");
@@ -221,6 +225,7 @@ TEST(ResultsFolder, files_of_others_are_never_removed) {
                                            "checkpoints/copy_of_step_000010/run.h5",
                                            "checkpoints/step_000010/notes.txt",
                                            "deposit/depth.tif",
+                                           "map/hazard.gpkg",
                                            "mpm/soil_1_best.h5",
                                            "notes.txt",
                                            "plate/mesh.inp",

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Projections of maps, as GDAL knows them. A projection is kept as text (WKT, or what a .prj file says)."""
+
+import numpy as np
+
+from .raster import Raster, TerrainError, load_gdal
+
+SAME = 1e-3  # [m]: places that differ by less are the same, whatever their projections are called
+
+
+def reference(text: str, where: str):
+    """The osr.SpatialReference of a text: WKT, the lines of a .prj file, or a name such as EPSG:31287.
+
+    Its coordinates are in the order of maps: east, north. @raises TerrainError
+    """
+    _, _, osr = load_gdal(where)
+    found = osr.SpatialReference()
+    try:
+        if "\n" in text.strip() and "[" not in text:
+            found.ImportFromESRI(text.splitlines())
+        else:
+            found.SetFromUserInput(text)
+    except RuntimeError as error:
+        raise TerrainError(f"{where}: found the projection \"{text[:80]}\", which GDAL does not know: {error}") from error
+    found.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    return found
+
+
+def name_of(text: str) -> str:
+    return reference(text, "a projection").GetName() or "without a name"
+
+
+def text_of_prj(text: str) -> str:
+    """As .prj files have it, in ESRI's words; what a .prj file said stays as it was."""
+    if "AUTHORITY[" not in text and "CRS[" not in text:
+        return text
+    return reference(text, "a projection").ExportToWkt(["FORMAT=WKT1_ESRI"])
+
+
+def require_metres(text: str, where: str) -> None:
+    """@raises TerrainError  a projection in degrees, feet, ..."""
+    found = reference(text, where)
+    if found.IsGeographic() or abs(found.GetLinearUnits() - 1) > 1e-12:
+        unit = "degrees" if found.IsGeographic() else found.GetLinearUnitsName()
+        raise TerrainError(f"{where}: found the projection {found.GetName()} in {unit}, allowed: one in metres; "
+                           "gdalwarp -t_srs EPSG:NUMBER turns a raster into another one")
+
+
+def turned(places: np.ndarray, source: str, target: str, where: str) -> np.ndarray:
+    """Places of one projection in another, n x 2; the same array where they are the same to a millimetre.
+
+    @raises TerrainError  no way leads from one to the other, or not from these places
+    """
+    _, _, osr = load_gdal(where)
+    old, new = reference(source, where), reference(target, where)
+    if old.IsSame(new) or not len(places):
+        return places
+    if old.IsGeographic() and (np.abs(places) > (360, 90)).any():
+        x, y = places[(np.abs(places) > (360, 90)).any(axis=1)][0]
+        raise TerrainError(f"{where}: found ({x:.9g}, {y:.9g}), but its projection is {old.GetName()}, in degrees, allowed: "
+                           "degrees (a GeoJSON file without \"crs\" is in degrees east and north)")
+    options = osr.CoordinateTransformationOptions()
+    options.SetBallparkAllowed(False)  # off by a hundred metres without a word
+    try:
+        there = np.array(osr.CoordinateTransformation(old, new, options).TransformPoints(places.tolist()))[:, :2]
+    except RuntimeError as error:
+        raise TerrainError(f"{where}: {old.GetName()} cannot be turned into {new.GetName()}: {error}") from error
+    if not np.isfinite(there).all():
+        x, y = places[~np.isfinite(there).all(axis=1)][0]
+        raise TerrainError(f"{where}: ({x:.9g}, {y:.9g}) of {old.GetName()} has no place in {new.GetName()}")
+    return places if np.abs(there - places).max() < SAME else there
+
+
+def require_same(raster: Raster, needed: str | None, whose: str) -> None:
+    """One raster cannot be laid on another's cells where their projections differ. @raises TerrainError"""
+    found = raster.projection
+    if found is None or needed is None or found.split() == needed.split():
+        return
+    low_x, low_y, high_x, high_y = raster.limits()
+    corners = np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
+    if turned(corners, found, needed, str(raster.path)) is not corners:
+        raise TerrainError(f"{raster.path}: found the projection {name_of(found)}, {whose} has {name_of(needed)}, allowed: "
+                           "the same; gdalwarp -t_srs turns a raster into another projection")
