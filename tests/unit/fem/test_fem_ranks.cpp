@@ -223,8 +223,10 @@ TEST(FemRanks, restart_gives_the_same_bits) {
 Json yielding_wall() {
   Json json = wall();
   json["material"] = elastic("von_mises", 1e5, 0.3, density);
-  json["material"]["yield_stress"] = 7e3;  // the weight makes 9 kPa at the foot
-  json["material"]["hardening_modulus"] = 5e4;
+  json["material"]["yield_stress"] = 300;
+  json["material"]["hardening_modulus"] = 1e4;
+  json["gravity"] = {0, 0, 0};
+  json["initial_equilibrium"] = false;
   json["material"]["formulation"] = "enhanced";
   json["linear_solver"] = {{"method", "cg"}, {"preconditioner", "jacobi"}, {"tolerance", 1e-12}};
   return json;
@@ -234,7 +236,7 @@ TEST(FemRanks, a_wall_that_yields_goes_on_on_another_number_of_ranks) {
   const Json json = yielding_wall();
   const auto straight = fem_solver<3>(json, MPI_COMM_SELF);
   run_loaded(*straight, 1, 6);
-  EXPECT_GT(probe(*straight, "plastic_strain"), 1e-3);
+  EXPECT_GT(probe(*straight, "plastic_strain"), 1e-4);
   for (const auto& [before, after] : {std::pair(1, size()), {size(), 1}, {size(), size()}}) {
     expect_same_run(json, *straight, before, after);
   }
