@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 #include <set>
 #include <utility>
@@ -59,6 +58,7 @@ SupportSettings read_support(ConfigReader in) {
   s.where = in.where("group");
   s.components = read_components<dim>(in);
   s.report_reaction = in.boolean("report_reaction");
+  s.report_moment = in.boolean("report_moment");
   in.finish();
   return s;
 }
@@ -231,13 +231,16 @@ void check_own_weight(const ConfigReader& in, const FemSettings<dim>& s) {
     high = std::max(high, x.dot(down));
   }
   const SharedNodes& shared = s.ranks.shared();
-  WeightedColumn column;
-  column.density = s.material.density;
-  column.p_wave_modulus =
-      std::visit([](const auto& law) { return law.p_wave_modulus(); }, s.material.law);
-  column.gravity = g;
-  column.height = shared.largest(high) + shared.largest(-low);
-  log_own_weight(in.where("material"), column);
+  const double height = shared.largest(high) + shared.largest(-low);
+  for (std::size_t m = 0; m < s.materials.size(); ++m) {
+    const CellMaterial<dim>& material = s.materials[m];
+    const double modulus =
+        std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+    const std::string key = material.group.empty() ? "material" : fmt::format("materials/{}", m);
+    log_own_weight(
+        in.where(key),
+        {.density = material.density, .p_wave_modulus = modulus, .gravity = g, .height = height});
+  }
 }
 
 }  // namespace
@@ -290,12 +293,37 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
   return probes;
 }
 
+namespace {
+
+template <int dim>
+std::vector<CellMaterial<dim>> read_materials(ConfigReader& in) {
+  if (in.has("material") == in.has("materials")) {
+    in.fail("material", fmt::format("found {}, allowed: either \"material\", of all cells, or "
+                                    "\"materials\", each of a group of cells",
+                                    in.has("material") ? "both" : "neither"));
+  }
+  if (in.has("material")) return {read_cell_material<dim>(in.object("material"), false)};
+  std::vector<CellMaterial<dim>> materials;
+  std::set<std::string> groups;
+  for (auto& item : in.objects("materials")) {
+    materials.push_back(read_cell_material<dim>(item, true));
+    const std::string& group = materials.back().group;
+    if (!groups.insert(group).second) {
+      in.fail(fmt::format("materials/{}/group", materials.size() - 1),
+              fmt::format("found \"{}\" a second time, allowed: each group once", group));
+    }
+  }
+  if (materials.empty()) in.fail("materials", "found [], allowed: at least one material");
+  return materials;
+}
+
+}  // namespace
+
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Comm comm) {
   FemSettings<dim> s;
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
-  s.material = read_material<dim>(in.object("material"));
-  assert(is_elastic<dim>(s.material.law));
+  s.materials = read_materials<dim>(in);
   auto ranked = read_mesh_of_rank<dim>(scene, in, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);

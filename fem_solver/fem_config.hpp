@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
+#include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/supports/time_function.hpp"
 
@@ -25,6 +25,7 @@ struct SupportSettings {
   std::string group;
   std::vector<int> components;   ///< 0 = x, 1 = y, 2 = z; all of them by default
   bool report_reaction = false;  ///< adds probe columns reaction_<group>_x, ...
+  bool report_moment = false;    ///< adds probe columns moment_<group>_z, in 3D _x, _y, _z
   std::string where;             ///< place in the config, for error messages
 };
 
@@ -84,9 +85,9 @@ inline constexpr NewtonSettings newton_defaults{.reuse_matrix = true};
 /// fem.json of a structure with a mesh.
 template <int dim>
 struct FemSettings : MotionSettings<dim> {
-  Mesh<dim> mesh;   ///< the part of this rank
-  MeshRanks ranks;  ///< how it lies in the whole
-  Material<dim> material;
+  Mesh<dim> mesh;                             ///< the part of this rank
+  MeshRanks ranks;                            ///< how it lies in the whole
+  std::vector<CellMaterial<dim>> materials;   ///< of all cells, or each of a group of cells
   bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
   Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
   std::vector<SupportSettings> supports;
@@ -130,7 +131,7 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
 
 /// Read everything of fem.json, with fem_keys(), but "dimension", "time" and "output".
 /// @param comm  the ranks that part the mesh; MPI_COMM_NULL: this process has all of it
-/// @throws ConfigError  a law with plastic flow, contradictory settings, wrong keys and values
+/// @throws ConfigError  contradictory settings, wrong keys and values
 /// @note Collective.
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in,

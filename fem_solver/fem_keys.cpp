@@ -24,7 +24,12 @@ KeyTable support_keys() {
                .not_empty()
                .or_computed("all"),
            key::boolean("report_reaction", "Adds the columns reaction_GROUP_x, ... to the probes.")
-               .or_else(SupportSettings{}.report_reaction)}};
+               .or_else(SupportSettings{}.report_reaction),
+           key::boolean("report_moment",
+                        "Adds the columns moment_GROUP_z, in 3D moment_GROUP_x, ...: of the "
+                        "reactions, at their present places, about the centre of the group's "
+                        "facets before loading.")
+               .or_else(SupportSettings{}.report_moment)}};
 }
 
 KeyTable prescribed_keys() {
@@ -83,7 +88,13 @@ std::vector<Key> model_keys() {
   return {
       key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
       key::object("mesh", mesh_keys(), "Mesh of the structure.").without("matrices"),
-      key::object("material", material_keys(elastic_laws), "Of all cells; elastic laws only.")
+      key::object("material", cell_material_keys(), "Of all cells.")
+          .without("matrices")
+          .without("materials"),
+      key::objects("materials", group_material_keys(),
+                   "Each of a group of cells, in place of `material`; each cell is in one of the "
+                   "groups.")
+          .or_none()
           .without("matrices"),
       key::object("matrices", matrix_keys(), "The structure as matrices, in place of a mesh.")
           .or_none(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/fem_solver.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -52,7 +53,10 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
     step_.complete(state_, request.dt, *trial_);
     state_ = std::move(*trial_);
     const Equilibrium<dim>& equilibrium = step_.equilibrium();
-    if (std::holds_alternative<LinearElastic<dim>>(settings_.material.law)) {
+    const bool small_strain = std::ranges::any_of(settings_.materials, [](const auto& material) {
+      return std::holds_alternative<LinearElastic<dim>>(material.law);
+    });
+    if (small_strain) {
       const double angle = equilibrium.cells().largest_rotation(state_.motion.u);
       rotation_.look(equilibrium.shared().largest(angle), "structure");
     }
@@ -72,6 +76,9 @@ void FemSolver<dim>::reject_step() {
 template <int dim>
 State FemSolver<dim>::save_state() {
   const MeshRanks& ranks = settings_.ranks;
+  // A matrix of cells with history depends on their history at the time: the step after a saved
+  // state begins without, in this run as in one that goes on from it.
+  if (state_.history) state_.tangent.reset();
   StructureState own = state_;
   for (const auto& [name, values] : own.nodal_vectors()) {
     *values = ranks.owned(std::move(*values), dim);
@@ -80,6 +87,13 @@ State FemSolver<dim>::save_state() {
   State state;
   StateWriter writer(state);
   own.visit_state(writer, nodes);
+  if (own.history) {
+    const CellIntegrals<dim>& cells = step_.equilibrium().cells();
+    HistoryRows rows{.cells = ranks.own_cells(settings_.mesh.num_cells()),
+                     .width = static_cast<std::int64_t>(cells.history_width()),
+                     .values = cells.history_rows(*own.history)};
+    own.visit_history(writer, rows);
+  }
   return state;
 }
 
@@ -94,10 +108,12 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
   const Mesh<dim>& mesh = settings_.mesh;
   const MeshRanks& ranks = settings_.ranks;
   StructureState loaded;
+  HistoryRows history;
   std::vector<std::int64_t> nodes;
   together(ranks.comm(), [&] {
     StateJoiner joiner(first, own);
     loaded.visit_state(joiner, nodes);
+    if (state_.history) loaded.visit_history(joiner, history);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,
               "saved state: \"{}\" has {} values for {} nodes, allowed: {} a node", name,
@@ -108,7 +124,29 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
                                ranks.held_nodes(mesh), ranks.num_nodes_of_all(mesh),
                                "saved state: nodes");
   for (const auto& [name, values] : loaded.nodal_vectors()) *values = holders.send(*values, dim);
+  if (state_.history) loaded.history = history_of(history);
   state_ = std::move(loaded);
+}
+
+/// Send the rows to the ranks that have the cells here.
+template <int dim>
+CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
+  const MeshRanks& ranks = settings_.ranks;
+  const CellIntegrals<dim>& cells = step_.equilibrium().cells();
+  const auto width = static_cast<std::int64_t>(cells.history_width());
+  together(ranks.comm(), [&] {
+    require(saved.width == width && saved.values.size() == saved.cells.size() * width,
+            "saved state: \"history\" has {} values for {} cells, allowed: {} a cell",
+            saved.values.size(), saved.cells.size(), width);
+  });
+  std::vector<std::int32_t> wanted;
+  for (const std::int64_t c : ranks.own_cells(settings_.mesh.num_cells())) {
+    wanted.push_back(static_cast<std::int32_t>(c));
+  }
+  const NumberedValues holders(ranks.alone() ? MPI_COMM_SELF : ranks.comm(), saved.cells, wanted,
+                               ranks.num_cells_of_all(settings_.mesh), "saved state: cells");
+  const std::vector<double> rows = holders.send(saved.values, static_cast<int>(width));
+  return std::make_shared<const std::vector<double>>(cells.history_of_rows(rows));
 }
 
 template class FemSolver<2>;

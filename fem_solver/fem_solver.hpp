@@ -53,6 +53,8 @@ class FemSolver final : public Solver {
   const MeshRanks& ranks() const { return settings_.ranks; }
 
  private:
+  CellHistory history_of(const HistoryRows& saved) const;
+
   FemSettings<dim> settings_;
   WetSurfaces<dim> wet_surfaces_;
   StructureStep<dim> step_;

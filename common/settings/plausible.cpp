@@ -54,12 +54,30 @@ const std::vector<PlausibleRange> of_soil = {
     {"material/cohesion", 20, 1e9, "Pa", "next to none", "more than any rock has", pressures},
 };
 
+const PlausibleRange structure_density = {"material/density",
+                                          10,
+                                          25000,
+                                          "kg/m^3",
+                                          "lighter than any building material",
+                                          "heavier than any building material",
+                                          densities};
+const PlausibleRange structure_stiffness = {"material/young_modulus",
+                                            1e4,
+                                            2e12,
+                                            "Pa",
+                                            "softer than rubber or any building material",
+                                            "stiffer than any building material",
+                                            pressures};
+
+/// The same of another key.
+PlausibleRange also_of(PlausibleRange range, const char* key) {
+  range.key = key;
+  return range;
+}
+
 const std::vector<PlausibleRange> of_structure = {
-    {"material/density", 10, 25000, "kg/m^3", "lighter than any building material",
-     "heavier than any building material", densities},
-    {"material/young_modulus", 1e4, 2e12, "Pa", "softer than rubber or any building material",
-     "stiffer than any building material", pressures},
-};
+    structure_density, structure_stiffness, also_of(structure_density, "materials/density"),
+    also_of(structure_stiffness, "materials/young_modulus")};
 
 /// Length of a vector, size of a number; none of anything else.
 std::optional<double> size_of(const Json& value) {

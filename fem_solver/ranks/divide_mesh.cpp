@@ -72,6 +72,11 @@ Packet packed(const MeshPart<dim>& part) {
     put_list(packet, facets);
     put_list(packet, part.numbers.facets.at(name));
   }
+  packet.put(std::ssize(mesh.cell_groups));
+  for (const auto& [name, cells] : mesh.cell_groups) {
+    put_text(packet, name);
+    put_list(packet, cells);
+  }
   put_list(packet, part.numbers.nodes);
   put_list(packet, part.numbers.cells);
   packet.put(part.numbers.num_nodes);
@@ -92,6 +97,10 @@ MeshPart<dim> unpacked(Packet packet) {
     const std::string name = take_text(packet);
     mesh.facet_groups[name] = take_list<std::int32_t>(packet);
     part.numbers.facets[name] = take_list<std::int64_t>(packet);
+  }
+  for (auto left = packet.take<std::ptrdiff_t>(); left > 0; --left) {
+    const std::string name = take_text(packet);
+    mesh.cell_groups[name] = take_list<std::int32_t>(packet);
   }
   part.numbers.nodes = take_list<std::int32_t>(packet);
   part.numbers.cells = take_list<std::int32_t>(packet);
@@ -126,10 +135,11 @@ MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
 template <int dim>
 RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm) {
   const ConfigReader in = fem.object("mesh");
+  const bool one_material = !fem.has("materials");
   RankedMesh<dim> ranked;
   if (num_ranks(comm) == 1) {
     ranked.mesh = read_mesh<dim>(scene, in);
-    warn_of_cell_groups(ranked.mesh, fem.where("mesh"));
+    if (one_material) warn_of_cell_groups(ranked.mesh, fem.where("mesh"));
     if (!ranked.mesh.file.empty()) ranked.connection = connection_of(ranked.mesh);
     return ranked;
   }
@@ -148,7 +158,7 @@ RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Com
       whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source));
       ranked.connection = connection_of(whole);
     });
-    warn_of_cell_groups(whole, fem.where("mesh"));
+    if (one_material) warn_of_cell_groups(whole, fem.where("mesh"));
     part = part_of_mesh(whole, comm);
   }
   ranked.ranks = MeshRanks(comm, std::move(part.numbers), part.mesh.facet_groups);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/report/fem_output.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "common/mechanics/output/numbered_rows.hpp"
@@ -19,7 +21,8 @@ OutputField field(std::string name, int components, std::function<Values()> make
 /// Of the nodes and cells of this rank. The fields refer to their arguments.
 template <int dim>
 std::vector<OutputField> frame_fields(const StructureState& state,
-                                      const std::function<Values()>& stress) {
+                                      const std::function<Values()>& stress,
+                                      const std::function<Values()>& plastic_strain) {
   const auto forces = [&state] {
     Values values = state.f_ext;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += state.f_step[i];
@@ -29,7 +32,8 @@ std::vector<OutputField> frame_fields(const StructureState& state,
       field("displacement", dim, [&state] { return state.motion.u; }),
       field("velocity", dim, [&state] { return state.motion.v; }),
       field("external_force", dim, forces), field("stress", symmetric_size<dim>, stress)};
-  fields.back().on_cells = true;
+  if (plastic_strain) fields.push_back(field("plastic_strain", 1, plastic_strain));
+  for (std::size_t i = 3; i < fields.size(); ++i) fields[i].on_cells = true;
   return fields;
 }
 
@@ -39,8 +43,13 @@ template <int dim>
 std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const MeshRanks& ranks = settings.ranks;
+  const bool yields = std::ranges::any_of(
+      settings.materials, [](const auto& material) { return history_size<dim>(material.law) > 0; });
+  std::function<Values()> plastic_strain;
+  if (yields) plastic_strain = [] { return Values(); };
   return XdmfSeries::frame_bytes(ranks.num_nodes_of_all(mesh), mesh.cell_type,
-                                 ranks.num_cells_of_all(mesh), frame_fields<dim>({}, {}));
+                                 ranks.num_cells_of_all(mesh),
+                                 frame_fields<dim>({}, {}, plastic_strain));
 }
 
 template <int dim>
@@ -56,8 +65,15 @@ void FemOutput<dim>::write(double time, const StructureState& state,
                            ranks.num_nodes_of_all(mesh));
   const NumberedRows cells(ranks.comm(), ranks.own_cells(mesh.num_cells()),
                            ranks.num_cells_of_all(mesh));
-  auto fields =
-      frame_fields<dim>(state, [&] { return equilibrium.cells().cell_stresses(state.motion.u); });
+  const CellIntegrals<dim>& integrals = equilibrium.cells();
+  const std::span<const double> history =
+      state.history ? std::span<const double>(*state.history) : std::span<const double>();
+  std::function<Values()> plastic_strain;
+  if (integrals.yields()) {
+    plastic_strain = [&] { return integrals.cell_plastic_strains(history); };
+  }
+  auto fields = frame_fields<dim>(
+      state, [&] { return integrals.cell_stresses(state.motion.u, history); }, plastic_strain);
   for (OutputField& field : fields) {
     field.make = [&, own = std::move(field.make), width = field.components,
                   on_cells = field.on_cells] {

@@ -11,8 +11,8 @@
 namespace gabion::fem {
 
 /// Time series of the deformed structure: displacement, velocity, external_force on nodes, stress
-/// (Cauchy, cell mean) on cells. Nodes and cells stand in the order of the mesh, on any number of
-/// ranks, which write together.
+/// (Cauchy, cell mean) on cells, plastic_strain (cell mean) where cells may yield. Nodes and cells
+/// stand in the order of the mesh, on any number of ranks, which write together.
 template <int dim>
 class FemOutput {
  public:

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/base/require.hpp"
@@ -67,6 +70,42 @@ std::optional<std::int32_t> node_of_probe(const FemSettings<dim>& settings,
   }
 }
 
+/// Of a facet: its area, in 2D its length. [m^(dim - 1)]
+template <int dim>
+double facet_area(std::span<const Vector<dim>> corners) {
+  if constexpr (dim == 2) {
+    return (corners[1] - corners[0]).norm();
+  } else {
+    double area = 0;
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      area += 0.5 * (corners[k - 1] - corners[0]).cross(corners[k] - corners[0]).norm();
+    }
+    return area;
+  }
+}
+
+/// Centre of area of a group's facets, of all ranks, before loading.
+template <int dim>
+Vector<dim> centre_of_facets(const FemSettings<dim>& settings, const SupportSettings& support) {
+  const Mesh<dim>& mesh = settings.mesh;
+  const std::size_t n = num_nodes(facet_type(mesh.cell_type));
+  const auto& facets = mesh.facets(support.group, support.where);
+  std::vector<double> sums(dim + 1, 0.0);
+  for (std::size_t f = 0; f < facets.size(); f += n) {
+    std::vector<Vector<dim>> corners;
+    Vector<dim> middle = Vector<dim>::Zero();
+    for (std::size_t a = 0; a < n; ++a) {
+      corners.push_back(mesh.nodes[facets[f + a]]);
+      middle += corners.back() / static_cast<double>(n);
+    }
+    const double area = facet_area<dim>(corners);
+    for (int c = 0; c < dim; ++c) sums[c] += area * middle[c];
+    sums[dim] += area;
+  }
+  settings.ranks.shared().total(sums);
+  return Eigen::Map<const Vector<dim>>(sums.data()) / sums[dim];
+}
+
 }  // namespace
 
 template <int dim>
@@ -91,7 +130,8 @@ typename FemProbes<dim>::Point FemProbes<dim>::locate(const FemSettings<dim>& se
 }
 
 template <int dim>
-FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) : ranks_(settings.ranks) {
+FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
+    : ranks_(settings.ranks), mesh_(settings.mesh) {
   for (const auto& probe : settings.probes) {
     points_.push_back(locate(settings, probe));
     for (int c = 0; c < dim; ++c) {
@@ -101,14 +141,74 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings) : ranks_(settings.ra
   names_.insert(names_.end(), {"kinetic_energy", "elastic_energy", "external_work"});
   for (int c = 0; c < dim; ++c) names_.push_back(fmt::format("momentum_{}", component_names[c]));
   for (const auto& support : settings.supports) {
-    if (!support.report_reaction) continue;
-    auto nodes = ranks_.group_nodes(settings.mesh, support.group, support.where);
-    std::erase_if(nodes, [&](std::int32_t i) { return !ranks_.shared().owns(i); });
-    reaction_nodes_.push_back(std::move(nodes));
-    for (int c = 0; c < dim; ++c) {
-      names_.push_back(fmt::format("reaction_{}_{}", support.group, component_names[c]));
+    if (support.report_reaction || support.report_moment) add_reaction(settings, support);
+  }
+  for (const auto& material : settings.materials) {
+    if (history_size<dim>(material.law) == 0) continue;
+    if (!yields_) names_.insert(names_.end(), {"plastic_work", "plastic_strain"});
+    yields_ = true;
+    if (!material.group.empty()) names_.push_back("plastic_strain_" + material.group);
+  }
+}
+
+template <int dim>
+void FemProbes<dim>::add_reaction(const FemSettings<dim>& settings,
+                                  const SupportSettings& support) {
+  auto nodes = ranks_.group_nodes(settings.mesh, support.group, support.where);
+  std::erase_if(nodes, [&](std::int32_t i) { return !ranks_.shared().owns(i); });
+  Reaction reaction{
+      .nodes = std::move(nodes), .force = support.report_reaction, .moment = support.report_moment};
+  for (int c = 0; c < dim && reaction.force; ++c) {
+    names_.push_back(fmt::format("reaction_{}_{}", support.group, component_names[c]));
+  }
+  if (reaction.moment) {
+    reaction.centre = centre_of_facets(settings, support);
+    for (int c = dim == 2 ? 2 : 0; c < 3; ++c) {
+      names_.push_back(fmt::format("moment_{}_{}", support.group, component_names[c]));
     }
   }
+  reactions_.push_back(std::move(reaction));
+}
+
+/// Sums over the nodes of this rank.
+template <int dim>
+void FemProbes<dim>::add_values(const Reaction& reaction, const StructureState& state,
+                                std::vector<double>& values) const {
+  Vector<dim> force = Vector<dim>::Zero();
+  Vector<3> moment = Vector<3>::Zero();
+  for (const auto node : reaction.nodes) {
+    const std::size_t first = static_cast<std::size_t>(node) * dim;
+    const Eigen::Map<const Vector<dim>> r(state.reactions.data() + first);
+    force += r;
+    if (!reaction.moment) continue;
+    const Eigen::Map<const Vector<dim>> u(state.motion.u.data() + first);
+    Vector<3> arm = Vector<3>::Zero(), r_3 = Vector<3>::Zero();
+    arm.template head<dim>() = mesh_.nodes[node] + u - reaction.centre;
+    r_3.template head<dim>() = r;
+    moment += arm.cross(r_3);
+  }
+  if (reaction.force) values.insert(values.end(), force.data(), force.data() + dim);
+  if (!reaction.moment) return;
+  values.insert(values.end(), moment.data() + (dim == 2 ? 2 : 0), moment.data() + 3);
+}
+
+/// Work, the largest strain of all cells, then of each group.
+template <int dim>
+void FemProbes<dim>::add_plastic(const StructureState& state, const CellIntegrals<dim>& cells,
+                                 std::vector<double>& values) const {
+  if (!yields_) return;
+  std::vector<double> of_groups;
+  double largest = 0;
+  for (std::size_t b = 0; b < cells.blocks().size(); ++b) {
+    const CellBlock<dim>& block = cells.blocks()[b];
+    if (!block.yields()) continue;
+    const double own = block.largest_plastic_strain(cells.of_block(*state.history, b));
+    const double of_block = ranks_.shared().largest(own);
+    largest = std::max(largest, of_block);
+    if (!block.material().group.empty()) of_groups.push_back(of_block);
+  }
+  values.insert(values.end(), {state.plastic_work, largest});
+  values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
 template <int dim>
@@ -139,14 +239,11 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   const std::size_t energies = result.size();
   result.insert(result.end(), {kinetic_energy, 0.0, 0.0});
   add_vector(total);
-  for (const auto& nodes : reaction_nodes_) {
-    Vector<dim> reaction = Vector<dim>::Zero();
-    for (const auto node : nodes) reaction += at(state.reactions, node);
-    add_vector(reaction);
-  }
+  for (const Reaction& reaction : reactions_) add_values(reaction, state, result);
   ranks_.shared().total(result);
   result[energies + 1] = state.elastic_energy;
   result[energies + 2] = state.external_work;
+  add_plastic(state, equilibrium.cells(), result);
   return result;
 }
 

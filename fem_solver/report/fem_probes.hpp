@@ -13,7 +13,9 @@ namespace gabion::fem {
 
 /// What probes.csv reports of a structure: displacements of points, then kinetic_energy,
 /// elastic_energy, external_work [J], momentum_<c> [kg m/s], then reaction_<group>_<c> [N] of the
-/// supports that ask for it (force of the support on the structure).
+/// supports that ask for it (force of the support on the structure), and moment_<group>_<c> [N m];
+/// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
+/// and of each group.
 template <int dim>
 class FemProbes {
  public:
@@ -32,12 +34,24 @@ class FemProbes {
     std::vector<std::int32_t> nodes;  // of this rank; one rank has those of a point
     std::vector<double> weights;      // shape functions at the point
   };
+  struct Reaction {
+    std::vector<std::int32_t> nodes;  // that this rank owns
+    bool force = false, moment = false;
+    Vector<dim> centre = Vector<dim>::Zero();  // of the facets before loading
+  };
+  void add_reaction(const FemSettings<dim>& settings, const SupportSettings& support);
+  void add_values(const Reaction& reaction, const StructureState& state,
+                  std::vector<double>& values) const;
+  void add_plastic(const StructureState& state, const CellIntegrals<dim>& cells,
+                   std::vector<double>& values) const;
   static Point locate(const FemSettings<dim>& settings, const ProbeSettings<dim>& probe);
 
   const MeshRanks& ranks_;
+  const Mesh<dim>& mesh_;
   std::vector<std::string> names_;
   std::vector<Point> points_;
-  std::vector<std::vector<std::int32_t>> reaction_nodes_;  // that this rank owns
+  std::vector<Reaction> reactions_;
+  bool yields_ = false;
 };
 
 }  // namespace gabion::fem

@@ -39,7 +39,13 @@ Json StructureReport<dim>::summary() const {
   result["frame_bytes"] = FemOutput<dim>::frame_bytes(settings_);
   result["cells"] = ranks.num_cells_of_all(mesh);
   result["cell_type"] = name(mesh.cell_type);
-  result["material"] = settings_.material.law_name;
+  result["material"] = settings_.materials.front().law_name;
+  if (settings_.materials.size() > 1) {
+    result.erase("material");
+    for (const auto& material : settings_.materials) {
+      result["materials"][material.group] = material.law_name;
+    }
+  }
   result["analysis"] = settings_.dynamic ? "dynamic" : "static";
   return result;
 }

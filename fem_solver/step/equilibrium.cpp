@@ -25,7 +25,7 @@ template <int dim>
 CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   std::optional<CellIntegrals<dim>> cells;
   together<ConfigError>(settings.ranks.comm(), [&] {
-    cells.emplace(settings.mesh, settings.material, settings.lumped_mass, settings.ranks);
+    cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks);
   });
   return std::move(*cells);
 }
@@ -48,16 +48,46 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
           "fem_solver: found {} ranks for a mesh that is {}", num_ranks(comm),
           ranks_.alone() ? "whole" : "divided");
   for (const auto dof : conditions.constrained_dofs()) constrained_[dof] = 1;
-  std::visit(
-      [&](const auto& law) {
-        symmetric_ = law.symmetric_tangent();
-        wave_speed_ = std::sqrt(law.p_wave_modulus() / settings.material.density);
-      },
-      settings.material.law);
+  for (const CellMaterial<dim>& material : settings.materials) {
+    std::visit(
+        [&](const auto& law) {
+          symmetric_ = symmetric_ && law.symmetric_tangent();
+          wave_speed_ = std::max(wave_speed_, std::sqrt(law.p_wave_modulus() / material.density));
+        },
+        material.law);
+  }
+  set_history(nullptr);
   forces_.internal.assign(num_dofs_, 0.0);
   forces_.inertia.assign(num_dofs_, 0.0);
   u_trial_.resize(num_dofs_);
   a_mean_.resize(num_dofs_);
+}
+
+template <int dim>
+const CellHistory& Equilibrium<dim>::set_history(CellHistory history) {
+  const std::size_t size = cells_.history_size();
+  if (!history && cells_.history_width() > 0) {
+    history = std::make_shared<const std::vector<double>>(size, 0.0);
+  }
+  assert(!history || history->size() == size);
+  history_n_ = std::move(history);
+  trial_history_.resize(size);
+  return history_n_;
+}
+
+template <int dim>
+HistoryStep Equilibrium<dim>::history_step() {
+  if (!history_n_) return {};
+  return {.accepted = *history_n_, .trial = trial_history_};
+}
+
+template <int dim>
+void Equilibrium<dim>::find_history(StructureState& state) const {
+  state.history.reset();
+  state.plastic_work = 0;
+  if (!history_n_) return;
+  state.history = std::make_shared<const std::vector<double>>(trial_history_);
+  if (cells_.yields()) state.plastic_work = shared().total(cells_.plastic_work(trial_history_));
 }
 
 template <int dim>
@@ -84,7 +114,7 @@ typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const 
   buffer_.assign(2 * num_dofs_, 0.0);
   const std::span<double> internal(buffer_.data(), num_dofs_);
   const std::span<double> inertia(buffer_.data() + num_dofs_, num_dofs_);
-  const StressIntegral stresses = cells_.add_internal(u_trial_, internal, K);
+  const StressIntegral stresses = cells_.add_internal(u_trial_, internal, K, history_step());
   if (with_inertia_) {
     for (std::size_t i = 0; i < num_dofs_; ++i) {
       a_mean_[i] = scheme_.inertia(end_acceleration(i, du[i]), motion_n_->a[i]);
@@ -96,7 +126,7 @@ typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const 
   }
   std::string fault;
   if (const std::int32_t c = stresses.inadmissible_cell; c >= 0) {
-    fault = fmt::format("det F <= 0 in cell {}", ranks_.cell_of_all(c));
+    fault = fmt::format("{} in cell {}", stresses.fault, ranks_.cell_of_all(c));
   }
   return {.internal = internal, .inertia = inertia, .energy = stresses.energy, .fault = fault};
 }
@@ -137,7 +167,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   forces_.inertia.assign(sums.inertia.begin(), sums.inertia.end());
   forces_.elastic_energy = energy;
   if (K) {
-    last_tangent_ = {.u = u_trial_, .dt = dt_, .with_inertia = with_inertia_};
+    last_tangent_ = {
+        .u = u_trial_, .dt = dt_, .with_inertia = with_inertia_, .history = history_n_};
     finish_tangent(dt_, with_inertia_, *K);
   }
   Evaluation result;
@@ -158,8 +189,9 @@ void Equilibrium<dim>::assemble_tangent(std::span<const double> u, double dt, bo
                                         BlockMatrix<dim>& K) {
   K.set_zero();
   buffer_.assign(num_dofs_, 0.0);
-  cells_.add_internal(u, std::span<double>(buffer_), &K);
-  last_tangent_ = {.u = {u.begin(), u.end()}, .dt = dt, .with_inertia = with_inertia};
+  cells_.add_internal(u, std::span<double>(buffer_), &K, history_step());
+  last_tangent_ = {
+      .u = {u.begin(), u.end()}, .dt = dt, .with_inertia = with_inertia, .history = history_n_};
   finish_tangent(dt, with_inertia, K);
 }
 
@@ -192,7 +224,7 @@ template <int dim>
 std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const double> u,
                                                            std::span<const double> f_ext) {
   std::vector<double> r(num_dofs_, 0.0), a(num_dofs_, 0.0);
-  const StressIntegral stresses = cells_.add_internal(u, r, nullptr);
+  const StressIntegral stresses = cells_.add_internal(u, r, nullptr, history_step());
   require<ConvergenceError>(shared().all(stresses.inadmissible_cell < 0),
                             "initial displacement: det F <= 0 in a cell");
   shared().sum(r, dim);

@@ -44,6 +44,11 @@ class Equilibrium final : public NewtonProblem<dim> {
   void begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
                   std::span<const double> f_start, double dt, bool with_inertia);
 
+  /// The accepted history of the cells, from which evaluations go on. Null: none, or the virgin
+  /// one.
+  /// @returns  what is now the accepted one
+  const CellHistory& set_history(CellHistory history);
+
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
   double increment_scale() const override { return smallest_cell_size_; }
@@ -55,6 +60,11 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Motion at the end of the step. Constrained components follow their prescribed displacement
   /// with backward differences, so that a ramp does not ring.
   StructureMotion motion_after(std::span<const double> du) const;
+
+  /// History at the end of the step and its plastic work, of the last evaluation, which was
+  /// admissible, into a state.
+  /// @note Collective.
+  void find_history(StructureState& state) const;
 
   /// Forces of the last admissible evaluation.
   const NodalForces& forces() const { return forces_; }
@@ -83,9 +93,10 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::size_t num_dofs() const { return num_dofs_; }  ///< of the held nodes
   std::int32_t num_nodes_of_all() const { return num_nodes_of_all_; }
   bool symmetric() const { return symmetric_; }
-  double wave_speed() const { return wave_speed_; }  ///< of P waves [m/s]
+  double wave_speed() const { return wave_speed_; }  ///< of P waves, the fastest [m/s]
 
  private:
+  HistoryStep history_step();
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
 
@@ -124,6 +135,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   double dt_ = 0;
   bool with_inertia_ = false;
   NodalForces forces_;
+  CellHistory history_n_;
+  std::vector<double> trial_history_;
   std::vector<double> u_trial_, a_mean_, buffer_;
   TangentPoint last_tangent_;
   std::unique_ptr<Mass> mass_;  // after the first acceleration_of()

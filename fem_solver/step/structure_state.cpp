@@ -48,4 +48,11 @@ void StructureState::visit_state(StateVisitor& visitor, std::vector<std::int64_t
   for (const auto& [name, values] : nodal_vectors()) visitor.list(name, *values);
 }
 
+void StructureState::visit_history(StateVisitor& visitor, HistoryRows& rows) {
+  visitor.real("plastic_work", plastic_work);
+  visitor.integer("history_width", rows.width);
+  visitor.list("cells", rows.cells);
+  visitor.list("history", rows.values);
+}
+
 }  // namespace gabion::fem

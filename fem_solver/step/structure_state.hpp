@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,12 +30,24 @@ struct ExternalForces {
   bool operator==(const ExternalForces&) const = default;
 };
 
+/// History of the cells of this rank, see CellIntegrals; null: no cell has any. Never changed once
+/// it is part of a state.
+using CellHistory = std::shared_ptr<const std::vector<double>>;
+
 /// Where a tangent matrix was assembled.
 struct TangentPoint {
   std::vector<double> u;      ///< displacement [m]
   double dt = 0;              ///< [s]
   bool with_inertia = false;  ///< the mass matrix is part of it
+  CellHistory history;        ///< accepted at the start of that step; equal when it is the same one
   bool operator==(const TangentPoint&) const = default;
+};
+
+/// Histories of cells in a saved state.
+struct HistoryRows {
+  std::vector<std::int64_t> cells;  ///< numbers in the whole mesh
+  std::int64_t width = 0;           ///< values of a cell
+  std::vector<double> values;       ///< cells x width
 };
 
 /// Everything that the next step depends on. Numbers and flags are the same on all ranks.
@@ -49,7 +62,9 @@ struct StructureState {
   std::vector<double> reactions;
   bool balanced = false;      ///< the motion solves the equations under f_ext and f_step
   double elastic_energy = 0;  ///< [J]
-  double external_work = 0;   ///< of loads, interface forces and reactions since time 0 [J]
+  double plastic_work = 0;    ///< of the cells since the virgin state [J]
+  CellHistory history;
+  double external_work = 0;  ///< of loads, interface forces and reactions since time 0 [J]
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
   /// gives other last bits with another matrix.
   std::optional<TangentPoint> tangent;
@@ -59,6 +74,9 @@ struct StructureState {
   /// Save or load.
   /// @param nodes  whose the values of nodal_vectors() are, by number in the whole mesh
   void visit_state(StateVisitor& visitor, std::vector<std::int64_t>& nodes);
+  /// The same of what only a structure with history has.
+  /// @param rows  of the history by cell, with the cells' numbers in the whole mesh
+  void visit_history(StateVisitor& visitor, HistoryRows& rows);
   /// Name and values.
   std::vector<std::pair<std::string, std::vector<double>*>> nodal_vectors();
 };

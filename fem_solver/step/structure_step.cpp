@@ -92,6 +92,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
     v[dofs[k]] = 0;
   }
   state.motion = {.u = std::move(u), .v = std::move(v), .a = {}};
+  equilibrium_.set_history(nullptr);
   if (dynamic_) {
     state.motion.a = equilibrium_.initial_acceleration(state.motion.u, state.f_ext);
     state.balanced = true;
@@ -110,9 +111,8 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
   }
   state.f_int = equilibrium_.forces().internal;
   state.elastic_energy = equilibrium_.forces().elastic_energy;
-  if (!dynamic_) {
-    state.balanced = shared().all(std::ranges::all_of(r, is_zero));
-  }
+  equilibrium_.find_history(state);
+  if (!dynamic_) state.balanced = shared().all(std::ranges::all_of(r, is_zero));
   return state;
 }
 
@@ -133,6 +133,7 @@ StructureState StructureStep<dim>::initial_state() {
   const ExternalForces f = external_forces(0, {});
   reference.f_ext = f.end;
   reference.reactions.assign(u.size(), 0.0);
+  reference.history = equilibrium_.set_history(nullptr);
   StructureState state;
   if (nothing_changes(reference, f, conditions_.displacements(0)) &&
       shared().all(std::ranges::all_of(reference.f_ext, is_zero))) {
@@ -211,6 +212,7 @@ bool StructureStep<dim>::prepare_matrix(const StructureState& state_n, double dt
   }
   const ScopedTimer timer(times_, "restore");
   held_tangent_ = state_n.tangent;
+  equilibrium_.set_history(held_tangent_->history);
   equilibrium_.assemble_tangent(held_tangent_->u, dt, with_inertia, K_);
   linear_.set_matrix(K_, shared());
   linear_.set_rescue(state_n.rescue);
@@ -225,6 +227,7 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
   NewtonMatrix<dim> matrix{
       .K = K_, .linear = linear_, .is_usable = prepare_matrix(state_n, dt, with_inertia)};
   if (!matrix.is_usable) held_tangent_.reset();
+  equilibrium_.set_history(state_n.history);
   equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   try {
@@ -266,6 +269,7 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   trial.motion = equilibrium_.motion_after(du);
   trial.balanced = true;
   trial.elastic_energy = forces.elastic_energy;
+  equilibrium_.find_history(trial);
   trial.f_int = forces.internal;
   trial.reactions.assign(f.end.size(), 0.0);
   const bool with_inertia = dynamic_ && dt > 0;
@@ -311,6 +315,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
     const NewmarkBossak& scheme = equilibrium_.scheme();
     std::vector<double> change = trial.f_step;
     for (std::size_t i = 0; i < change.size(); ++i) change[i] -= state_n.f_step[i];
+    equilibrium_.set_history(state_n.history);
     const std::vector<double> a = kick_of(change, dt, trial);
     for (std::size_t i = 0; i < a.size(); ++i) {
       trial.motion.v[i] += dt * scheme.step_force_velocity() * a[i];

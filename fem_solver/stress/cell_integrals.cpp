@@ -4,76 +4,57 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
 #include <limits>
-#include <variant>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
-#include "common/mechanics/rotation_angle.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
 namespace {
-
-/// Of the rotation R in F = R U [rad]; 0 below some 0.1 rad in space, where nobody asks for it.
-template <int dim>
-double angle_of(const Matrix<dim>& F) {
-  if constexpr (dim == 3) {
-    const Matrix<dim> skew = 0.5 * (F - F.transpose());
-    if (skew.squaredNorm() < 2e-2 && F.trace() > 2.9) return 0;
-  }
-  return rotation_angle<dim>(F);
-}
-
-/// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
-int stiffness_degree(CellType type) {
-  return type == CellType::tri3 || type == CellType::tet4 ? 1 : 3;
-}
 
 /// Degree that integrates N_a N_b of an undistorted cell exactly.
 int mass_degree(CellType type) {
   return type == CellType::tri3 || type == CellType::tet4 ? 2 : 3;
 }
 
+bool can_be_enhanced(CellType type) {
+  return type == CellType::quad4 || type == CellType::hex8;
+}
+
 }  // namespace
 
 template <int dim>
-CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh, const Material<dim>& material,
-                                  bool lumped_mass, const MeshRanks& ranks)
-    : material_(material),
-      nodes_per_cell_(mesh.nodes_per_cell()),
+CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
+                                  std::span<const CellMaterial<dim>> materials, bool lumped_mass,
+                                  const MeshRanks& ranks)
+    : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
       cell_nodes_(mesh.cells) {
-  compute_geometry(mesh, ranks);
+  double smallest_volume = std::numeric_limits<double>::infinity();
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
+    smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
+  }
+  smallest_cell_size_ = cube_side<dim>(smallest_volume);
+  make_blocks(mesh, materials, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
 template <int dim>
-void CellIntegrals<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
-  const auto rule = gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type));
-  points_per_cell_ = static_cast<int>(rule.size());
-  double smallest_volume = std::numeric_limits<double>::infinity();
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
+void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
+                                     std::span<const CellMaterial<dim>> materials,
+                                     const MeshRanks& ranks) {
+  for (const CellMaterial<dim>& material : materials) {
+    require<ConfigError>(
+        material.formulation == Formulation::full || can_be_enhanced(mesh.cell_type),
+        "{}: found \"formulation\" \"enhanced\" with cells of type {}, allowed: quad4, hex8",
+        material.where, name(mesh.cell_type));
   }
-  smallest_cell_size_ = cube_side<dim>(smallest_volume);
-  ShapeValues<dim> shape;
-  Vector<dim> x[max_cell_nodes];
-  for (std::int32_t c = 0; c < num_cells_; ++c) {
-    for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[cell(c)[a]];
-    for (const auto& q : rule) {
-      shape_functions<dim>(mesh.cell_type, q.xi, shape);
-      const double jacobian = map_gradients<dim>(mesh.cell_type, x, shape);
-      require<ConfigError>(jacobian > 0,
-                           "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
-                           "point; allowed: convex cells of positive volume",
-                           ranks.cell_of_all(c), jacobian);
-      weights_.push_back(q.weight * jacobian);
-      gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
-    }
+  auto cells = cells_of_materials<dim>(mesh, materials, ranks);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    blocks_.emplace_back(mesh, materials[m], std::move(cells[m]), ranks);
   }
 }
 
@@ -81,6 +62,10 @@ template <int dim>
 void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
   const auto rule = gauss_rule<dim>(mesh.cell_type, mass_degree(mesh.cell_type));
   const int n = nodes_per_cell_;
+  std::vector<double> densities(static_cast<std::size_t>(num_cells_));
+  for (const auto& block : blocks_) {
+    for (const std::int32_t c : block.cells()) densities[c] = block.material().density;
+  }
   if (lumped) {
     lumped_masses_.assign(mesh.nodes.size(), 0.0);
   } else {
@@ -94,8 +79,7 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
       double N[max_cell_nodes];
       std::copy(shape.N, shape.N + n, N);
-      const double mass =
-          material_.density * q.weight * map_gradients<dim>(mesh.cell_type, x, shape);
+      const double mass = densities[c] * q.weight * map_gradients<dim>(mesh.cell_type, x, shape);
       for (int a = 0; a < n; ++a) {
         if (lumped) lumped_masses_[cell(c)[a]] += mass * N[a];
         if (lumped) continue;
@@ -104,100 +88,6 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
       }
     }
   }
-}
-
-template <int dim>
-template <int nodes>
-Matrix<dim> CellIntegrals<dim>::displacement_gradient(const Vector<dim>* dN,
-                                                      const Vector<dim>* u_cell) const {
-  Matrix<dim> H = Matrix<dim>::Zero();
-  for (int a = 0; a < nodes; ++a) H.noalias() += u_cell[a] * dN[a].transpose();
-  return H;
-}
-
-namespace {
-
-/// K_ab += w dN_a . A . dN_b, row-major (nodes dim) x (nodes dim).
-template <int dim, int nodes>
-void add_point_stiffness(const Tangent<dim>& A, const Vector<dim>* dN, double w, double* K) {
-  constexpr int n = nodes * dim;
-  for (int b = 0; b < nodes; ++b) {
-    double AdN[dim * dim][dim];  // (iJ, k) = w A(iJ, kL) dN_b,L
-    for (int iJ = 0; iJ < dim * dim; ++iJ) {
-      for (int k = 0; k < dim; ++k) {
-        double sum = 0;
-        for (int L = 0; L < dim; ++L) sum += A(iJ, k * dim + L) * dN[b][L];
-        AdN[iJ][k] = w * sum;
-      }
-    }
-    for (int a = 0; a < nodes; ++a) {
-      for (int i = 0; i < dim; ++i) {
-        double* row = K + (a * dim + i) * n + b * dim;
-        for (int k = 0; k < dim; ++k) {
-          double sum = 0;
-          for (int J = 0; J < dim; ++J) sum += dN[a][J] * AdN[i * dim + J][k];
-          row[k] += sum;
-        }
-      }
-    }
-  }
-}
-
-}  // namespace
-
-template <int dim>
-template <int nodes, class Law>
-StressIntegral CellIntegrals<dim>::integrate(const Law& law, std::span<const double> u,
-                                             std::span<double> f_int, BlockMatrix<dim>* K) const {
-  StressIntegral result;
-  const MaterialState<dim> virgin;
-  StressUpdate<dim> update;
-  Tangent<dim> A;
-  double K_cell[nodes * dim * nodes * dim];
-  for (std::int32_t c = 0; c < num_cells_; ++c) {
-    const std::int32_t* node = cell_nodes_.data() + static_cast<std::size_t>(c) * nodes;
-    Vector<dim> u_cell[nodes], f_cell[nodes];
-    for (int a = 0; a < nodes; ++a) {
-      u_cell[a] = Eigen::Map<const Vector<dim>>(u.data() + static_cast<std::size_t>(node[a]) * dim);
-      f_cell[a].setZero();
-    }
-    if (K) std::fill(std::begin(K_cell), std::end(K_cell), 0.0);
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
-      const Vector<dim>* dN = gradients_.data() + point * nodes;
-      const double w = weights_[point];
-      if (!law.update(displacement_gradient<nodes>(dN, u_cell), virgin, update, K ? &A : nullptr)) {
-        result.inadmissible_cell = c;
-        return result;
-      }
-      result.energy += w * update.energy;
-      for (int a = 0; a < nodes; ++a) f_cell[a].noalias() += w * (update.P * dN[a]);
-      if (K) add_point_stiffness<dim, nodes>(A, dN, w, K_cell);
-    }
-    for (int a = 0; a < nodes; ++a) {
-      Eigen::Map<Vector<dim>>(f_int.data() + static_cast<std::size_t>(node[a]) * dim) += f_cell[a];
-    }
-    if (K) K->add_cell(c, K_cell);
-  }
-  return result;
-}
-
-template <int dim>
-StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
-                                                BlockMatrix<dim>* K) const {
-  return std::visit(
-      [&](const auto& law) {
-        switch (nodes_per_cell_) {
-          case 3:
-            return integrate<3>(law, u, f_int, K);
-          case 4:
-            return integrate<4>(law, u, f_int, K);
-          default:
-            assert(nodes_per_cell_ == 8);
-            return integrate<8>(law, u, f_int, K);
-        }
-      },
-      material_.law);
 }
 
 template <int dim>
@@ -255,47 +145,114 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
 }
 
 template <int dim>
-std::vector<double> CellIntegrals<dim>::cell_stresses(std::span<const double> u) const {
-  constexpr int size = symmetric_size<dim>;
-  std::vector<double> result(static_cast<std::size_t>(num_cells_) * size, 0.0);
-  const MaterialState<dim> virgin;
-  StressUpdate<dim> update;
-  for (std::int32_t c = 0; c < num_cells_; ++c) {
-    Symmetric<dim> mean = Symmetric<dim>::Zero();
-    double volume = 0;
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
-      Matrix<dim> H = Matrix<dim>::Zero();
-      for (int a = 0; a < nodes_per_cell_; ++a) {
-        H += Eigen::Map<const Vector<dim>>(u.data() + static_cast<std::size_t>(cell(c)[a]) * dim) *
-             gradients_[point * nodes_per_cell_ + a].transpose();
-      }
-      std::visit([&](const auto& law) { law.update(H, virgin, update, nullptr); }, material_.law);
-      const bool small_strain = std::holds_alternative<LinearElastic<dim>>(material_.law);
-      mean += weights_[point] * update.tau / (small_strain ? 1.0 : update.J);
-      volume += weights_[point];
-    }
-    Eigen::Map<Symmetric<dim>>(result.data() + static_cast<std::size_t>(c) * size) = mean / volume;
+StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
+                                                BlockMatrix<dim>* K, HistoryStep history) const {
+  StressIntegral sum;
+  std::size_t first = 0;
+  for (const auto& block : blocks_) {
+    const HistoryStep own = history.part(first, block.history_size());
+    const StressIntegral stresses = block.add_internal(u, f_int, K, own);
+    sum = {.inadmissible_cell = stresses.inadmissible_cell,
+           .fault = stresses.fault,
+           .energy = sum.energy + stresses.energy};
+    if (sum.inadmissible_cell >= 0) return sum;
+    first += block.history_size();
+  }
+  return sum;
+}
+
+template <int dim>
+std::span<const double> CellIntegrals<dim>::of_block(std::span<const double> history,
+                                                     std::size_t block) const {
+  std::size_t first = 0;
+  for (std::size_t b = 0; b < block; ++b) first += blocks_[b].history_size();
+  return history.subspan(first, blocks_[block].history_size());
+}
+
+template <int dim>
+std::vector<double> CellIntegrals<dim>::cell_stresses(std::span<const double> u,
+                                                      std::span<const double> history) const {
+  std::vector<double> result(static_cast<std::size_t>(num_cells_) * symmetric_size<dim>, 0.0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    blocks_[b].find_stresses(u, of_block(history, b), result);
   }
   return result;
 }
 
 template <int dim>
+std::vector<double> CellIntegrals<dim>::cell_plastic_strains(
+    std::span<const double> history) const {
+  std::vector<double> result(static_cast<std::size_t>(num_cells_), 0.0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    blocks_[b].find_plastic_strains(of_block(history, b), result);
+  }
+  return result;
+}
+
+template <int dim>
+double CellIntegrals<dim>::plastic_work(std::span<const double> history) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    sum += blocks_[b].plastic_work(of_block(history, b));
+  }
+  return sum;
+}
+
+template <int dim>
 double CellIntegrals<dim>::largest_rotation(std::span<const double> u) const {
   double largest = 0;
-  for (std::int32_t c = 0; c < num_cells_; ++c) {
-    Matrix<dim> F = Matrix<dim>::Identity();
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
-      for (int a = 0; a < nodes_per_cell_; ++a) {
-        const Eigen::Map<const Vector<dim>> u_a(u.data() +
-                                                static_cast<std::size_t>(cell(c)[a]) * dim);
-        F += u_a * gradients_[point * nodes_per_cell_ + a].transpose() / points_per_cell_;
-      }
-    }
-    largest = std::max(largest, angle_of<dim>(F));
-  }
+  for (const auto& block : blocks_) largest = std::max(largest, block.largest_rotation(u));
   return largest;
+}
+
+template <int dim>
+std::size_t CellIntegrals<dim>::history_size() const {
+  std::size_t sum = 0;
+  for (const auto& block : blocks_) sum += block.history_size();
+  return sum;
+}
+
+template <int dim>
+std::size_t CellIntegrals<dim>::history_width() const {
+  std::size_t widest = 0;
+  for (const auto& block : blocks_) widest = std::max(widest, block.history_width());
+  return widest;
+}
+
+template <int dim>
+bool CellIntegrals<dim>::yields() const {
+  return std::ranges::any_of(blocks_, [](const auto& block) { return block.yields(); });
+}
+
+/// Call visit(place in a history, place in rows, number of values) for each cell.
+template <int dim>
+template <class Visit>
+void CellIntegrals<dim>::for_each_cell_history(const Visit& visit) const {
+  std::size_t place = 0;
+  for (const auto& block : blocks_) {
+    for (const std::int32_t c : block.cells()) {
+      visit(place, static_cast<std::size_t>(c) * history_width(), block.history_width());
+      place += block.history_width();
+    }
+  }
+}
+
+template <int dim>
+std::vector<double> CellIntegrals<dim>::history_rows(std::span<const double> history) const {
+  std::vector<double> rows(static_cast<std::size_t>(num_cells_) * history_width(), 0.0);
+  for_each_cell_history([&](std::size_t place, std::size_t row, std::size_t size) {
+    std::ranges::copy(history.subspan(place, size), rows.begin() + row);
+  });
+  return rows;
+}
+
+template <int dim>
+std::vector<double> CellIntegrals<dim>::history_of_rows(std::span<const double> rows) const {
+  std::vector<double> history(history_size());
+  for_each_cell_history([&](std::size_t place, std::size_t row, std::size_t size) {
+    std::ranges::copy(rows.subspan(row, size), history.begin() + place);
+  });
+  return history;
 }
 
 template class CellIntegrals<2>;

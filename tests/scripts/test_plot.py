@@ -14,6 +14,7 @@ import made_up_results as made_up
 from plotting import contact, gauges, history
 from plotting import scene as scenes
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
+from plotting.envelope import envelope_rows, write_envelope
 from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot
 from plotting.style import COLOURS, new_figure, plt
@@ -320,6 +321,18 @@ class Drawing(ScriptCase):
             rows = [[0, 0], [0.5, middle], [1, end]]
             made_up.write_table(folder / "probes.csv", ["time", "structure.A.ux"], rows)
             self.assertIn(f"structure.A.ux: {words}", "\n".join(summary_lines(Results(folder))))
+
+    def test_envelope(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        names = ["time", "wall.ux", "soil.front"]
+        made_up.write_table(folder / "probes.csv", names, [[0, 0, ""], [0.5, -3, ""], [1, 2, 7], [1.5, 2, 6]])
+        rows = envelope_rows(Results(folder))
+        self.assertEqual(rows[0], ["wall.ux", "-3", "0.5", "2", "1", "2"])
+        self.assertEqual(rows[1], ["soil.front", "6", "1.5", "7", "1", "6"])
+        path = write_envelope(Results(folder), self.folder)
+        self.assertEqual(path.read_text(encoding="utf-8").splitlines()[1], ",".join(rows[0]))
+        made_up.write_table(folder / "probes.csv", names, [])
+        self.assertIsNone(write_envelope(Results(folder), self.folder))
 
     def test_summary_of_rigid_walls(self) -> None:
         folder = made_up.write_results(self.folder / "a")

@@ -37,6 +37,7 @@ MeshPart<dim> MeshParts<dim>::take(int part) {
   }
   for (std::int32_t& i : mesh.cells) i = places_[i];
   take_facets(taken);
+  take_cell_groups(taken);
   for (const std::int32_t i : numbers.nodes) places_[i] = -1;
   return taken;
 }
@@ -55,6 +56,19 @@ void MeshParts<dim>::take_facets(MeshPart<dim>& part) {
       given[f] = 1;
       numbers.push_back(static_cast<std::int64_t>(f));
       for (const std::int32_t i : nodes) own.push_back(places_[i]);
+    }
+  }
+}
+
+template <int dim>
+void MeshParts<dim>::take_cell_groups(MeshPart<dim>& part) const {
+  const std::vector<std::int32_t>& own = part.numbers.cells;
+  for (const auto& [name, cells] : mesh_.cell_groups) {
+    auto& taken = part.mesh.cell_groups[name];
+    for (const std::int32_t c : cells) {
+      const auto found = std::ranges::lower_bound(own, c);
+      if (found == own.end() || *found != c) continue;
+      taken.push_back(static_cast<std::int32_t>(found - own.begin()));
     }
   }
 }

@@ -23,8 +23,8 @@ struct PartNumbers {
   std::int32_t num_cells = 0;  ///< of the whole
 };
 
-/// Some cells of a mesh and their nodes. It has all facet groups of the whole, with its own facets,
-/// and no groups of cells.
+/// Some cells of a mesh and their nodes. It has all groups of the whole, with its own facets and
+/// cells.
 template <int dim>
 struct MeshPart {
   Mesh<dim> mesh;
@@ -56,6 +56,7 @@ class MeshParts {
 
  private:
   void take_facets(MeshPart<dim>& part);
+  void take_cell_groups(MeshPart<dim>& part) const;
 
   const Mesh<dim>& mesh_;
   std::vector<int> part_of_cell_;

@@ -73,7 +73,7 @@ TEST(FemConfig, values_out_of_range) {
   expect_refused(json, {"/gravity", "2 numbers"});
 }
 
-TEST(FemConfig, plastic_law_is_refused) {
+TEST(FemConfig, law_of_soil_is_refused) {
   Json json = valid();
   json["material"] = {{"law", "mohr_coulomb"}, {"young_modulus", 1e6},   {"poisson_ratio", 0.3},
                       {"density", 1000},       {"friction_angle", 30.0}, {"dilation_angle", 0.0},
@@ -81,7 +81,7 @@ TEST(FemConfig, plastic_law_is_refused) {
   expect_refused(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
   json["material"]["law"] = "hookean";
   expect_refused(json, {"/material/law: found \"hookean\", allowed: linear_elastic, neo_hookean, "
-                        "hencky_elastic;"});
+                        "hencky_elastic, von_mises;"});
 }
 
 TEST(FemConfig, names_that_no_table_can_hold) {

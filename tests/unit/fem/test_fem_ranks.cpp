@@ -219,6 +219,38 @@ TEST(FemRanks, restart_gives_the_same_bits) {
   EXPECT_EQ(run_loaded(*second, 4, 6), expected);
 }
 
+/// The wall of a material that yields under its loads, with enhanced cells.
+Json yielding_wall() {
+  Json json = wall();
+  json["material"] = elastic("von_mises", 1e5, 0.3, density);
+  json["material"]["yield_stress"] = 300;
+  json["material"]["hardening_modulus"] = 1e4;
+  json["gravity"] = {0, 0, 0};
+  json["initial_equilibrium"] = false;
+  json["material"]["formulation"] = "enhanced";
+  json["linear_solver"] = {{"method", "cg"}, {"preconditioner", "jacobi"}, {"tolerance", 1e-12}};
+  return json;
+}
+
+TEST(FemRanks, a_wall_that_yields_goes_on_on_another_number_of_ranks) {
+  const Json json = yielding_wall();
+  const auto straight = fem_solver<3>(json, MPI_COMM_SELF);
+  run_loaded(*straight, 1, 6);
+  EXPECT_GT(probe(*straight, "plastic_strain"), 1e-4);
+  for (const auto& [before, after] : {std::pair(1, size()), {size(), 1}, {size(), size()}}) {
+    expect_same_run(json, *straight, before, after);
+  }
+}
+
+TEST(FemRanks, restart_of_a_wall_that_yields_gives_the_same_bits) {
+  const Json json = yielding_wall();
+  const auto first = fem_solver<3>(json), second = fem_solver<3>(json);
+  run_loaded(*first, 1, 3);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  EXPECT_EQ(second->save_state().reals, first->save_state().reals);
+  EXPECT_EQ(run_loaded(*second, 4, 6), run_loaded(*first, 4, 6));
+}
+
 TEST(FemRanks, a_state_of_another_mesh_is_refused) {
   Json other = wall();
   other["mesh"] = box_3d({0.4, 0.1, 1}, {4, 2, 7});

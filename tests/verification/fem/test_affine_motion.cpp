@@ -75,7 +75,7 @@ struct Errors {
 template <int dim>
 Errors drive(const std::string& type, const std::string& law, const Path<dim>& path) {
   const auto settings = driven_box<dim>(type, law, path);
-  const fem::CellIntegrals<dim> cells(settings.mesh, settings.material, false);
+  const fem::CellIntegrals<dim> cells(settings.mesh, settings.materials, false);
   fem::FemSolver<dim> solver(comm(), settings, "");
   Errors errors;
   for (int n = 1; n <= steps; ++n) {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/mechanics/materials/material.hpp"
+#include "fem_solver/materials/von_mises.hpp"
+
+namespace gabion::fem {
+
+/// Laws of cells: the elastic ones of common/mechanics, and those whose history lies on fixed axes.
+template <int dim>
+using CellLaw =
+    std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, VonMises<dim>>;
+
+/// A law that updates a history of its own.
+template <class Law>
+concept LawWithHistory = requires {
+  Law::history_size;
+};
+
+/// How a cell makes stresses of its nodes' displacements.
+enum class Formulation {
+  full,     ///< strain of the displacements, full integration
+  enhanced  ///< with enhanced assumed strains (quad4, hex8): bends, does not lock
+};
+
+/// Material of some cells.
+template <int dim>
+struct CellMaterial {
+  std::string group;  ///< of its cells; empty: all cells
+  std::string where;  ///< place of the group in the config, for errors
+  std::string law_name;
+  double density = 0;  ///< [kg/m^3], in the stress-free state
+  CellLaw<dim> law;
+  Formulation formulation = Formulation::full;
+};
+
+/// Number of values that the law keeps of a point.
+template <int dim>
+int history_size(const CellLaw<dim>& law) {
+  return std::visit(
+      []<class Law>(const Law&) {
+        if constexpr (LawWithHistory<Law>) return Law::history_size;
+        return 0;
+      },
+      law);
+}
+
+/// Keys of the material of all cells.
+KeyTable cell_material_keys();
+/// The same of the cells of a group.
+KeyTable group_material_keys();
+
+/// Read what cell_material_keys() or, with a group, group_material_keys() list.
+/// @throws ConfigError  a table of yield stresses that does not rise in strain, ...
+template <int dim>
+CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group);
+
+}  // namespace gabion::fem

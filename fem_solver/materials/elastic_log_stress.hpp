@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/mechanics/materials/elastic.hpp"
+#include "fem_solver/materials/log_strain.hpp"
+
+namespace gabion::fem {
+
+// The elastic laws as functions of the logarithmic strain, for cells that enhance it.
+
+template <int dim>
+void log_stress(const NeoHookean<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
+template <int dim>
+void log_stress(const HenckyElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
+/// Of small strain: E is the symmetric part of H there.
+template <int dim>
+void log_stress(const LinearElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
+
+}  // namespace gabion::fem

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/stress/cell_block.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "common/base/require.hpp"
+#include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/rotation_angle.hpp"
+#include "fem_solver/stress/enhanced_cell.hpp"
+#include "fem_solver/stress/point_stiffness.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+/// Of the rotation R in F = R U [rad]; 0 below some 0.1 rad in space, where nobody asks for it.
+template <int dim>
+double angle_of(const Matrix<dim>& F) {
+  if constexpr (dim == 3) {
+    const Matrix<dim> skew = 0.5 * (F - F.transpose());
+    if (skew.squaredNorm() < 2e-2 && F.trace() > 2.9) return 0;
+  }
+  return rotation_angle<dim>(F);
+}
+
+/// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
+int stiffness_degree(CellType type) {
+  return type == CellType::tri3 || type == CellType::tet4 ? 1 : 3;
+}
+
+template <int dim>
+Eigen::Map<const Vector<dim>> at(std::span<const double> u, std::int32_t node) {
+  return Eigen::Map<const Vector<dim>>(u.data() + static_cast<std::size_t>(node) * dim);
+}
+
+/// H = sum_a u_a (x) dN_a; in the plane by component, which the compiler keeps in registers.
+template <int dim, int nodes>
+Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_cell) {
+  Matrix<dim> H = Matrix<dim>::Zero();
+  if constexpr (dim == 2) {
+    double xx = 0, xy = 0, yx = 0, yy = 0;
+    for (int a = 0; a < nodes; ++a) {
+      xx += u_cell[a][0] * dN[a][0];
+      xy += u_cell[a][0] * dN[a][1];
+      yx += u_cell[a][1] * dN[a][0];
+      yy += u_cell[a][1] * dN[a][1];
+    }
+    H << xx, xy, yx, yy;
+  } else {
+    for (int a = 0; a < nodes; ++a) H.noalias() += u_cell[a] * dN[a].transpose();
+  }
+  return H;
+}
+
+/// Stress update of a point, whichever kind of history the law has.
+template <int dim, class Law>
+bool update_point(const Law& law, const Matrix<dim>& H, HistoryStep history, StressUpdate<dim>& out,
+                  Tangent<dim>* A) {
+  if constexpr (LawWithHistory<Law>) {
+    return law.update(H, history.accepted, history.trial, out, A);
+  } else {
+    const MaterialState<dim> virgin;  // here, for the compiler to see that it is zero
+    return law.update(H, virgin, out, A);
+  }
+}
+
+}  // namespace
+
+template <int dim>
+CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
+                          std::vector<std::int32_t> cells, const MeshRanks& ranks)
+    : material_(material),
+      cells_(std::move(cells)),
+      nodes_per_cell_(mesh.nodes_per_cell()),
+      history_per_point_(static_cast<std::size_t>(fem::history_size<dim>(material.law))) {
+  for (const std::int32_t c : cells_) {
+    const auto nodes = mesh.cell(c);
+    cell_nodes_.insert(cell_nodes_.end(), nodes.begin(), nodes.end());
+  }
+  compute_geometry(mesh, ranks);
+  history_width_ = history_per_point_ * static_cast<std::size_t>(points_per_cell_) +
+                   (is_enhanced() ? num_modes<dim> : 0);
+}
+
+template <int dim>
+void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
+  const auto rule = gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type));
+  points_per_cell_ = static_cast<int>(rule.size());
+  const std::size_t n = static_cast<std::size_t>(nodes_per_cell_);
+  ShapeValues<dim> shape;
+  Vector<dim> x[max_cell_nodes];
+  for (const std::int32_t c : cells_) {
+    for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[mesh.cell(c)[a]];
+    for (const auto& q : rule) {
+      shape_functions<dim>(mesh.cell_type, q.xi, shape);
+      const double jacobian = map_gradients<dim>(mesh.cell_type, x, shape);
+      require<ConfigError>(jacobian > 0,
+                           "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
+                           "point; allowed: convex cells of positive volume",
+                           ranks.cell_of_all(c), jacobian);
+      weights_.push_back(q.weight * jacobian);
+      gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
+    }
+    if (!is_enhanced()) continue;
+    const auto modes = enhancing_modes<dim>({x, n}, rule);
+    modes_.insert(modes_.end(), modes.begin(), modes.end());
+  }
+}
+
+template <int dim>
+template <int nodes, class Law>
+StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double> u,
+                                         std::span<double> f_int, BlockMatrix<dim>* K,
+                                         HistoryStep history) const {
+  StressIntegral result;
+  StressUpdate<dim> update;
+  Tangent<dim> A;
+  double K_cell[nodes * dim * nodes * dim];
+  const auto num_cells = static_cast<std::int32_t>(cells_.size());
+  for (std::int32_t c = 0; c < num_cells; ++c) {
+    const std::int32_t* node = cell_nodes_.data() + static_cast<std::size_t>(c) * nodes;
+    Vector<dim> u_cell[nodes], f_cell[nodes];
+    for (int a = 0; a < nodes; ++a) {
+      u_cell[a] = at<dim>(u, node[a]);
+      f_cell[a].setZero();
+    }
+    if (K) std::fill(std::begin(K_cell), std::end(K_cell), 0.0);
+    for (int q = 0; q < points_per_cell_; ++q) {
+      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+      const Vector<dim>* dN = gradients_.data() + point * nodes;
+      const double w = weights_[point];
+      const Matrix<dim> H = displacement_gradient<dim, nodes>(dN, u_cell);
+      const HistoryStep of_point =
+          LawWithHistory<Law> ? history.part(point * history_per_point_, history_per_point_)
+                              : HistoryStep{};
+      if (!update_point<dim>(law, H, of_point, update, K ? &A : nullptr)) {
+        return {.inadmissible_cell = cells_[c], .fault = "det F <= 0", .energy = result.energy};
+      }
+      result.energy += w * update.energy;
+      for (int a = 0; a < nodes; ++a) f_cell[a].noalias() += w * (update.P * dN[a]);
+      if (K) add_point_stiffness<dim, nodes>(A, dN, w, K_cell);
+    }
+    for (int a = 0; a < nodes; ++a) {
+      Eigen::Map<Vector<dim>>(f_int.data() + static_cast<std::size_t>(node[a]) * dim) += f_cell[a];
+    }
+    if (K) K->add_cell(cells_[c], K_cell);
+  }
+  return result;
+}
+
+template <int dim>
+template <class Law>
+StressIntegral CellBlock<dim>::integrate_enhanced(const Law& law, std::span<const double> u,
+                                                  std::span<double> f_int, BlockMatrix<dim>* K,
+                                                  HistoryStep history) const {
+  using Cell = EnhancedCell<dim, Law>;
+  StressIntegral result;
+  typename Cell::Stiffness K_cell;
+  std::array<Vector<dim>, Cell::num_nodes> u_cell;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const auto node = nodes_of(static_cast<std::int32_t>(c));
+    for (int a = 0; a < Cell::num_nodes; ++a) u_cell[a] = at<dim>(u, node[a]);
+    const std::size_t point = c * Cell::num_points;
+    Cell cell(law, {.gradients = gradients_.data() + point * Cell::num_nodes,
+                    .weights = weights_.data() + point,
+                    .modes = modes_.data() + point});
+    const HistoryStep of_cell = history.part(c * history_width_, history_width_);
+    if (const char* fault = cell.balance(u_cell, of_cell.accepted, of_cell.trial)) {
+      return {.inadmissible_cell = cells_[c], .fault = fault, .energy = result.energy};
+    }
+    result.energy += cell.energy();
+    const typename Cell::Forces f = cell.forces();
+    for (int a = 0; a < Cell::num_nodes; ++a) {
+      Eigen::Map<Vector<dim>>(f_int.data() + static_cast<std::size_t>(node[a]) * dim) +=
+          f.template segment<dim>(a * dim);
+    }
+    if (!K) continue;
+    cell.find_stiffness(K_cell);
+    K->add_cell(cells_[c], K_cell.data());
+  }
+  return result;
+}
+
+template <int dim>
+StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
+                                            BlockMatrix<dim>* K, HistoryStep history) const {
+  return std::visit(
+      [&](const auto& law) {
+        if (is_enhanced()) return integrate_enhanced(law, u, f_int, K, history);
+        switch (nodes_per_cell_) {
+          case 3:
+            return integrate<3>(law, u, f_int, K, history);
+          case 4:
+            return integrate<4>(law, u, f_int, K, history);
+          default:
+            assert(nodes_per_cell_ == 8);
+            return integrate<8>(law, u, f_int, K, history);
+        }
+      },
+      material_.law);
+}
+
+template <int dim>
+Matrix<dim> CellBlock<dim>::gradient_at(std::int32_t c, int q, std::span<const double> u) const {
+  const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+  Matrix<dim> H = Matrix<dim>::Zero();
+  for (int a = 0; a < nodes_per_cell_; ++a) {
+    H += at<dim>(u, nodes_of(c)[a]) * gradients_[point * nodes_per_cell_ + a].transpose();
+  }
+  return H;
+}
+
+template <int dim>
+template <class Law>
+Symmetric<dim> CellBlock<dim>::mean_stress(const Law& law, std::int32_t c,
+                                           std::span<const double> u,
+                                           std::span<const double> history) const {
+  Symmetric<dim> mean = Symmetric<dim>::Zero();
+  double volume = 0;
+  StressUpdate<dim> update;
+  std::vector<double> unused(history.begin(), history.end());
+  for (int q = 0; q < points_per_cell_; ++q) {
+    const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+    const HistoryStep of_point = HistoryStep{.accepted = history, .trial = unused}.part(
+        q * history_per_point_, history_per_point_);
+    update_point<dim>(law, gradient_at(c, q, u), of_point, update, nullptr);
+    const bool small_strain = std::same_as<Law, LinearElastic<dim>>;
+    mean += weights_[point] * update.tau / (small_strain ? 1.0 : update.J);
+    volume += weights_[point];
+  }
+  return mean / volume;
+}
+
+template <int dim>
+template <class Law>
+Symmetric<dim> CellBlock<dim>::mean_enhanced_stress(const Law& law, std::int32_t c,
+                                                    std::span<const double> u,
+                                                    std::span<const double> history) const {
+  using Cell = EnhancedCell<dim, Law>;
+  const std::size_t point = static_cast<std::size_t>(c) * Cell::num_points;
+  Cell cell(law, {.gradients = gradients_.data() + point * Cell::num_nodes,
+                  .weights = weights_.data() + point,
+                  .modes = modes_.data() + point});
+  std::array<Vector<dim>, Cell::num_nodes> u_cell;
+  for (int a = 0; a < Cell::num_nodes; ++a) u_cell[a] = at<dim>(u, nodes_of(c)[a]);
+  std::vector<double> unused(history.begin(), history.end());
+  if (cell.balance(u_cell, history, unused) != nullptr) {
+    return Symmetric<dim>::Constant(std::nan(""));
+  }
+  Symmetric<dim> mean = Symmetric<dim>::Zero();
+  double volume = 0;
+  for (int q = 0; q < Cell::num_points; ++q) {
+    const double w = weights_[point + q];
+    mean += w * cell.kirchhoff_stress(q) / cell.volume_ratio(q);
+    volume += w;
+  }
+  return mean / volume;
+}
+
+template <int dim>
+void CellBlock<dim>::find_stresses(std::span<const double> u, std::span<const double> history,
+                                   std::span<double> stresses) const {
+  constexpr std::size_t size = symmetric_size<dim>;
+  std::visit(
+      [&](const auto& law) {
+        for (std::size_t k = 0; k < cells_.size(); ++k) {
+          const auto c = static_cast<std::int32_t>(k);
+          const auto own = history.subspan(k * history_width_, history_width_);
+          Eigen::Map<Symmetric<dim>>(stresses.data() + cells_[k] * size) =
+              is_enhanced() ? mean_enhanced_stress(law, c, u, own) : mean_stress(law, c, u, own);
+        }
+      },
+      material_.law);
+}
+
+template <int dim>
+void CellBlock<dim>::find_plastic_strains(std::span<const double> history,
+                                          std::span<double> strains) const {
+  if (!yields()) return;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    double sum = 0, volume = 0;
+    for (int q = 0; q < points_per_cell_; ++q) {
+      const double w = weights_[c * points_per_cell_ + q];
+      sum += w * history[c * history_width_ + (q + 1) * history_per_point_ - 1];
+      volume += w;
+    }
+    strains[cells_[c]] = sum / volume;
+  }
+}
+
+template <int dim>
+double CellBlock<dim>::largest_plastic_strain(std::span<const double> history) const {
+  double largest = 0;
+  if (!yields()) return largest;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    for (int q = 0; q < points_per_cell_; ++q) {
+      largest = std::max(largest, history[c * history_width_ + (q + 1) * history_per_point_ - 1]);
+    }
+  }
+  return largest;
+}
+
+template <int dim>
+double CellBlock<dim>::plastic_work(std::span<const double> history) const {
+  const auto* law = std::get_if<VonMises<dim>>(&material_.law);
+  if (!law) return 0;
+  double sum = 0;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    for (int q = 0; q < points_per_cell_; ++q) {
+      const auto own =
+          history.subspan(c * history_width_ + q * history_per_point_, history_per_point_);
+      if (own.back() > 0) sum += weights_[c * points_per_cell_ + q] * law->plastic_work(own);
+    }
+  }
+  return sum;
+}
+
+template <int dim>
+double CellBlock<dim>::largest_rotation(std::span<const double> u) const {
+  double largest = 0;
+  if (!std::holds_alternative<LinearElastic<dim>>(material_.law)) return largest;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    Matrix<dim> F = Matrix<dim>::Identity();
+    for (int q = 0; q < points_per_cell_; ++q) {
+      F += gradient_at(static_cast<std::int32_t>(c), q, u) / points_per_cell_;
+    }
+    largest = std::max(largest, angle_of<dim>(F));
+  }
+  return largest;
+}
+
+template class CellBlock<2>;
+template class CellBlock<3>;
+
+}  // namespace gabion::fem

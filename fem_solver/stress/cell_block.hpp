@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/mesh/mesh.hpp"
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/enhanced_strain.hpp"
+#include "fem_solver/stress/stress_integral.hpp"
+
+namespace gabion::fem {
+
+/// Cells of one material and formulation. Gradients and weights are computed once. Histories given
+/// to its functions are those of its cells, num_cells x history_width.
+template <int dim>
+class CellBlock {
+ public:
+  /// @param cells  of the mesh
+  /// @param ranks  for the number of a cell in messages
+  /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point
+  CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
+            std::vector<std::int32_t> cells, const MeshRanks& ranks);
+
+  /// See CellIntegrals::add_internal.
+  StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
+                              BlockMatrix<dim>* K, HistoryStep history) const;
+
+  /// Cauchy stress, mean over the quadrature points, into the rows of its cells [Pa].
+  /// @param history  accepted
+  void find_stresses(std::span<const double> u, std::span<const double> history,
+                     std::span<double> stresses) const;
+  /// Equivalent plastic strain, mean over the quadrature points, into the rows of its cells.
+  void find_plastic_strains(std::span<const double> history, std::span<double> strains) const;
+  double largest_plastic_strain(std::span<const double> history) const;
+  double plastic_work(std::span<const double> history) const;  ///< [J]
+  /// See CellIntegrals::largest_rotation; 0 of laws of finite strain.
+  double largest_rotation(std::span<const double> u) const;
+
+  const CellMaterial<dim>& material() const { return material_; }
+  std::span<const std::int32_t> cells() const { return cells_; }
+  std::size_t history_width() const { return history_width_; }  ///< of a cell
+  std::size_t history_size() const { return history_width_ * cells_.size(); }
+  bool yields() const { return history_per_point_ > 0; }
+
+ private:
+  template <int nodes, class Law>
+  StressIntegral integrate(const Law& law, std::span<const double> u, std::span<double> f_int,
+                           BlockMatrix<dim>* K, HistoryStep history) const;
+  template <class Law>
+  StressIntegral integrate_enhanced(const Law& law, std::span<const double> u,
+                                    std::span<double> f_int, BlockMatrix<dim>* K,
+                                    HistoryStep history) const;
+  template <class Law>
+  Symmetric<dim> mean_stress(const Law& law, std::int32_t c, std::span<const double> u,
+                             std::span<const double> history) const;
+  template <class Law>
+  Symmetric<dim> mean_enhanced_stress(const Law& law, std::int32_t c, std::span<const double> u,
+                                      std::span<const double> history) const;
+  void compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks);
+  std::span<const std::int32_t> nodes_of(std::int32_t c) const {
+    return std::span(cell_nodes_)
+        .subspan(static_cast<std::size_t>(c) * nodes_per_cell_, nodes_per_cell_);
+  }
+  Matrix<dim> gradient_at(std::int32_t c, int q, std::span<const double> u) const;
+  bool is_enhanced() const { return material_.formulation == Formulation::enhanced; }
+
+  CellMaterial<dim> material_;
+  std::vector<std::int32_t> cells_;  // of the mesh
+  int nodes_per_cell_ = 0;
+  int points_per_cell_ = 0;
+  std::size_t history_per_point_ = 0;
+  std::size_t history_width_ = 0;
+  std::vector<std::int32_t> cell_nodes_;  // cells x nodes
+  std::vector<Vector<dim>> gradients_;    // cells x points x nodes
+  std::vector<double> weights_;           // cells x points [m^dim]
+  std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced
+};
+
+}  // namespace gabion::fem

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/stress/cells_of_materials.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "common/base/require.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+template <int dim>
+const std::vector<std::int32_t>& find_cells(const Mesh<dim>& mesh,
+                                            const CellMaterial<dim>& material) {
+  const auto found = mesh.cell_groups.find(material.group);
+  if (found != mesh.cell_groups.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, cells] : mesh.cell_groups) names.push_back(name);
+  throw ConfigError(
+      fmt::format("{}: found cell group \"{}\", {} has: {}", material.where, material.group,
+                  mesh.file.empty() ? "a box" : mesh.file,
+                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+/// Number in the whole mesh and centre.
+template <int dim>
+std::string describe_cell(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c) {
+  Vector<dim> centre = Vector<dim>::Zero();
+  for (const std::int32_t i : mesh.cell(c)) centre += mesh.nodes[i] / mesh.nodes_per_cell();
+  return fmt::format("cell {} near ({:.6g})", ranks.cell_of_all(c),
+                     fmt::join(centre.data(), centre.data() + dim, ", "));
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<std::vector<std::int32_t>> cells_of_materials(
+    const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials, const MeshRanks& ranks) {
+  std::vector<std::vector<std::int32_t>> cells(materials.size());
+  if (materials.size() == 1 && materials[0].group.empty()) {
+    cells[0].resize(mesh.num_cells());
+    std::iota(cells[0].begin(), cells[0].end(), 0);
+    return cells;
+  }
+  constexpr std::size_t none = -1;
+  std::vector<std::size_t> of_cell(mesh.num_cells(), none);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    for (const std::int32_t c : find_cells(mesh, materials[m])) {
+      require<ConfigError>(of_cell[c] == none, [&] {
+        return fmt::format(
+            "{}: found {} of {} in the groups \"{}\" and \"{}\", allowed: each cell "
+            "in one group of \"materials\"",
+            materials[m].where, describe_cell(mesh, ranks, c), mesh.file,
+            materials[of_cell[c]].group, materials[m].group);
+      });
+      of_cell[c] = m;
+    }
+  }
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+    require<ConfigError>(of_cell[c] != none, [&] {
+      const auto missing = std::ranges::count(of_cell, none);
+      return fmt::format(
+          "{}: found {} of {} in no group of \"materials\" ({} such cells), allowed: "
+          "each cell in one of them",
+          materials[0].where, describe_cell(mesh, ranks, c), mesh.file, missing);
+    });
+    cells[of_cell[c]].push_back(c);
+  }
+  return cells;
+}
+
+template std::vector<std::vector<std::int32_t>> cells_of_materials(const Mesh<2>&,
+                                                                   std::span<const CellMaterial<2>>,
+                                                                   const MeshRanks&);
+template std::vector<std::vector<std::int32_t>> cells_of_materials(const Mesh<3>&,
+                                                                   std::span<const CellMaterial<3>>,
+                                                                   const MeshRanks&);
+
+}  // namespace gabion::fem

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/mesh/mesh.hpp"
+#include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
+
+namespace gabion::fem {
+
+/// Cells of each material, ascending: those of its group, or all where it has none.
+/// @throws ConfigError  a group that the mesh does not have; a cell in none of the groups, or in
+/// two
+template <int dim>
+std::vector<std::vector<std::int32_t>> cells_of_materials(
+    const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials, const MeshRanks& ranks);
+
+}  // namespace gabion::fem

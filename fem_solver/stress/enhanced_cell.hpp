@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <concepts>
+#include <span>
+
+#include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/elastic_log_stress.hpp"
+#include "fem_solver/stress/enhanced_strain.hpp"
+
+namespace gabion::fem {
+
+/// One quad4 or hex8 whose logarithmic strain is enhanced, E = E(u) + M alpha
+/// (docs/theory/structure.md, (T16) to (T18)); with small strain the symmetric part of H is. The
+/// modes are found from the accepted ones, so that forces are a function of accepted state and
+/// displacement alone.
+template <int dim, class Law>
+class EnhancedCell {
+ public:
+  static constexpr int num_nodes = 1 << dim, num_points = 1 << dim, num_dofs = num_nodes * dim;
+  static constexpr bool small_strain = std::same_as<Law, LinearElastic<dim>>;
+  using Modes = Eigen::Matrix<double, num_modes<dim>, 1>;
+  using Forces = Eigen::Matrix<double, num_dofs, 1>;
+  using Stiffness = Eigen::Matrix<double, num_dofs, num_dofs, Eigen::RowMajor>;
+
+  /// What a cell is: points x nodes, points, points.
+  struct Geometry {
+    const Vector<dim>* gradients;
+    const double* weights;
+    const ModeStrains<dim>* modes;
+  };
+
+  EnhancedCell(const Law& law, const Geometry& geometry) : law_(law), geometry_(geometry) {}
+
+  /// Find the modes that balance, from those of the history.
+  /// @param u          of the nodes [m]
+  /// @param history_n  accepted: points x history_size of the law, then the modes
+  /// @param history    at the end of the step
+  /// @returns          null, or what is wrong with the cell
+  const char* balance(std::span<const Vector<dim>> u, std::span<const double> history_n,
+                      std::span<double> history) {
+    for (int q = 0; q < num_points; ++q) {
+      if (!find_strain(q, u)) return "det F <= 0";
+    }
+    alpha_ = Eigen::Map<const Modes>(history_n.data() + history_n.size() - num_modes<dim>);
+    // Quadratic convergence takes 2 to 4; the floor is what rounding of the modes leaves.
+    constexpr int max_iterations = 30;
+    constexpr double tolerance = 1e-12, floor = 1e-15;
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
+      Modes h = Modes::Zero();
+      ModeStiffness K_aa = ModeStiffness::Zero();
+      double size = 0;
+      for (int q = 0; q < num_points; ++q) {
+        find_stress(q, history_n, history);
+        const ModeStrains<dim>& M = geometry_.modes[q];
+        const double w = geometry_.weights[q];
+        const Modes h_q = w * (M.transpose() * strain_vector<dim>(in_plane<dim>(stress_[q].T)));
+        h += h_q;
+        size += h_q.norm();
+        K_aa.noalias() += w * (M.transpose() * (stress_[q].D * M).eval());
+      }
+      // A cell that flows in shear without hardening has no stiffness against modes along the flow,
+      // and no force either: what is added there changes neither.
+      K_aa.diagonal().array() += 1e-10 * K_aa.diagonal().maxCoeff();
+      factor_.compute(K_aa);
+      if (factor_.info() != Eigen::Success) return "enhanced strain without stiffness";
+      if (h.norm() <= tolerance * size + floor * K_aa.norm()) {
+        Eigen::Map<Modes>(history.data() + history.size() - num_modes<dim>) = alpha_;
+        return nullptr;
+      }
+      alpha_ -= factor_.solve(h);
+    }
+    return "enhanced strain without balance";
+  }
+
+  // After balance():
+  double energy() const {
+    double sum = 0;
+    for (int q = 0; q < num_points; ++q) sum += geometry_.weights[q] * stress_[q].energy;
+    return sum;
+  }
+  /// int B^T S
+  Forces forces() const {
+    Forces f = Forces::Zero();
+    for (int q = 0; q < num_points; ++q) {
+      const Matrix<dim> P = F_[q] * strain_tensor<dim>(green_at(q, /*with_tangent=*/false).S);
+      for (int a = 0; a < num_nodes; ++a) {
+        f.template segment<dim>(a * dim) += geometry_.weights[q] * (P * gradient(q, a));
+      }
+    }
+    return f;
+  }
+  /// K_uu - K_ua K_aa^-1 K_au
+  void find_stiffness(Stiffness& K) const {
+    K.setZero();
+    Eigen::Matrix<double, num_modes<dim>, num_dofs> K_au;
+    K_au.setZero();
+    for (int q = 0; q < num_points; ++q) {
+      const GreenStress<dim> green = green_at(q, /*with_tangent=*/true);
+      const StrainByNodes B = strain_by_nodes(q);
+      const StrainByNodes DB = geometry_.weights[q] * (green.D * B);
+      K.noalias() += B.transpose() * DB;
+      const StrainMatrix<dim> D_slopes = geometry_.weights[q] * (stress_[q].D * slopes_[q]);
+      K_au.noalias() += (geometry_.modes[q].transpose() * D_slopes).eval() * B;
+      if (!small_strain) add_geometric(q, green.S, K);
+    }
+    K.noalias() -= K_au.transpose() * factor_.solve(K_au);
+  }
+  /// Kirchhoff stress, R T~ R^T turned as U of the enhanced strain asks [Pa].
+  Symmetric<dim> kirchhoff_stress(int q) const {
+    if constexpr (small_strain) return stress_[q].T;
+    const LogStrain<dim> enhanced = log_strain_of<dim>(enhanced_strain(q));
+    const StrainMatrix<dim> slopes = log_by_green<dim>(enhanced);
+    const GreenStress<dim> green = turned_to_green<dim>(enhanced, slopes, stress_[q], false);
+    const Matrix<dim> F = F_[q] * stretch<dim>(strain_[q], -1) * stretch<dim>(enhanced, 1);
+    Symmetric<dim> tau = symmetric<dim>(F * strain_tensor<dim>(green.S) * F.transpose());
+    if constexpr (dim == 2) tau[2] = stress_[q].T[2];
+    return tau;
+  }
+  /// Of volume, with enhancement; 1 with small strain.
+  double volume_ratio(int q) const {
+    return small_strain ? 1 : std::exp(trace<dim>(enhanced_strain(q)));
+  }
+
+ private:
+  using ModeStiffness = Eigen::Matrix<double, num_modes<dim>, num_modes<dim>>;
+  using StrainByNodes = Eigen::Matrix<double, strain_size<dim>, num_dofs>;
+
+  const Vector<dim>& gradient(int q, int a) const { return geometry_.gradients[q * num_nodes + a]; }
+
+  /// Strain of the displacements. @returns false when det F <= 0
+  bool find_strain(int q, std::span<const Vector<dim>> u) {
+    Matrix<dim> H = Matrix<dim>::Zero();
+    for (int a = 0; a < num_nodes; ++a) H.noalias() += u[a] * gradient(q, a).transpose();
+    F_[q].setIdentity();
+    if constexpr (small_strain) {
+      strain_[q].E = symmetric<dim>(H);
+      slopes_[q].setIdentity();
+      return true;
+    }
+    F_[q] += H;
+    if (!(determinant_minus_one<dim>(H) > -1)) return false;
+    if (!find_log_strain<dim>(twice_green_strain<dim>(H), strain_[q])) return false;
+    slopes_[q] = log_by_green<dim>(strain_[q]);
+    return true;
+  }
+
+  Symmetric<dim> enhanced_strain(int q) const {
+    return strain_[q].E +
+           symmetric<dim>(strain_tensor<dim>(StrainVector<dim>(geometry_.modes[q] * alpha_)));
+  }
+
+  void find_stress(int q, std::span<const double> history_n, std::span<double> history) {
+    const Symmetric<dim> E = enhanced_strain(q);
+    if constexpr (LawWithHistory<Law>) {
+      constexpr std::size_t size = Law::history_size;
+      law_.log_stress(E, history_n.subspan(q * size, size), history.subspan(q * size, size),
+                      stress_[q]);
+    } else {
+      log_stress<dim>(law_, E, stress_[q]);
+    }
+  }
+
+  GreenStress<dim> green_at(int q, bool with_tangent) const {
+    if constexpr (small_strain) {
+      return {.S = strain_vector<dim>(in_plane<dim>(stress_[q].T)), .D = stress_[q].D};
+    } else {
+      return turned_to_green<dim>(strain_[q], slopes_[q], stress_[q], with_tangent);
+    }
+  }
+
+  StrainByNodes strain_by_nodes(int q) const {
+    StrainByNodes B = StrainByNodes::Zero();
+    for (int a = 0; a < num_nodes; ++a) {
+      for (int J = 0; J < dim; ++J) {
+        for (int M = 0; M < dim; ++M) {
+          const int row = strain_index<dim>(M, J);
+          const double slope = gradient(q, a)[J] / strain_factor(M, J);
+          for (int i = 0; i < dim; ++i) B(row, a * dim + i) += F_[q](i, M) * slope;
+        }
+      }
+    }
+    return B;
+  }
+
+  /// K_ab += w (dN_a . S dN_b) 1
+  void add_geometric(int q, const StrainVector<dim>& stress, Stiffness& K) const {
+    const Matrix<dim> S = geometry_.weights[q] * strain_tensor<dim>(stress);
+    for (int a = 0; a < num_nodes; ++a) {
+      const Vector<dim> S_dN = S * gradient(q, a);
+      for (int b = 0; b < num_nodes; ++b) {
+        const double k = S_dN.dot(gradient(q, b));
+        for (int i = 0; i < dim; ++i) K(a * dim + i, b * dim + i) += k;
+      }
+    }
+  }
+
+  const Law& law_;
+  Geometry geometry_;
+  Modes alpha_;
+  std::array<Matrix<dim>, num_points> F_;
+  std::array<LogStrain<dim>, num_points> strain_;     // of the displacements
+  std::array<StrainMatrix<dim>, num_points> slopes_;  // log_by_green() of these
+  std::array<LogStress<dim>, num_points> stress_;     // of the enhanced strains
+  Eigen::LLT<ModeStiffness> factor_;
+};
+
+}  // namespace gabion::fem
