@@ -150,6 +150,12 @@ def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     return default
 
 
+def say_thin(where: str, thickness: float, cell_size: float, notes: list[str]) -> None:
+    if thickness < 2 * (1 - 1e-6) * cell_size:
+        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: soil that comes over "
+                     "or round the barrier acts on soil before it; advised: at least two cells")
+
+
 def read_barrier(reader: Reader, friction: float, notes: list[str]) -> Barrier:
     return Barrier(reader.rows("line", 2), reader.number("height"), reader.number("thickness"),
                    material_of(reader, CONCRETE, notes),
@@ -178,7 +184,10 @@ def read_plan(path: Path) -> Plan:
     friction = reader.number("friction", at_least_zero=True)
     barrier = read_barrier(reader.child("barrier", BARRIER), friction, notes) if "barrier" in reader.values else None
     time = reader.child("time", TIME)
-    plan = Plan(slope, reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"), friction,
+    cell_size = reader.number("cell_size")
+    if barrier:
+        say_thin(f"{reader.where}/barrier", barrier.thickness, cell_size, notes)
+    plan = Plan(slope, cell_size, corners[0], corners[1], reader.number("clear_height"), friction,
                 read_slide(reader.child("slide", SLIDE), path.parent, notes), barrier, time.number("end"), time.number("dt"),
                 [read_gauge(each) for each in reader.children("gauges", GAUGE)], notes)
     if barrier is not None:
