@@ -158,7 +158,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     }
     touches_.push_back(touch);
   }
-  share_among_facing(first);
+  share_in_corners(c, first);
 }
 
 // Along the normal of a touch, after the step: the gap stays what it was. Where a rigid ball opens,
@@ -173,16 +173,19 @@ double FacetContact<dim>::offset_after(const Touch& touch) const {
   return std::max(offset - touch.gap - touch.begun, 0.0);
 }
 
-// Members that face each other, with the point between them, push each for itself.
+// Members that meet in a corner with the point in it, or that face each other with the point
+// between them, push each for itself.
 template <int dim>
-void FacetContact<dim>::share_among_facing(std::size_t first) {
-  const auto faces = [](const Touch& a, const Touch& b) {
-    return face_each_other({a.owner, a.feature.normal}, {b.owner, b.feature.normal});
+void FacetContact<dim>::share_in_corners(const Candidate& c, std::size_t first) {
+  if (members_.size() == 1 || touches_.size() <= first + 1) return share_depths(first);
+  const auto surface = surface_of(c, end_);
+  const auto apart = [&](const Touch& a, const Touch& b) {
+    return are_in_corner<dim>(surface, a.feature.simplex, b.feature.simplex);
   };
   std::vector<std::vector<Touch>> groups;
   for (std::size_t k = first; k < touches_.size(); ++k) {
     const auto group = std::ranges::find_if(groups, [&](const auto& touches) {
-      return std::ranges::none_of(touches, [&](const Touch& t) { return faces(t, touches_[k]); });
+      return std::ranges::none_of(touches, [&](const Touch& t) { return apart(t, touches_[k]); });
     });
     if (group == groups.end()) {
       groups.push_back({touches_[k]});

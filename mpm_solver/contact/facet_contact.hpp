@@ -34,7 +34,8 @@ namespace gabion::mpm {
 /// it, at any stiffness and dt.
 ///
 /// The members are one surface for the search: where their rims meet, nothing but the friction and
-/// the owner of the forces changes (surface_features.hpp).
+/// the owner of the forces changes. Where two of them meet in a corner each pushes for itself
+/// (surface_features.hpp).
 ///
 /// Each rank carries its own material points, and looks as far ahead as all ranks together would.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
@@ -92,16 +93,6 @@ class FacetContact final : public Contact<dim> {
   static constexpr double touching_share = 0.01;
   /// where the side is turned against the surface by no more than the angle of this cosine.
   static constexpr double along_side = 0.99;
-
-  /// Cosine between the normals of faces of two members that have a point between them, as jaws do.
-  static constexpr double facing_cosine = -0.9;
-  struct Face {
-    std::int32_t owner;
-    Vector<dim> normal;
-  };
-  static bool face_each_other(const Face& a, const Face& b) {
-    return a.owner != b.owner && a.normal.dot(b.normal) < facing_cosine;
-  }
 
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
@@ -242,7 +233,7 @@ class FacetContact final : public Contact<dim> {
   void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;
   void share_depths(std::size_t first);
-  void share_among_facing(std::size_t first);
+  void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
   void surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const;

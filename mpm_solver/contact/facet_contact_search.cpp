@@ -60,6 +60,7 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   touches_.clear();
   order_touches();
   has_substeps_ = false;
+  if (std::ranges::all_of(members_, &Member::dropped)) return;
   std::vector<Vector<dim>> balls;
   Extent<dim> all{.fastest =
                       std::max(largest_norm<dim>(soil.points.v), largest_norm<dim>(soil.nodes.v))};
@@ -264,6 +265,8 @@ FacingSurface<dim> FacetContact<dim>::surface_of(const Candidate& c,
           .end = end,
           .facing = std::span(facing_).subspan(c.first_facing, c.num_facing),
           .rim = rim_,
+          .owner = members_.size() > 1 ? std::span<const std::int32_t>(owner_)
+                                       : std::span<const std::int32_t>(),
           .motion = surface_motion_,
           .size = size_,
           .seam = seam_share * mean_radius(c)};

@@ -75,7 +75,7 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     const double gap = place.gap + n.dot(c.offset);
     together.clear();
     std::ranges::copy_if(places, std::back_inserter(together), [&](const auto& other) {
-      return !face_each_other({place.owner, n}, {other.owner, other.normal});
+      return place.owner == other.owner || n.dot(other.normal) >= corner_cosine;
     });
     const Vector<dim> way = way_at_rest<dim>(together);
     memory.emplace_back();

@@ -102,6 +102,43 @@ Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& faci
   return sight;
 }
 
+/// A simplex at the end of the step.
+template <int dim>
+struct Placed {
+  std::int32_t simplex = 0;
+  Vector<dim> normal = Vector<dim>::Zero();
+};
+
+// Whether each of two simplices has a part in front of the other one.
+template <int dim>
+bool reach_in_front(const FacingSurface<dim>& surface, const Placed<dim>& a, const Placed<dim>& b) {
+  const auto reaches_in_front = [&](const Placed<dim>& other, const Placed<dim>& of) {
+    const Vector<dim> origin = surface.end[surface.simplices[of.simplex][0]];
+    const auto corners = corners_of<dim>(surface.simplices[other.simplex], surface.end);
+    const double size = (corners[1] - corners[0]).norm();
+    return std::any_of(corners.begin(), corners.end(), [&](const Vector<dim>& corner) {
+      return (corner - origin).dot(of.normal) > 1e-6 * size;
+    });
+  };
+  return reaches_in_front(a, b) && reaches_in_front(b, a);
+}
+
+}  // namespace
+
+template <int dim>
+bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b) {
+  if (surface.owner.empty() || surface.owner[a] == surface.owner[b]) return false;
+  const auto placed = [&](std::int32_t s) {
+    const auto corners = corners_of<dim>(surface.simplices[s], surface.end);
+    return Placed<dim>{s, simplex_normal<dim>(corners)};
+  };
+  const auto first = placed(a), second = placed(b);
+  return first.normal.dot(second.normal) < corner_cosine &&
+         reach_in_front<dim>(surface, first, second);
+}
+
+namespace {
+
 // A place on an edge or corner is no minimum when a simplex that shares it has a nearer one.
 template <int dim>
 bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
@@ -112,7 +149,8 @@ bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
     if (other.distance >= (1 - same_distance) * sight.distance) return false;
     const Simplex<dim>& its = surface.simplices[other.simplex];
     return shares_place<dim>(own, sight.place, its) ||
-           (on_rim && meets<dim>(surface, sight.place.x, its));
+           (on_rim && meets<dim>(surface, sight.place.x, its) &&
+            !are_in_corner<dim>(surface, sight.simplex, other.simplex));
   });
 }
 
@@ -167,18 +205,9 @@ bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   return above_inside || sight.distance <= (1 + same_distance) * touched->distance;
 }
 
-// Whether each of two simplices has a part in front of the other one.
 template <int dim>
 bool inside_corner(const FacingSurface<dim>& surface, const Sight<dim>& a, const Sight<dim>& b) {
-  const auto reaches_in_front = [&](const Sight<dim>& other, const Sight<dim>& of) {
-    const Vector<dim> origin = surface.end[surface.simplices[of.simplex][0]];
-    const auto corners = corners_of<dim>(surface.simplices[other.simplex], surface.end);
-    const double size = (corners[1] - corners[0]).norm();
-    return std::any_of(corners.begin(), corners.end(), [&](const Vector<dim>& corner) {
-      return (corner - origin).dot(of.normal) > 1e-6 * size;
-    });
-  };
-  return reaches_in_front(a, b) && reaches_in_front(b, a);
+  return reach_in_front<dim>(surface, {a.simplex, a.normal}, {b.simplex, b.normal});
 }
 
 template <int dim>
@@ -243,7 +272,8 @@ bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, i
   return std::any_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
     const Simplex<dim>& its = surface.simplices[other.simplex];
     const bool shares = shares_side<dim>(own, k, its) ||
-                        (on_rim && &other != &sight && meets<dim>(surface, side.x, its));
+                        (on_rim && &other != &sight && meets<dim>(surface, side.x, its) &&
+                         !are_in_corner<dim>(surface, sight.simplex, other.simplex));
     return shares && inside_corner<dim>(surface, sight, other);
   });
 }
@@ -311,6 +341,8 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   }
 }
 
+template bool are_in_corner<2>(const FacingSurface<2>&, std::int32_t, std::int32_t);
+template bool are_in_corner<3>(const FacingSurface<3>&, std::int32_t, std::int32_t);
 template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&,
                                const FeatureReach&, std::vector<SurfaceFeature<2>>&);
 template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&,

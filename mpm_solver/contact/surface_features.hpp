@@ -93,9 +93,14 @@ struct FacingSimplex {
   double distance = 0;   ///< of the point, or less [m]
 };
 
+/// Two surfaces whose normals have at most this cosine (53 degrees), with the soil between them,
+/// meet in a corner: each of them pushes for itself.
+constexpr double corner_cosine = 0.6;
+
 /// Positions of the surface and the simplices that faced a point when a step began. A rim that
 /// meets a simplex at the end of the step, of another surface or of the same one, is no open edge:
-/// there the two are one surface, at any angle, with or without vertices in common.
+/// there the two are one surface, with or without vertices in common. Not so where two surfaces
+/// meet in a corner, see corner_cosine.
 template <int dim>
 struct FacingSurface {
   std::span<const Simplex<dim>> simplices;
@@ -103,9 +108,10 @@ struct FacingSurface {
   std::span<const Vector<dim>> end;    ///< at its end [m]
   std::span<const FacingSimplex> facing;
   std::span<const char> rim{};  ///< of the vertices, see rim_vertices; empty: there is no rim
-  double motion = 0;            ///< the largest of a vertex in the step [m]
-  double size = 0;              ///< no two places of a simplex are farther from each other [m]
-  double seam = 0;              ///< a rim that is nearer to a simplex meets it [m]
+  std::span<const std::int32_t> owner{};  ///< surface of each simplex; empty: there is one only
+  double motion = 0;                      ///< the largest of a vertex in the step [m]
+  double size = 0;  ///< no two places of a simplex are farther from each other [m]
+  double seam = 0;  ///< a rim that is nearer to a simplex meets it [m]
 };
 
 /// How far a point feels a surface.
@@ -113,6 +119,10 @@ struct FeatureReach {
   double distance = 0;  ///< features that are farther do not count [m]
   double radius = 0;    ///< of the ball around the point [m]
 };
+
+/// Whether two simplices belong to different surfaces that meet in a corner there.
+template <int dim>
+bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b);
 
 /// The features of a surface that are within reach of a point that came from x to y, or that
 /// its way went through. Inside corners have several, each a little beyond where its simplex ends,

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <numeric>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -15,32 +15,58 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+// Of the cell size: a rim that is nearer to a surface meets it.
+constexpr double seam_share = 0.02;
+
+}  // namespace
+
 template <int dim>
 Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
-                        const std::vector<RigidWallSettings<dim>>& walls)
+                        const std::vector<RigidWallSettings<dim>>& walls, double cell_size)
     : comm_(comm), interfaces_(interfaces), walls_(walls) {
-  std::vector<const ContactSettings<dim>*> joint;
-  for (std::size_t k = 0; k < interfaces_.size() + walls_.size(); ++k) {
-    const auto& of = settings(k);
-    if (std::holds_alternative<FacetSettings>(of.method)) joint.push_back(&of);
+  const std::size_t count = interfaces_.size() + walls_.size();
+  std::vector<std::size_t> by_facets;
+  std::vector<PlacedSurface<dim>> at_start;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::holds_alternative<FacetSettings>(settings(k).method)) continue;
+    by_facets.push_back(k);
+    at_start.push_back(placed(k));
   }
-  std::optional<std::size_t> joint_contact;
-  std::size_t num_joint = 0;
-  for (std::size_t k = 0; k < interfaces_.size() + walls_.size(); ++k) {
-    const auto& of = settings(k);
-    if (!std::holds_alternative<FacetSettings>(of.method)) {
-      places_.push_back({contacts_.size(), 0});
-      contacts_.push_back(make_contact(of));
+  std::vector<std::size_t> first(count);  // of the surfaces of the same contact
+  std::iota(first.begin(), first.end(), 0);
+  const auto joint = joint_surfaces<dim>(at_start, seam_share * cell_size);
+  for (std::size_t k = 0; k < joint.size(); ++k) first[by_facets[k]] = by_facets[joint[k]];
+  for (std::size_t k = 0; k < count; ++k) {
+    if (first[k] != k) {
+      places_.push_back({places_[first[k]].contact, 0});
+      for (std::size_t j = first[k]; j < k; ++j) places_[k].member += first[j] == first[k] ? 1 : 0;
       continue;
     }
-    if (!joint_contact) {
-      joint_contact = contacts_.size();
-      contacts_.push_back(make_joint_contact(joint));
+    places_.push_back({contacts_.size(), 0});
+    std::vector<const ContactSettings<dim>*> members;
+    for (std::size_t j = k; j < count; ++j) {
+      if (first[j] == k) members.push_back(&settings(j));
     }
-    places_.push_back({*joint_contact, num_joint++});
+    contacts_.push_back(members.size() > 1 ? make_joint_contact(members)
+                                           : make_contact(settings(k)));
   }
   touching_.assign(places_.size(), 0);
   dropped_.assign(places_.size(), 0);
+}
+
+template <int dim>
+PlacedSurface<dim> Surfaces<dim>::placed(std::size_t surface) const {
+  const ContactSurface<dim>& mesh = settings(surface).surface;
+  PlacedSurface<dim> result{.simplices = simplices(mesh), .vertices = mesh.vertices};
+  if (surface < interfaces_.size()) return result;
+  const auto& motion = walls_[surface - interfaces_.size()].motion;
+  const auto moved = motion.displacement(mesh.vertices, 0);
+  for (std::size_t v = 0; v < result.vertices.size(); ++v) {
+    result.vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
+  }
+  return result;
 }
 
 template <int dim>

@@ -4,16 +4,18 @@
 #include <mpi.h>
 
 #include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/contact/seams.hpp"
 
 namespace gabion::mpm {
 
 /// All surfaces that may touch the soil: the interfaces, then the rigid walls. Those of the method
-/// `facets` are one contact. Refers to their settings.
+/// `facets` that meet are one contact, see joint_surfaces. Refers to their settings.
 template <int dim>
 class Surfaces {
  public:
+  /// @param cell_size  mean [m]
   Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
-           const std::vector<RigidWallSettings<dim>>& walls);
+           const std::vector<RigidWallSettings<dim>>& walls, double cell_size);
 
   const Contacts<dim>& contacts() const { return contacts_; }
   std::size_t size() const { return places_.size(); }
@@ -79,6 +81,7 @@ class Surfaces {
   struct Place {
     std::size_t contact = 0, member = 0;
   };
+  PlacedSurface<dim> placed(std::size_t surface) const;
   Contact<dim>& contact_of(std::size_t surface) const {
     return *contacts_[places_[surface].contact];
   }

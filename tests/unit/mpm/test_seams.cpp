@@ -128,8 +128,34 @@ struct Bend {
   Vector<2> left(double s) const { return at + s * Vector<2>(-std::cos(angle), std::sin(angle)); }
 };
 
-TEST(Seams, in_the_plane_equal_one_surface_at_any_angle) {
-  for (const double degrees : {0.0, 20.0, 45.0, 90.0, -20.0, -45.0, -90.0}) {
+/// The largest difference of forces between surfaces in one contact and in one for each of them,
+/// over their largest force.
+template <int dim>
+double difference_from_apart(const Pieces<dim>& pieces, double down) {
+  Drawn<dim> joint(pieces);
+  std::vector<std::unique_ptr<Drawn<dim>>> apart;
+  for (const auto& of : pieces) apart.push_back(std::make_unique<Drawn<dim>>(Pieces<dim>{of}));
+  double largest = 0, worst = 0;
+  for (int k = 0; k <= 40; ++k) {
+    Vector<dim> move = down * Vector<dim>::Unit(dim - 1);
+    move[0] = -0.2 + 0.01 * k;
+    const auto f = joint.forces(move);
+    std::vector<double> g(f.size());
+    for (const auto& of : apart) {
+      const auto own = of->forces(move);
+      for (std::size_t i = 0; i < f.size(); ++i) g[i] += own[i];
+    }
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      largest = std::max(largest, std::abs(f[i]));
+      worst = std::max(worst, std::abs(f[i] - g[i]));
+    }
+  }
+  EXPECT_GT(largest, 1);
+  return worst / largest;
+}
+
+TEST(Seams, in_the_plane_equal_one_surface) {
+  for (const double degrees : {0.0, 1.0, 20.0, 45.0, -1.0, -20.0, -45.0, -90.0}) {
     const Bend bend{.angle = degrees * std::numbers::pi / 180};
     const Pieces<2> one = {piece({bend.right(1), bend.at, bend.left(1)})};
     const Pieces<2> two = {piece({bend.right(1), bend.at}), piece({bend.at, bend.left(1)})};
@@ -173,9 +199,29 @@ TEST(Seams, of_a_rim_on_a_face_and_of_a_closed_line) {
   EXPECT_LT(difference<2>({piece({e, a, b, c, d, e})}, {piece({a, b, c, d, e, a})}, -0.02), 1e-12);
 }
 
+/// In a corner that the soil lies in, each of two surfaces pushes as if it were alone.
+TEST(Seams, of_a_corner_are_none) {
+  const auto place = [](const Vector<2>& x) { return Vector<3>(x[0], 0, x[1]); };
+  for (const double degrees : {60.0, 80.0, 90.0}) {
+    const Bend bend{.angle = degrees * std::numbers::pi / 180};
+    const auto floor = piece({bend.right(1), bend.at}), wall = piece({bend.at, bend.left(1)});
+    EXPECT_LT(difference_from_apart<2>({floor, wall}, -0.02), 1e-12) << degrees;
+    const auto under = piece({bend.right(1), bend.right(-0.4)});
+    EXPECT_LT(difference_from_apart<2>({under, wall}, -0.02), 1e-12) << degrees;
+    const auto below = piece({bend.left(-0.2), bend.left(0.6), bend.left(1)});
+    EXPECT_LT(difference_from_apart<2>({floor, below}, -0.02), 1e-12) << degrees;
+    const std::vector<double> rows = {-0.3, 0.2, 0.55, 1.3};
+    const auto right = place(bend.right(1)), middle = place(bend.at), left = place(bend.left(1));
+    EXPECT_LT(difference_from_apart<3>({sheet({right, middle}, rows), sheet({middle, left}, rows)},
+                                       -0.02),
+              1e-12)
+        << degrees;
+  }
+}
+
 TEST(Seams, in_space_equal_one_surface) {
   const std::vector<double> rows = {-0.3, 0.2, 0.55, 1.3}, others = {-0.3, 0.4, 1.3};
-  for (const double degrees : {0.0, 45.0, -45.0, 90.0}) {
+  for (const double degrees : {0.0, 1.0, 45.0, -45.0, -90.0}) {
     const Bend bend{.angle = degrees * std::numbers::pi / 180};
     const auto place = [](const Vector<2>& x) { return Vector<3>(x[0], 0, x[1]); };
     const auto right = place(bend.right(1)), middle = place(bend.at), left = place(bend.left(1));
@@ -270,6 +316,29 @@ TEST(Seams, sand_keeps_its_speed_on_a_floor_in_pieces) {
   EXPECT_NEAR(
       speed_over({{{1.4, 0}, {0.713, 0}}, {{0.713, 0}, {0.481, 0}}, {{0.481, 0}, {-0.1, 0}}}), 2,
       1e-9);
+}
+
+/// Sand is thrown into the corner between a floor and a wall. The floor is in one piece or in two.
+TEST(Seams, sand_in_a_corner_gains_no_energy) {
+  using Lines = std::vector<std::vector<std::vector<double>>>;
+  const std::vector<std::vector<double>> wall = {{0.63, 0.45}, {0.63, 0}};
+  std::vector<double> speeds;
+  for (const Lines& lines : {Lines{{{0.63, 0}, {-0.1, 0}}, wall},
+                             Lines{{{0.63, 0}, {0.55, 0}}, {{0.55, 0}, {-0.1, 0}}, wall}}) {
+    Json json = sand_on(lines);
+    for (auto& of : json["rigid_walls"]) {
+      of["mode"] = "contact";
+      of["friction"] = 0.3;
+    }
+    json.erase("time_integration");
+    const auto solver = make_mpm(json);
+    const double start = probe(*solver, "kinetic_energy");
+    run_steps(*solver, 0.002, 75);
+    EXPECT_LT(probe(*solver, "contact_created"), 1e-9 * start);
+    EXPECT_GT(probe(*solver, "contact_loss"), 1e-3 * start);  // it hit the wall
+    speeds.push_back(probe(*solver, "momentum_x") / probe(*solver, "mass"));
+  }
+  EXPECT_NEAR(speeds[0], speeds[1], 1e-6);
 }
 
 /// The middle of the floor is a structure that does not move; its forces are its own.
