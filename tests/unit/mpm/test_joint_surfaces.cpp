@@ -17,7 +17,7 @@ using First = std::vector<std::int32_t>;
 
 /// Soil is on the left of a line that goes to -x, above.
 mpm::PlacedSurface<2> placed(const Line& line) {
-  mpm::PlacedSurface<2> surface{.vertices = line};
+  mpm::PlacedSurface<2> surface{.simplices = {}, .vertices = line};
   for (std::int32_t k = 0; k + 1 < std::ssize(line); ++k) surface.simplices.push_back({k, k + 1});
   return surface;
 }
@@ -103,6 +103,7 @@ TEST(JointSurfaces, in_chains) {
 /// not look at them.
 TEST(JointSurfaces, of_a_box_on_a_floor) {
   mpm::PlacedSurface<3> box{
+      .simplices = {},
       .vertices = {
           {1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}, {1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {1, 2, 1}}};
   for (std::int32_t k = 0; k < 4; ++k) {
