@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "protocol/handshake.hpp"
+#include "protocol/wire/handshake.hpp"
 
 namespace gabion {
 

@@ -10,7 +10,7 @@
 #include "coupler/acceleration/acceleration.hpp"
 #include "coupler/convergence/convergence.hpp"
 #include "coupler/mapping/interface_map.hpp"
-#include "protocol/server.hpp"
+#include "protocol/server/server.hpp"
 
 namespace gabion {
 

@@ -99,7 +99,7 @@ void CouplingLoop::advance() {
   sides_.begin_step();
   for (;;) {
     const Attempt attempt = step_.solve(request_of(steps_));
-    if (attempt.failure.empty()) return accept(attempt, steps_.cuts() - cuts_before, watch);
+    if (attempt.acceptable()) return accept(attempt, steps_.cuts() - cuts_before, watch);
     reject(attempt);
   }
 }
@@ -121,7 +121,7 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   record_.probes(steps_.time(), both.probes);
   balances_.add_cuts(cuts);
   balances_.add(both.probes);
-  progress_.update(done.row.request.step, steps_.time(), done.row.request.dt, done.iterations());
+  progress_.update(done.request.step, steps_.time(), done.request.dt, done.iterations());
   if (clock_.due(steps_.time())) write_output();
 }
 
@@ -145,7 +145,7 @@ double CouplingLoop::allowed_dt(const Attempt& done, double proposed_dt) const {
   const bool halve = control.many > 0 && done.iterations() >= control.many;
   const bool hold = control.few > 0 && done.iterations() > control.few;
   if (!halve && !hold) return proposed_dt;
-  const double dt = halve ? done.row.request.dt / 2 : done.row.request.dt;
+  const double dt = halve ? done.request.dt / 2 : done.request.dt;
   return smaller_dt(proposed_dt, dt);
 }
 
@@ -153,7 +153,7 @@ void CouplingLoop::record_step(const Attempt& done, int cuts, const Stopwatch& w
   StepRow row{.last = done.row,
               .time = steps_.time(),
               .iterations = done.iterations(),
-              .status = done.status,
+              .status = status(done),
               .skipped = done.skipped,
               .soil_newton = done.soil_newton,
               .structure_newton = done.structure_newton,
@@ -172,14 +172,14 @@ void CouplingLoop::record_step(const Attempt& done, int cuts, const Stopwatch& w
 void CouplingLoop::reject(const Attempt& failed) {
   sides_.reject();
   step_.reject();
-  const StepRequest& request = failed.row.request;
-  if (settings_.coupling.on_limit == OnLimit::stop && !failed.solver_failed) {
+  const StepRequest& request = failed.request;
+  if (settings_.coupling.on_limit == OnLimit::stop && failed.outcome != Outcome::unsolved) {
     throw ConvergenceError(fmt::format("step {} at time {} s, dt {} s: {} (on_limit is \"stop\")",
-                                       request.step, request.time, request.dt, failed.failure));
+                                       request.step, request.time, request.dt, failed.reason));
   }
-  steps_.cut(failed.failure);
+  steps_.cut(failed.reason);
   log::warn("step {} at {} s: dt cut from {} to {} s: {}", request.step, request.time, request.dt,
-            steps_.dt(), failed.failure);
+            steps_.dt(), failed.reason);
 }
 
 void CouplingLoop::write_output() {

@@ -21,8 +21,8 @@
 #include "coupler/checks/scene_check.hpp"
 #include "coupler/checks/surface_check.hpp"
 #include "coupler/coupling_loop.hpp"
-#include "protocol/keys.hpp"
-#include "protocol/server.hpp"
+#include "protocol/channel/keys.hpp"
+#include "protocol/server/server.hpp"
 
 namespace gabion {
 

@@ -3,7 +3,7 @@
 
 #include "common/program/program.hpp"
 #include "coupler/coupler_config.hpp"
-#include "protocol/handshake.hpp"
+#include "protocol/wire/handshake.hpp"
 
 namespace gabion {
 

@@ -12,9 +12,14 @@ foreach(header base/error.hpp base/json.hpp base/process.hpp base/timer.hpp run/
   install(FILES ${PROJECT_SOURCE_DIR}/common/${header}
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
 endforeach()
-install(FILES attention.hpp connection.hpp deadlines.hpp handshake.hpp heartbeat.hpp keys.hpp message.hpp participant.hpp peer_watch.hpp
-  request_source.hpp serve.hpp socket.hpp state_machine.hpp step_order.hpp gabion_participant.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol COMPONENT gabion_participant)
+foreach(header channel/attention.hpp channel/heartbeat.hpp channel/keys.hpp channel/peer_watch.hpp channel/socket.hpp
+        participant/connection.hpp participant/request_source.hpp participant/state_machine.hpp
+        participant/step_order.hpp wire/deadlines.hpp wire/handshake.hpp wire/message.hpp
+        gabion_participant.h participant.hpp serve.hpp)
+  cmake_path(GET header PARENT_PATH room)
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol/${room}
+    COMPONENT gabion_participant)
+endforeach()
 install(EXPORT gabion_participant NAMESPACE gabion:: FILE gabion_participant_targets.cmake
   DESTINATION ${gabion_participant_package} COMPONENT gabion_participant)
 configure_package_config_file(gabion_participant-config.cmake.in

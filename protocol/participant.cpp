@@ -8,7 +8,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "protocol/exchange.hpp"
+#include "protocol/wire/exchange.hpp"
 
 namespace gabion {
 namespace {

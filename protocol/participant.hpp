@@ -12,8 +12,8 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
-#include "protocol/connection.hpp"
-#include "protocol/state_machine.hpp"
+#include "protocol/participant/connection.hpp"
+#include "protocol/participant/state_machine.hpp"
 
 namespace gabion {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How a participant with a time loop of its own saves and loads its state.
 #include "common/base/require.hpp"
-#include "protocol/exchange.hpp"
 #include "protocol/participant.hpp"
+#include "protocol/wire/exchange.hpp"
 
 namespace gabion {
 

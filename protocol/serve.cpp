@@ -2,8 +2,8 @@
 #include "protocol/serve.hpp"
 
 #include "common/base/timer.hpp"
-#include "protocol/exchange.hpp"
-#include "protocol/state_machine.hpp"
+#include "protocol/participant/state_machine.hpp"
+#include "protocol/wire/exchange.hpp"
 
 namespace gabion {
 namespace {

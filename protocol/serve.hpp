@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "common/run/solver.hpp"
-#include "protocol/connection.hpp"
-#include "protocol/request_source.hpp"
+#include "protocol/participant/connection.hpp"
+#include "protocol/participant/request_source.hpp"
 
 namespace gabion {
 

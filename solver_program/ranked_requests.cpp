@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "common/mechanics/ranks/sum.hpp"
-#include "protocol/codec.hpp"
+#include "protocol/wire/codec.hpp"
 
 namespace gabion {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/request_source.hpp"
+#include "protocol/participant/request_source.hpp"
 
 namespace gabion {
 

@@ -79,7 +79,7 @@ std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& sett
                                                 const std::vector<Eigen::Index>& fields) {
   auto method = make_method(settings);
   if (fields.size() == 1) return method;
-  return std::make_unique<ScaledFields>(std::move(method), fields);
+  return std::make_unique<ScaledFields>(std::move(method), std::array{fields.at(0), fields.at(1)});
 }
 
 }  // namespace gabion

@@ -30,7 +30,7 @@ struct AccelerationCounters {
   int columns = 0;             ///< in use
   int dropped_by_filter = 0;   ///< columns, in this call, as the next two
   int dropped_by_limit = 0;    ///< because there were more than max_columns
-  int dropped_by_contact = 0;  ///< by a reset before the call, because the contact changed
+  int dropped_by_contact = 0;  ///< by a reset before the call, because they would mislead
   bool fell_back = false;  ///< the filter led nowhere: from this call on the default one is used
 };
 
@@ -61,8 +61,8 @@ class Acceleration {
 /// All names that AccelerationSettings::method may have.
 const std::vector<std::string>& acceleration_methods();
 
-/// @param fields  sizes of the fields that x consists of, one after the other; with more than one,
-///                they are weighted (ScaledFields)
+/// @param fields  sizes of the fields that x consists of, one after the other: one, or displacement
+///                and force, which are weighted (ScaledFields)
 std::unique_ptr<Acceleration> make_acceleration(const AccelerationSettings& settings,
                                                 const std::vector<Eigen::Index>& fields);
 

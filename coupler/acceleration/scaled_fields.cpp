@@ -1,71 +1,70 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupler/acceleration/scaled_fields.hpp"
 
-#include "coupler/state_vectors.hpp"
+#include <cmath>
 
 namespace gabion {
 
 namespace {
-constexpr double taken_over = 10;  // change of a weight
+constexpr double taken_over = 10;  // change of the weight
 }
 
-ScaledFields::ScaledFields(std::unique_ptr<Acceleration> method,
-                           const std::vector<Eigen::Index>& fields)
-    : method_(std::move(method)),
-      fields_(fields),
-      weights_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(fields.size()))),
-      sums_(Eigen::VectorXd::Zero(weights_.size())) {}
+ScaledFields::ScaledFields(std::unique_ptr<Acceleration> method, std::array<Eigen::Index, 2> sizes)
+    : method_(std::move(method)), sizes_(sizes) {}
 
 void ScaledFields::begin_step() {
-  sums_.setZero();
+  changes_.setZero();
+  answers_.setZero();
+  x_last_.resize(0);
+  x_tilde_last_.resize(0);
   method_->begin_step();
 }
 
-Eigen::VectorXd ScaledFields::spread(const Eigen::VectorXd& of_fields) const {
-  Eigen::Index size = 0;
-  for (const Eigen::Index n : fields_) size += n;
-  Eigen::VectorXd result(size);
-  Eigen::Index at = 0;
-  for (std::size_t i = 0; i < fields_.size(); ++i) {
-    result.segment(at, fields_[i]).setConstant(of_fields(static_cast<Eigen::Index>(i)));
-    at += fields_[i];
-  }
-  return result;
+Eigen::Array2d ScaledFields::squares(const Eigen::VectorXd& v) const {
+  return {v.head(sizes_[0]).squaredNorm(), v.tail(sizes_[1]).squaredNorm()};
 }
 
-void ScaledFields::update_weights(const Eigen::VectorXd& r) {
-  const double all = r.stableNorm();
-  if (!(all > 0)) return;
-  Eigen::Index at = 0;
-  for (std::size_t i = 0; i < fields_.size(); ++i) {
-    sums_(static_cast<Eigen::Index>(i)) += r.segment(at, fields_[i]).stableNorm() / all;
-    at += fields_[i];
+Eigen::VectorXd ScaledFields::scaled(Eigen::VectorXd v, double factor) const {
+  v.head(sizes_[0]) *= factor;
+  return v;
+}
+
+double ScaledFields::wanted_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
+  const bool first = x_last_.size() == 0;
+  if (!first) {
+    changes_ += squares(x - x_last_);
+    answers_ += squares(x_tilde - x_tilde_last_);
   }
-  Eigen::VectorXd wanted = weights_;
-  for (Eigen::Index i = 0; i < sums_.size(); ++i) {
-    if (sums_(i) > 0) wanted(i) = 1 / sums_(i);
-  }
-  const Eigen::ArrayXd ratio = wanted.array() / weights_.array();
-  const bool changed = ratio.maxCoeff() > taken_over || ratio.minCoeff() < 1 / taken_over;
+  x_last_ = x;
+  x_tilde_last_ = x_tilde;
+  const Eigen::Array2d r = squares(x_tilde - x);
+  if (first) return first_step_ && r.minCoeff() > 0 ? std::sqrt(r(1) / r(0)) : 0;
+  if (!(changes_.minCoeff() > 0 && answers_.minCoeff() > 0)) return 0;
+  return std::sqrt(std::sqrt(answers_(1) / changes_(0)) * std::sqrt(changes_(1) / answers_(0)));
+}
+
+void ScaledFields::update_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
+  const double wanted = wanted_weight(x, x_tilde);
+  if (!(wanted > 0 && std::isfinite(wanted))) return;
+  const double ratio = wanted / weight_;
+  const bool changed = ratio > taken_over || ratio < 1 / taken_over;
   if (!first_step_ && !changed) return;
-  method_->rescale(spread(ratio.matrix()));
-  weights_ = wanted;
+  method_->rescale(scaled(Eigen::VectorXd::Ones(sizes_[0] + sizes_[1]), ratio));
+  weight_ = wanted;
 }
 
 Eigen::VectorXd ScaledFields::next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
-  update_weights(x_tilde - x);
-  const Eigen::VectorXd scale = spread(weights_);
-  return method_->next(scale.cwiseProduct(x), scale.cwiseProduct(x_tilde)).cwiseQuotient(scale);
+  update_weight(x, x_tilde);
+  return scaled(method_->next(scaled(x, weight_), scaled(x_tilde, weight_)), 1 / weight_);
 }
 
 void ScaledFields::end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) {
-  const Eigen::VectorXd scale = spread(weights_);
-  method_->end_step(scale.cwiseProduct(x), scale.cwiseProduct(x_tilde));
+  method_->end_step(scaled(x, weight_), scaled(x_tilde, weight_));
   first_step_ = false;
 }
 
 void ScaledFields::visit_state(StateVisitor& visitor) {
-  visit_vector(visitor, "fields.weights", weights_);
+  visitor.real("fields.weight", weight_);
   visitor.flag("fields.first_step", first_step_);
   method_->visit_state(visitor);
 }

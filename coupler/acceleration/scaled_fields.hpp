@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <memory>
-#include <vector>
 
 #include "coupler/acceleration/acceleration.hpp"
 
 namespace gabion {
 
-/// An acceleration of several fields at once, displacement and force, which have different units:
-/// field i is multiplied by
+/// An acceleration of two fields at once, displacement u and force f, which have different units.
+/// Each answers the other: u~ = S(f), f~ = M(u). Before the method sees them, u is multiplied by
 ///
-///     w_i = 1 / sum_k (|r_k,i| / |r_k|)        over the iterations k of a step (residual sum)
+///     w = sqrt((|df~| / |du|) (|df| / |du~|))        d: change from one iteration to the next
 ///
-/// before the method sees it, so that all fields weigh alike in its scalar products. The weights
-/// follow every iteration of the first step; afterwards they are taken over, for all fields
-/// together, when one of them would change by more than a factor 10. The fields of a step whose
-/// residual is zero keep their weight.
-/// @see Uekermann (2016), section 3.2
+/// a stiffness [N/m] with which a change of either field causes an answer of the same size. With
+/// this weight the update of an exact Jacobian is no longer than the residual, as with one field:
+/// the method may bound it (QuasiNewton). The squares are summed over the iterations of a step.
+/// Before the first change the residuals stand in for them, w = |r_f| / |r_u|.
+///
+/// The weight follows every iteration of the first step; afterwards it is taken over when it would
+/// change by more than a factor 10.
+/// @see docs/theory/coupling.md, (C4); Uekermann (2016), section 3.2, for weights by residuals
 class ScaledFields : public Acceleration {
  public:
-  /// @param fields  sizes, one after the other
-  ScaledFields(std::unique_ptr<Acceleration> method, const std::vector<Eigen::Index>& fields);
+  /// @param sizes  of both fields, displacement first
+  ScaledFields(std::unique_ptr<Acceleration> method, std::array<Eigen::Index, 2> sizes);
 
   void begin_step() override;
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) override;
@@ -32,17 +35,26 @@ class ScaledFields : public Acceleration {
   AccelerationCounters counters() const override { return method_->counters(); }
   void visit_state(StateVisitor& visitor) override;
 
-  const Eigen::VectorXd& weights() const { return weights_; }  ///< one a field
+  double weight() const { return weight_; }  ///< of the displacement [N/m]
 
  private:
-  void update_weights(const Eigen::VectorXd& r);
-  Eigen::VectorXd spread(const Eigen::VectorXd& of_fields) const;
+  /// |v|^2 of each field.
+  Eigen::Array2d squares(const Eigen::VectorXd& v) const;
+  /// By what x and x_tilde say with the iterations before. @returns 0: nothing yet
+  double wanted_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde);
+  void update_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde);
+  /// v with its displacement multiplied by `factor`.
+  Eigen::VectorXd scaled(Eigen::VectorXd v, double factor) const;
 
   std::unique_ptr<Acceleration> method_;
-  std::vector<Eigen::Index> fields_;
-  Eigen::VectorXd weights_;
-  Eigen::VectorXd sums_;  // of this step
+  std::array<Eigen::Index, 2> sizes_;
+  double weight_ = 1;
   bool first_step_ = true;
+  // Of the step under way: sums of squares of changes of x and of x_tilde, and the last iteration.
+  Eigen::Array2d changes_ = Eigen::Array2d::Zero();
+  Eigen::Array2d answers_ = Eigen::Array2d::Zero();
+  Eigen::VectorXd x_last_;  // empty before the first iteration
+  Eigen::VectorXd x_tilde_last_;
 };
 
 }  // namespace gabion

@@ -5,8 +5,8 @@
 
 #include "common/settings/scene.hpp"
 #include "coupler/coupler_config.hpp"
-#include "protocol/handshake.hpp"
-#include "protocol/server.hpp"
+#include "protocol/server/server.hpp"
+#include "protocol/wire/handshake.hpp"
 
 namespace gabion {
 

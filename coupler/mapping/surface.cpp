@@ -52,6 +52,25 @@ struct Surface::Trees {
     }
   };
 
+  /// Takes in what a search finds within a distance: what every version of nanoflann asks for.
+  struct Near {
+    using DistanceType = double;
+    using IndexType = std::size_t;
+
+    double squared_distance;
+    std::vector<std::size_t> indices{};
+
+    std::size_t size() const { return indices.size(); }
+    bool empty() const { return indices.empty(); }
+    bool full() const { return true; }
+    double worstDist() const { return squared_distance; }
+    bool addPoint(double squared, std::size_t index) {
+      if (squared < squared_distance) indices.push_back(index);
+      return true;
+    }
+    void sort() { std::sort(indices.begin(), indices.end()); }
+  };
+
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
                                                    Cloud, 3, std::size_t>;
 
@@ -59,6 +78,14 @@ struct Surface::Trees {
   Cloud centroids;
   std::unique_ptr<Tree> vertex_tree;
   std::unique_ptr<Tree> centroid_tree;
+
+  /// Indices of the points that are nearer to p, ascending: they do not depend on the tree.
+  static std::vector<std::size_t> within(const Tree& tree, const Vector3& p, double distance) {
+    Near near{.squared_distance = distance * distance};
+    tree.radiusSearchCustomCallback(p.data(), near);
+    near.sort();
+    return std::move(near.indices);
+  }
 };
 
 Surface::Surface(const InterfaceMesh& mesh) : mesh_(mesh), trees_(std::make_unique<Trees>()) {
@@ -140,13 +167,8 @@ std::vector<std::int64_t> Surface::nearest_vertices(const Vector3& p, int count)
 }
 
 std::vector<std::int64_t> Surface::vertices_within(const Vector3& p, double radius) const {
-  std::vector<std::pair<std::size_t, double>> found;
-  trees_->vertex_tree->radiusSearch(p.data(), radius * radius, found,
-                                    nanoflann::SearchParams(0, 0, /*sorted=*/false));
-  std::vector<std::int64_t> vertices;
-  for (const auto& [v, unused] : found) vertices.push_back(static_cast<std::int64_t>(v));
-  std::sort(vertices.begin(), vertices.end());
-  return vertices;
+  const auto found = Trees::within(*trees_->vertex_tree, p, radius);
+  return {found.begin(), found.end()};
 }
 
 SurfacePoint Surface::closest_on_facet(const Vector3& p, std::int64_t facet) const {
@@ -173,15 +195,10 @@ SurfacePoint Surface::nearest_on_facets(const Vector3& p, const Vector3& preferr
   double squared = 0;
   trees_->centroid_tree->knnSearch(p.data(), 1, &index, &squared);
   const double reach = (std::sqrt(squared) + facet_radius_) * (1 + 1e-9);
-  std::vector<std::pair<std::size_t, double>> candidates;
-  trees_->centroid_tree->radiusSearch(p.data(), reach * reach, candidates,
-                                      nanoflann::SearchParams(0, 0, /*sorted=*/false));
-  std::sort(candidates.begin(),
-            candidates.end());  // by facet: the result does not depend on the tree
   const double same = 1e-9 * facet_radius_;
   SurfacePoint best;
   best.distance = std::numeric_limits<double>::infinity();
-  for (const auto& [facet, unused] : candidates) {
+  for (const std::size_t facet : Trees::within(*trees_->centroid_tree, p, reach)) {
     const SurfacePoint found = closest_on_facet(p, static_cast<std::int64_t>(facet));
     const bool tie = best.facet >= 0 && std::abs(found.distance - best.distance) <= same;
     const bool better = tie ? preferred.dot(normal(found.facet)) > preferred.dot(normal(best.facet))

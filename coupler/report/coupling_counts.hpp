@@ -9,6 +9,11 @@
 
 namespace gabion {
 
+/// What a step without contact does not need: the acceleration, and the solution of a structure at
+/// rest.
+enum class Skipped { nothing, acceleration, structure };
+std::string name(Skipped skipped);
+
 /// Counts of a coupled run for summary.json.
 struct CouplingCounts {
   std::int64_t steps = 0;     ///< accepted
@@ -20,23 +25,22 @@ struct CouplingCounts {
   std::int64_t skipped_acceleration = 0;  ///< steps done in one pass for lack of contact
   std::int64_t skipped_structure = 0;     ///< of these, steps that did not solve a structure
   std::int64_t accepted_unconverged = 0;
-  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns, because the contact changed
+  std::int64_t history_resets = 0;    ///< of the quasi-Newton columns: contact changed, or dt fell
   std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
   std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
   std::int64_t called_off = 0;        ///< of these, steps that came otherwise
 
-  /// @param skipped  as in StepRow
-  void add_step(int iterations, const std::string& skipped) {
+  void add_step(int iterations, Skipped skipped) {
     ++steps;
     accepted += iterations;
     max = std::max(max, iterations);
-    if (skipped == "none") {
+    if (skipped == Skipped::nothing) {
       ++steps_in_contact;
       accepted_in_contact += iterations;
     } else {
       ++skipped_acceleration;
     }
-    if (skipped == "structure") ++skipped_structure;
+    if (skipped == Skipped::structure) ++skipped_structure;
   }
 
   Json json() const {

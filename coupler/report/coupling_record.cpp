@@ -29,6 +29,11 @@ CsvValue cell(int value) {
 
 }  // namespace
 
+std::string name(Skipped skipped) {
+  if (skipped == Skipped::nothing) return "none";
+  return skipped == Skipped::acceleration ? "acceleration" : "structure";
+}
+
 Columns CouplingRecord::force_columns(const std::string& prefix) const {
   Columns columns = {prefix + "x", prefix + "y"};
   if (dim_ == 3) columns.push_back(prefix + "z");
@@ -122,7 +127,7 @@ void CouplingRecord::step(const StepRow& row) {
                  row.last.request.dt,
                  cell(row.iterations),
                  row.status,
-                 row.skipped,
+                 name(row.skipped),
                  row.last.state.displacement_residual,
                  optional_cell(row.last.state.force_residual)};
   append_force(cells, row.last.structure.force, dim_);

@@ -10,6 +10,7 @@
 #include "coupler/acceleration/acceleration.hpp"
 #include "coupler/convergence/convergence.hpp"
 #include "coupler/mapping/interface_map.hpp"
+#include "coupler/report/coupling_counts.hpp"
 
 namespace gabion {
 
@@ -30,11 +31,11 @@ struct IterationRow {
 /// All that one accepted step leaves for the log.
 struct StepRow {
   IterationRow last = {};
-  double time = 0;           ///< [s] of the accepted state
-  int iterations = 0;        ///< of the accepted solution
-  std::string status = {};   ///< converged, inactive, explicit, or why it was accepted all the same
-  std::string skipped = {};  ///< none, acceleration, structure
-  int soil_newton = 0;       ///< all iterations of the accepted solution
+  double time = 0;          ///< [s] of the accepted state
+  int iterations = 0;       ///< of the accepted solution
+  std::string status = {};  ///< converged, inactive, explicit, or why it was accepted all the same
+  Skipped skipped = Skipped::nothing;
+  int soil_newton = 0;  ///< all iterations of the accepted solution
   int structure_newton = 0;
   std::vector<Resultant> interfaces = {};  ///< on the structure, of each interface
   double soil_work = 0;       ///< [J] of the interface forces on the soils, in this step

@@ -8,9 +8,21 @@
 
 namespace gabion {
 
+/// What an attempt has come to.
+enum class Outcome {
+  iterating,
+  converged,    ///< the residuals are within their limits
+  one_pass,     ///< the explicit scheme asks for no residual
+  no_contact,   ///< no soil can push: one pass is exact
+  unconverged,  ///< the verdict says why; accepted all the same, as "on_limit" asks
+  failed,       ///< the verdict says why; the step cannot be accepted
+  unsolved      ///< a solver could not solve its side; the step cannot be accepted
+};
+
 /// One try to solve a step: the values of its last iteration, named as in docs/theory/coupling.md,
 /// and what became of it.
 struct Attempt {
+  StepRequest request = {};      ///< of the iteration under way, or of the last one
   Eigen::VectorXd x = {};        ///< [m] displacement of the structures' wet surfaces, as guessed
   Eigen::VectorXd u = {};        ///< [m] H x, given to the soils
   Eigen::VectorXd f_soil = {};   ///< [N] answered by the soils
@@ -18,16 +30,19 @@ struct Attempt {
   Eigen::VectorXd f_given = {};  ///< [N] given to the structures; serial: f
   Eigen::VectorXd x_tilde = {};  ///< [m] answered by the structures
 
-  bool soils_asked = false;      ///< they solve already (Sides::start_next)
-  IterationRow row = {};         ///< of the last iteration, with its request
-  std::string status = {};       ///< empty until the last iteration is done
-  std::string skipped = "none";  ///< | acceleration | structure
-  std::string failure = {};      ///< why the step cannot be accepted; empty: it can
-  bool solver_failed = false;    ///< a solver is the reason
-  int soil_newton = 0;           ///< of all iterations
+  bool soils_asked = false;  ///< they solve already (Sides::start_next)
+  IterationRow row = {};     ///< of the last iteration
+  Outcome outcome = Outcome::iterating;
+  Skipped skipped = Skipped::nothing;
+  std::string reason = {};  ///< why the attempt failed, or a solver could not solve
+  int soil_newton = 0;      ///< of all iterations
   int structure_newton = 0;
 
-  int iterations() const { return row.request.iteration + 1; }
+  int iterations() const { return request.iteration + 1; }
+  bool acceptable() const { return outcome != Outcome::failed && outcome != Outcome::unsolved; }
 };
+
+/// The word of `status` in steps.csv.
+std::string status(const Attempt& attempt);
 
 }  // namespace gabion

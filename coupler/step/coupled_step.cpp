@@ -49,14 +49,14 @@ Attempt CoupledStep::solve(const StepRequest& request) {
   try {
     return iterate(request);
   } catch (const ConvergenceError& error) {
-    return {.row = {.request = request}, .failure = error.what(), .solver_failed = true};
+    return {.request = request, .outcome = Outcome::unsolved, .reason = error.what()};
   }
 }
 
 /// The method.
 Attempt CoupledStep::iterate(const StepRequest& request) {
   Attempt now = begin(request);
-  for (;; ++now.row.request.iteration) {
+  for (;; ++now.request.iteration) {
     const Stopwatch watch;
     const bool contact = scheme_->solve(sides_, now);  // f = H^T MPM(H x), x_tilde = FEM(f)
     if (contact && scheme_->repeats()) {
@@ -65,7 +65,7 @@ Attempt CoupledStep::iterate(const StepRequest& request) {
       accept_one_pass(contact, now);
     }
     log_iteration(now, watch);
-    if (!now.status.empty()) return now;
+    if (now.outcome != Outcome::iterating) return now;
     accelerate(now);
   }
 }
@@ -79,7 +79,7 @@ Attempt CoupledStep::begin(const StepRequest& request) {
 }
 
 Attempt CoupledStep::predict(const StepRequest& request) const {
-  Attempt now{.row = {.request = request}};
+  Attempt now{.request = request};
   scheme_->set_guess(predictor_.predict(request.time + request.dt), now);
   return now;
 }
@@ -87,18 +87,20 @@ Attempt CoupledStep::predict(const StepRequest& request) const {
 /// No residual is asked for: the scheme is explicit, or without contact the force is the same for
 /// every x.
 void CoupledStep::accept_one_pass(bool contact, Attempt& now) {
-  now.status = contact ? "explicit" : "inactive";
+  now.outcome = contact ? Outcome::one_pass : Outcome::no_contact;
   if (!contact) {
     now.x = now.x_tilde;
     now.u = sides_.map().soil_displacement(now.x);
-    now.skipped = sides_.all_structures_solved() ? "acceleration" : "structure";
+    now.skipped = sides_.all_structures_solved() ? Skipped::acceleration : Skipped::structure;
   }
   now.row.state = Convergence::one_pass(now.x, now.x_tilde, now.f);
-  if (now.row.state.verdict == Verdict::not_finite) now.failure = "values are not finite";
+  if (now.row.state.verdict != Verdict::not_finite) return;
+  now.outcome = Outcome::failed;
+  now.reason = "values are not finite";
 }
 
 void CoupledStep::measure(Attempt& now) {
-  if (now.row.request.iteration == 0) forget_if_contact_changed();
+  if (now.request.iteration == 0) forget_if_misleading(now.request.dt);
   ConvergenceState& state = now.row.state;
   state = scheme_->check(convergence_, now);
   if (state.verdict == Verdict::converged && !sides_.all_structures_solved()) {
@@ -110,7 +112,7 @@ void CoupledStep::measure(Attempt& now) {
     state.verdict = Verdict::limit_reached;
   }
   if (state.verdict == Verdict::going_on) return;
-  now.status = name(state.verdict);
+  now.outcome = Outcome::converged;
   if (state.verdict != Verdict::converged) end_unconverged(now);
 }
 
@@ -118,16 +120,21 @@ void CoupledStep::end_unconverged(Attempt& now) {
   const Verdict verdict = now.row.state.verdict;
   const bool usable = verdict == Verdict::limit_reached || verdict == Verdict::stagnated;
   if (settings_.on_limit != OnLimit::accept || !usable) {
-    now.failure = failure_text(now);
+    now.outcome = Outcome::failed;
+    now.reason = failure_text(now);
     return;
   }
-  log::warn("step {} accepted all the same: {}", now.row.request.step, failure_text(now));
+  now.outcome = Outcome::unconverged;
+  log::warn("step {} accepted all the same: {}", now.request.step, failure_text(now));
   ++counts_.accepted_unconverged;
 }
 
-void CoupledStep::forget_if_contact_changed() {
-  if (!contact_.changed(sides_.soil_reports())) return;
+void CoupledStep::forget_if_misleading(double dt) {
+  constexpr double smallest_share = 0.5;  // of dt: at less, a structure yields less than a quarter
+  const bool much_smaller = dt < smallest_share * columns_dt_ * (1 - 1e-9);
+  if (!contact_.changed(sides_.soil_reports()) && !much_smaller) return;
   forgotten_columns_ = acceleration_->reset();
+  columns_dt_ = 0;
   ++counts_.history_resets;
 }
 
@@ -141,10 +148,11 @@ void CoupledStep::warn_of_round_off(const ConvergenceState& state) {
 }
 
 void CoupledStep::log_iteration(Attempt& now, const Stopwatch& watch) {
+  now.row.request = now.request;
   now.row.wall_seconds = watch.seconds();
   record_.iteration(now.row);
   log::debug("step {} iteration {}: displacement residual {:.3e} m, force residual {:.3e} N, {}",
-             now.row.request.step, now.row.request.iteration, now.row.state.displacement_residual,
+             now.request.step, now.request.iteration, now.row.state.displacement_residual,
              now.row.state.force_residual.value_or(0), name(now.row.state.verdict));
   ++counts_.total;
 }
@@ -163,15 +171,16 @@ void CoupledStep::accelerate(Attempt& now) {
   log::warn(
       "step {} iteration {}: with the filter of coupler.json the residual does not get "
       "smaller; from here on the default one is used, qr2 with {}",
-      now.row.request.step, now.row.request.iteration, Filter().limit);
+      now.request.step, now.request.iteration, Filter().limit);
 }
 
 void CoupledStep::accept(const Attempt& done, double time) {
-  if (done.skipped == "none" && scheme_->repeats()) {
+  if (done.skipped == Skipped::nothing && scheme_->repeats()) {
     const Stopwatch watch;
     acceleration_->end_step(scheme_->unknowns(done.x, done.f_given),
                             scheme_->unknowns(done.x_tilde, done.f));
     acceleration_seconds_ += watch.seconds();
+    columns_dt_ = done.request.dt;
   }
   contact_.accept(sides_.soil_reports());
   predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
@@ -185,7 +194,7 @@ void CoupledStep::start_next(const StepRequest& request, const DtRange& proposed
 
 void CoupledStep::settle_next(const StepRequest& request) {
   if (!next_) return;
-  const StepRequest& asked = next_->row.request;
+  const StepRequest& asked = next_->request;
   if (sides_.solve_next() && asked.time == request.time && asked.dt == request.dt) return;
   call_off_next();
 }
@@ -211,6 +220,7 @@ void CoupledStep::visit_state(StateVisitor& visitor) {
   predictor_.visit_state(visitor);
   contact_.visit_state(visitor);
   visitor.integer("forgotten_columns", forgotten_columns_);
+  visitor.real("columns_dt", columns_dt_);
 }
 
 }  // namespace gabion

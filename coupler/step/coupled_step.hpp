@@ -58,7 +58,9 @@ class CoupledStep {
   void accept_one_pass(bool contact, Attempt& now);
   void measure(Attempt& now);
   void end_unconverged(Attempt& now);
-  void forget_if_contact_changed();
+  /// Columns of earlier steps are dropped when the contact has changed, and when dt is less than
+  /// half of theirs: a structure with inertia yields with dt^2, so they would promise too much.
+  void forget_if_misleading(double dt);
   void warn_of_round_off(const ConvergenceState& state);
   void log_iteration(Attempt& now, const Stopwatch& watch);
   void accelerate(Attempt& now);
@@ -74,7 +76,8 @@ class CoupledStep {
   Convergence convergence_;
   ContactWatch contact_;
   std::optional<Attempt> next_;  // that start_next began
-  int forgotten_columns_ = 0;    // by the last change of contact, until the next call of `next`
+  double columns_dt_ = 0;        // [s] of the newest step whose columns are kept
+  int forgotten_columns_ = 0;    // by the last reset, until the next call of `next`
   bool warned_round_off_ = false;
   double acceleration_seconds_ = 0;
 };

@@ -13,7 +13,7 @@ class SerialImplicit : public CouplingScheme {
   bool solve(Sides& sides, Attempt& now) const override {
     sides.solve_soils(now);
     now.f_given = now.f;
-    const bool contact = now.row.request.iteration > 0 || sides.contact_possible(now);
+    const bool contact = now.request.iteration > 0 || sides.contact_possible(now);
     sides.solve_structures(now, /*may_sleep=*/!contact);
     return contact;
   }
@@ -37,7 +37,7 @@ class Explicit final : public SerialImplicit {
 class ParallelImplicit final : public CouplingScheme {
  public:
   bool solve(Sides& sides, Attempt& now) const override {
-    const bool first = now.row.request.iteration == 0;
+    const bool first = now.request.iteration == 0;
     const bool no_load = now.f_given.isZero(0);
     solve_at_once(sides, now, /*may_sleep=*/first && no_load);  // contact is not known yet
     const bool contact = !first || sides.contact_possible(now);

@@ -128,7 +128,7 @@ bool Sides::contact_possible(const Attempt& now) const {
   require(active || now.f.isZero(0),
           "step {}: the soil sends a force (largest component {} N) and says that its "
           "interfaces are not active",
-          now.row.request.step, now.f.cwiseAbs().maxCoeff());
+          now.request.step, now.f.cwiseAbs().maxCoeff());
   return active;
 }
 
@@ -143,7 +143,7 @@ void Sides::begin_solution() {
 void Sides::start_soils(Attempt& now) {
   if (std::exchange(now.soils_asked, false)) return;
   now.u = map_->soil_displacement(now.x);
-  for (Side& soil : soils_) soil.start_solve(now.row.request, now.u);
+  for (Side& soil : soils_) soil.start_solve(now.request, now.u);
 }
 
 void Sides::start_structures(Attempt& now, bool may_sleep) {
@@ -151,7 +151,7 @@ void Sides::start_structures(Attempt& now, bool may_sleep) {
     if (may_sleep && structure.may_sleep()) {
       structure.skip();
     } else {
-      structure.start_solve(now.row.request, now.f_given);
+      structure.start_solve(now.request, now.f_given);
     }
   }
 }
@@ -205,7 +205,7 @@ void Sides::solve_structures(Attempt& now, bool may_sleep) {
 
 void Sides::start_accept(const Attempt& now) {
   accepted_x_ = now.x_tilde;
-  for (Side* side : all()) side->start_accept(now.row.request);
+  for (Side* side : all()) side->start_accept(now.request);
 }
 
 AcceptReport Sides::finish_structures_accept(const Attempt& now, const Stopwatch& since) {
@@ -236,7 +236,7 @@ bool Sides::take_next_step() const {
 
 void Sides::start_next(Attempt& now, const DtRange& proposed) {
   now.u = map_->soil_displacement(now.x);
-  for (Side& soil : soils_) soil.start_next(now.row.request, now.u, proposed);
+  for (Side& soil : soils_) soil.start_next(now.request, now.u, proposed);
   now.soils_asked = true;
 }
 
@@ -261,7 +261,7 @@ void Sides::visit_surfaces(StateVisitor& visitor) const {
     const Json before = saved.value(participant.key(), Json::object());
     for (const auto& surface : participant.value().items()) {
       require<ConfigError>(
-          before.value(surface.key(), "") == surface.value(),
+          before.value(surface.key(), Json()) == surface.value(),
           "participant \"{}\": found another mesh of interface \"{}\", allowed: that of the run "
           "that is continued, to the last digit (another build of its program may compute others)",
           participant.key(), surface.key());

@@ -76,7 +76,8 @@ void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
     const Vector<dim> turned = tangential<dim>(slip, n);
     const double size = turned.norm();
     touch.slip = way;
-    if (size > 0) touch.slip += turned * (slip.norm() / size);
+    touch.old_part = memory->part;
+    if (size > 0) touch.old_slip = turned * (slip.norm() / size);
     return;
   }
   const double closing = -n.dot(touch.relative);
@@ -86,6 +87,19 @@ void FacetContact<dim>::set_slip(const Candidate& c, Touch& touch) const {
     touch.slip_share_slope = -gap_before / (closing * closing);
   }
   touch.slip = touch.slip_share * way;
+}
+
+// The old slip in springs of the present stiffness. Those that became softer keep it, those that
+// became stiffer keep its force: either way they hold no more energy than before.
+template <int dim>
+void FacetContact<dim>::follow_part(Touch& touch) {
+  if (touch.part <= touch.old_part) {
+    touch.slip += touch.old_slip;
+    return;
+  }
+  const double kept = touch.old_part / touch.part;
+  touch.slip += kept * touch.old_slip;
+  touch.slip_part_slope = -kept / touch.part * touch.old_slip;
 }
 
 // The functions of the point where its ball, as the step began, has its surface in the direction
@@ -214,6 +228,7 @@ void FacetContact<dim>::share_depths(std::size_t first) {
     touch.num_others = 1;
     touch.others[0] = static_cast<std::int32_t>(first);
     touch.shares[0] = 1;
+    follow_part(touch);
     return;
   }
   std::vector<Vector<dim>> normals;
@@ -239,6 +254,7 @@ void FacetContact<dim>::share_depths(std::size_t first) {
           (out.length * out.inverse(k, l) + out.depths[k] * out.depths[l] / out.length) /
           (2 * touch.depth);
     }
+    follow_part(touch);
     touches_[first + k] = touch;
   }
   touches_.resize(first + out.size);
@@ -271,8 +287,9 @@ void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slo
   const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
   const bool sticks = !touch.traction.sliding;
-  const Vector<dim> by_part =
-      force_weight_ / touch.part * (sticks ? tangential<dim>(touch.force, n) : Vector<dim>::Zero());
+  const Vector<dim> by_part = force_weight_ / touch.part *
+                                  (sticks ? tangential<dim>(touch.force, n) : Vector<dim>::Zero()) -
+                              by_slip * touch.slip_part_slope;
   const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
   for (std::int32_t j = 0; j < c.num_values; ++j) {
     Vector<dim> depth_slope = Vector<dim>::Zero(), part_slope = Vector<dim>::Zero();

@@ -100,6 +100,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> normal = Vector<dim>::Zero();
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
     Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
+    double part = 1;                         // of the tangential stiffness, in which the slip is
 
     double begun() const { return -normal.dot(slip); }
     Vector<dim> tangential() const { return slip + begun() * normal; }
@@ -155,8 +156,11 @@ class FacetContact final : public Contact<dim> {
     double slip_share = 1, slip_share_slope = 0;  // of the step after it touched; over gap [1/m]
     Vector<dim> motion = Vector<dim>::Zero();     // of the soil in the step
     Vector<dim> slip = Vector<dim>::Zero();       // elastic, before the friction limit
-    Vector<dim> relative = Vector<dim>::Zero();   // motion of the soil against the surface
-    ContactTraction<dim> traction{};              // in the frame
+    Vector<dim> slip_part_slope = Vector<dim>::Zero();  // d slip / d part
+    Vector<dim> old_slip = Vector<dim>::Zero();         // of the slip: what the step began with
+    double old_part = 1;                                // of the tangential stiffness, then
+    Vector<dim> relative = Vector<dim>::Zero();         // motion of the soil against the surface
+    ContactTraction<dim> traction{};                    // in the frame
     Matrix<dim> frame = Matrix<dim>::Identity();
     Vector<dim> force = Vector<dim>::Zero();  // on the soil
   };
@@ -232,6 +236,7 @@ class FacetContact final : public Contact<dim> {
   double offset_after(const Touch& touch) const;
   void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;
+  static void follow_part(Touch& touch);
   void share_depths(std::size_t first);
   void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;

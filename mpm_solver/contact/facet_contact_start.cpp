@@ -95,6 +95,7 @@ void FacetContact<dim>::remember_shear(const Touch& touch,
     for (const auto& place : places) {
       if (memory.normal == place.normal && place.normal == touch.feature.normal) {
         memory.slip += place.pull / k;
+        memory.part = touch.part;
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/run/list_lengths.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
@@ -129,7 +130,11 @@ void FacetContact<dim>::accept_offsets() {
 template <int dim>
 typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
-  Memory memory{.owner = touch.owner, .normal = n, .force = touch.force, .slip = -touch.begun * n};
+  Memory memory{.owner = touch.owner,
+                .normal = n,
+                .force = touch.force,
+                .slip = -touch.begun * n,
+                .part = touch.part};
   const ContactLaw law = law_of(candidates_[touch.candidate], touch.owner, touch.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
@@ -220,6 +225,7 @@ void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) 
     packet.put(std::ssize(touches));
     for (const Memory& memory : touches) {
       packet.put(memory.owner);
+      packet.put(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) packet.put(v);
     }
   };
@@ -236,6 +242,7 @@ void FacetContact<dim>::take(Packet& packet) {
     std::vector<Memory> touches(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
     for (Memory& memory : touches) {
       memory.owner = packet.take<std::int32_t>();
+      memory.part = packet.take<double>();
       for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip}) {
         *v = packet.take<Vector<dim>>();
       }
@@ -250,11 +257,12 @@ void FacetContact<dim>::take(Packet& packet) {
 template <int dim>
 void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& prefix) {
   std::vector<std::int64_t> ids, owners;
-  std::vector<double> values;
+  std::vector<double> values, parts;
   for (const auto& [id, touches] : memory_) {
     for (const Memory& memory : touches) {
       ids.push_back(id);
       owners.push_back(memory.owner);
+      parts.push_back(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) {
         values.insert(values.end(), v.begin(), v.end());
       }
@@ -262,7 +270,15 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
   }
   visitor.list(prefix + "touch_ids", ids);
   visitor.list(prefix + "touch_owners", owners);
+  visitor.list(prefix + "touch_parts", parts);
   visitor.list(prefix + "touches", values);
+  require_values_each(prefix + "touch_owners", owners.size(), ids.size(), 1);
+  for (const std::int64_t owner : owners) {
+    require(owner >= 0 && owner < std::ssize(members_),
+            "saved state: {}touch_owners: found {}, allowed: 0 to {}", prefix, owner,
+            members_.size() - 1);
+  }
+  require_values_each(prefix + "touch_parts", parts.size(), ids.size(), 1);
   require_values_each(prefix + "touches", values.size(), ids.size(), 3 * dim);
   memory_.clear();
   const auto vector = [&](std::size_t k) {
@@ -272,7 +288,8 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
     memory_[ids[k]].push_back({.owner = static_cast<std::int32_t>(owners[k]),
                                .normal = vector(3 * k),
                                .force = vector(3 * k + 1),
-                               .slip = vector(3 * k + 2)});
+                               .slip = vector(3 * k + 2),
+                               .part = parts[k]});
   }
 }
 

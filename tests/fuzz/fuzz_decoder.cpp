@@ -20,9 +20,9 @@
 
 #include "common/base/timer.hpp"
 #include "mutator.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/exchange.hpp"
-#include "protocol/handshake.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/exchange.hpp"
+#include "protocol/wire/handshake.hpp"
 
 // The handler below has to learn of what a sanitizer finds.
 extern "C" const char* __asan_default_options();

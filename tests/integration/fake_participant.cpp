@@ -8,7 +8,7 @@
 #include <set>
 
 #include "liar.hpp"
-#include "protocol/connection.hpp"
+#include "protocol/participant/connection.hpp"
 #include "protocol/serve.hpp"
 
 namespace {

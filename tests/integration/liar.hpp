@@ -9,10 +9,10 @@
 
 #include "common/base/timer.hpp"
 #include "fake_solver.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/exchange.hpp"
-#include "protocol/handshake.hpp"
-#include "protocol/socket.hpp"
+#include "protocol/channel/socket.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/exchange.hpp"
+#include "protocol/wire/handshake.hpp"
 
 namespace gabion::test {
 

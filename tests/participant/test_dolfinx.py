@@ -144,6 +144,16 @@ class Steps(unittest.TestCase):
         way = march(Structure(SoftTop(), COMM), 3, 1e-4, 1e-9)
         self.assertGreater(np.abs(way[-1]).max(), 0)
 
+    def test_a_large_load_in_one_step(self) -> None:
+        """The factor of the state at rest serves badly where the body is turned and stretched by a half: steps of
+        Newton's method are shortened, and the factor is made anew."""
+        for dt in (1e-2, 1e-1, 1.0):
+            structure = Structure(SoftTop(), COMM)
+            structure.set_force_kinds({"wall": STEP_MEAN})
+            values, report = structure.solve_step(StepRequest(1, 0, 0.0, dt), on_top(structure, 3e4))
+            self.assertLessEqual(report.newton_iterations, 12)
+            self.assertGreater(np.abs(values["wall"]).max(), 0.2)
+
     def test_no_solution_leaves_the_state(self) -> None:
         class Breaks(SoftTop):
             """Has no forces where u_x > 1 mm."""

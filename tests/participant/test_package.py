@@ -26,9 +26,10 @@ HEADERS = {
     "common/base": ("error.hpp", "json.hpp", "process.hpp", "timer.hpp"),
     "common/run": ("solver.hpp", "state.hpp"),
     "common/settings": ("config_reader.hpp", "json_text.hpp", "keys.hpp", "nearest_word.hpp"),
-    "protocol": ("attention.hpp", "connection.hpp", "deadlines.hpp", "gabion_participant.h", "handshake.hpp",
-                 "heartbeat.hpp", "keys.hpp", "message.hpp", "participant.hpp", "peer_watch.hpp",
-                 "request_source.hpp", "serve.hpp", "socket.hpp", "state_machine.hpp", "step_order.hpp"),
+    "protocol": ("gabion_participant.h", "participant.hpp", "serve.hpp"),
+    "protocol/channel": ("attention.hpp", "heartbeat.hpp", "keys.hpp", "peer_watch.hpp", "socket.hpp"),
+    "protocol/participant": ("connection.hpp", "request_source.hpp", "state_machine.hpp", "step_order.hpp"),
+    "protocol/wire": ("deadlines.hpp", "handshake.hpp", "message.hpp"),
 }
 LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"
            r"|lib/cmake/gabion_participant/gabion_participant(-config|_targets)[a-z-]*\.cmake")

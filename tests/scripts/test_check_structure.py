@@ -29,8 +29,8 @@ class CheckStructure(ScriptCase):
         self.write("common/base/log.hpp", HEADER)
         mesh = SPDX + '#include "common/base/log.hpp"\n#include <petscmat.h>\n'
         self.write("common/mechanics/mesh.cpp", mesh)
-        self.write("protocol/socket.cpp", SPDX + '#include <zmq.hpp>\n#include "protocol/socket.hpp"\n')
-        self.write("coupler/loop.cpp", SPDX + '#include "protocol/codec.hpp"\n#include <Eigen/Core>\n')
+        self.write("protocol/channel/socket.cpp", SPDX + '#include <zmq.hpp>\n#include "protocol/channel/socket.hpp"\n')
+        self.write("coupler/loop.cpp", SPDX + '#include "protocol/wire/codec.hpp"\n#include <Eigen/Core>\n')
         self.write("fem_solver/main.cpp", SPDX + '#include "common/mechanics/mesh.hpp"\n#include <mpi.h>\n')
         self.write("common/program/mpi_session.cpp", SPDX + "auto world = MPI_COMM_WORLD;\n")
         self.assertEqual(self.breaches(), [])
@@ -77,7 +77,7 @@ class CheckStructure(ScriptCase):
         self.expect_breach("coupler/a.cpp", SPDX + '#include "a.hpp"\n', "a.hpp")
 
     def test_mechanics_must_not_know_the_protocol(self) -> None:
-        self.expect_breach("common/mechanics/a.cpp", SPDX + '#include "protocol/codec.hpp"\n', "codec.hpp")
+        self.expect_breach("common/mechanics/a.cpp", SPDX + '#include "protocol/wire/codec.hpp"\n', "codec.hpp")
 
     def test_folder_without_rule(self) -> None:
         self.expect_breach("common/drawer/a.cpp", SPDX, "does not say")
@@ -92,7 +92,7 @@ class CheckStructure(ScriptCase):
         self.expect_breach("coupler/a.cpp", SPDX + "#include <zmq.hpp>\n", "ZeroMQ")
 
     def test_zmq_elsewhere_in_protocol(self) -> None:
-        self.write("protocol/keys.cpp", SPDX + "#include <zmq.h>\n")
+        self.write("protocol/channel/keys.cpp", SPDX + "#include <zmq.h>\n")
         self.assertEqual(self.breaches(), [])
         self.expect_breach("protocol/a.cpp", SPDX + "#include <zmq.h>\n", "ZeroMQ")
 

@@ -68,6 +68,10 @@ class Balance:
         squares = np.array([array @ array for array in arrays])
         return np.sqrt(self.comm.allreduce(squares)).tolist()
 
+    def dot(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Over all ranks."""
+        return float(self.comm.allreduce(a @ b))
+
     def rounding(self, at_rest: "Factor") -> float:
         """[N] that rounding alone leaves in the norm of forces: an error of a strain of 1 + grad u, by the stiffness
         at u = 0."""

@@ -7,7 +7,7 @@ doing nothing.
 
 import hashlib
 import io
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,8 @@ from .motion import Bossak, Motion
 from .output import Output
 from .wet_surface import make_wet_surface
 
+Residual = tuple[np.ndarray, float]  # of the free unknowns, and its norm over all ranks
+SHORTEST = 1 / 256  # share of a step of Newton's method
 KEEP = 0.25  # a factor is kept while the residual falls by more than this an iteration
 
 
@@ -113,12 +115,13 @@ class Structure(Solver):
         """u at the end of the step, and Newton's iterations; dt 0: in static balance.
 
         Starts from the accepted state and with the factor of its tangent, which serves all solutions of the step.
+        Where a step of Newton's method with this factor has to be shortened, the factor of the present tangent follows.
         """
         u, factor, before = old.u + dt * old.v, None, np.inf
+        residual, scale = self.residual(old, u, load, dt)
+        if not np.isfinite(residual[1]):
+            raise ConvergenceError("the guess of Newton's method: forces are not finite")
         for iteration in range(self.model.newton_iterations + 1):
-            residual, scale = self.residual(old, u, load, dt)
-            if not np.isfinite(residual[1]):
-                raise ConvergenceError(f"Newton iteration {iteration}: forces are not finite")
             allowed = max(self.model.newton_tolerance * scale, self.rounding)
             if residual[1] <= allowed:
                 return u, iteration
@@ -128,12 +131,38 @@ class Structure(Solver):
                 factor = self.later
                 self.refactor(factor, u, dt)
             before = residual[1]
-            u = u + factor.solve(residual[0])
+            step = factor.solve(residual[0])
+            before_step = u
+            share, (residual, scale) = self.line_search(
+                residual, step, lambda s: self.residual(old, before_step + s * step, load, dt))
+            u = before_step + share * step
+            if share < 1:
+                before = 0.0  # a new factor
         raise ConvergenceError(f"no balance after {iteration} iterations of Newton: residual {residual[1]:.3g} N, "
                                f"allowed {allowed:.3g}")
 
+    def line_search(self, start: Residual, step: np.ndarray, at: Callable[[float], tuple[Residual, float]]
+                    ) -> tuple[float, tuple[Residual, float]]:
+        """The first share s = 1, 1/2, ... of a step at which forces are finite and |step . r(s)| <= 0.8 |step . r(0)|
+        or |r| has fallen, and the residual there (Matthies and Strang 1979: the energy, since |r| rises with a good
+        step of a slender structure). The last one, SHORTEST, is taken where none is so good.
+        """
+        energy = abs(self.balance.dot(step, start[0]))
+        share = 1.0
+        while True:
+            found = at(share)
+            residual = found[0]
+            finite = np.isfinite(residual[1])
+            if finite and (residual[1] < start[1] or abs(self.balance.dot(step, residual[0])) <= 0.8 * energy):
+                return share, found
+            if share <= SHORTEST:
+                if not finite:
+                    raise ConvergenceError(f"{share} of a step of Newton's method: forces are not finite")
+                return share, found
+            share /= 2
+
     def residual(self, old: Motion, u: np.ndarray, load: np.ndarray,
-                 dt: float) -> tuple[tuple[np.ndarray, float], float]:
+                 dt: float) -> tuple[Residual, float]:
         """Of free unknowns with its norm, and the largest norm of what is balanced."""
         internal = self.balance.internal_forces(u)
         inertia = np.zeros_like(u)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -436,6 +437,38 @@ TEST(ScaledFields, units_do_not_matter) {
       // Of "constant" a mode keeps 0.9 - 0.2/k an iteration: 0.896^183 = 2e-9 of the first
       // residual.
       EXPECT_LT(counts[1][step], method == "constant" ? 184 : 40) << method;
+    }
+  }
+}
+
+/// Displacement and force of a structure u~ = C f and a soil f~ = p - K u that pushes back, both
+/// with one stiffness in every place: after one pair of secants the update is exact, and no bound
+/// on its length may cut it, whether the soil or the structure is the harder one.
+TEST(ScaledFields, soil_and_structure_agree_after_the_first_secants) {
+  const Eigen::Index n = 5;
+  for (const double soil : {1e3, 1e6, 1e9}) {        // K [N/m]
+    for (const double product : {1e-3, 1.0, 1e3}) {  // C K
+      SCOPED_TRACE(fmt::format("K {} C K {}", soil, product));
+      const auto acceleration = make_acceleration(settings("mvqn", 1e-6, 10), {n, n});
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(2 * n);
+      for (int step = 0; step < 4; ++step) {
+        const Eigen::VectorXd load = Eigen::VectorXd::LinSpaced(n, 1, 2) * (1 + 0.3 * step);
+        const auto answer = [&](const Eigen::VectorXd& given) {
+          Eigen::VectorXd x_tilde(2 * n);
+          x_tilde << product / soil * given.tail(n), load - soil * given.head(n);
+          return x_tilde;
+        };
+        acceleration->begin_step();
+        int k = 1;
+        for (; k < 20; ++k) {
+          const Eigen::VectorXd r = answer(x) - x;
+          if (r.tail(n).norm() < 1e-9 && soil * r.head(n).norm() < 1e-9) break;
+          x = acceleration->next(x, answer(x));
+        }
+        acceleration->end_step(x, answer(x));
+        EXPECT_LE(k, step == 0 ? 6 : 5) << "step " << step;
+        EXPECT_LE((x.tail(n) - load / (1 + product)).norm(), 1e-8) << "step " << step;
+      }
     }
   }
 }

@@ -435,6 +435,23 @@ TEST(CouplingLoop, a_solver_that_fails_at_large_steps_gets_smaller_ones) {
   EXPECT_NE(std::find(times.begin(), times.end(), "0.14"), times.end());  // on the raster again
 }
 
+/// A structure with inertia yields with dt^2: columns of a step four times as long promise too
+/// much.
+TEST(CouplingLoop, columns_of_much_longer_steps_are_dropped) {
+  for (const double shortest : {0.006, 0.003}) {  // dt that is solved: a half, a quarter
+    CoupledRun run("cut_columns");
+    run.structure.on_solve = [&](const StepRequest& request) {
+      if (request.time > 0.045 && request.time < 0.065 && request.dt > shortest) {
+        throw ConvergenceError("too large");
+      }
+    };
+    run.go();
+    const Json summary = run.summary();
+    EXPECT_EQ(summary["completed"], true);
+    EXPECT_EQ(summary["history_resets"], shortest > 0.005 ? 0 : 1);
+  }
+}
+
 TEST(CouplingLoop, failure_below_dt_min_ends_the_run_and_keeps_what_was_written) {
   CoupledRun run("dt_min");
   run.structure.on_solve = [](const StepRequest& request) {

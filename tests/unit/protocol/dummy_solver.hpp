@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "protocol/connection.hpp"
+#include "protocol/participant/connection.hpp"
 #include "protocol/serve.hpp"
-#include "protocol/server.hpp"
+#include "protocol/server/server.hpp"
 
 namespace gabion::test {
 

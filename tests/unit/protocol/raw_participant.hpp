@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "protocol/codec.hpp"
-#include "protocol/handshake.hpp"
-#include "protocol/socket.hpp"
+#include "protocol/channel/socket.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/handshake.hpp"
 
 namespace gabion::test {
 

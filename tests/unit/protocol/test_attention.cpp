@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "protocol/attention.hpp"
+#include "protocol/channel/attention.hpp"
 
 #include <gtest/gtest.h>
 

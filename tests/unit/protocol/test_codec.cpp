@@ -13,8 +13,8 @@
 #include <random>
 #include <sstream>
 
-#include "protocol/codec.hpp"
-#include "protocol/exchange.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/exchange.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <future>
 
 #include "dummy_solver.hpp"
-#include "protocol/force_kinds.hpp"
 #include "protocol/serve.hpp"
+#include "protocol/wire/force_kinds.hpp"
 #include "raw_participant.hpp"
 
 namespace gabion::test {

@@ -7,8 +7,8 @@
 
 #include "common/base/interrupt.hpp"
 #include "dummy_solver.hpp"
-#include "protocol/exchange.hpp"
 #include "protocol/serve.hpp"
+#include "protocol/wire/exchange.hpp"
 #include "raw_participant.hpp"
 #include "tests/support/expect_error.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "protocol/local_channel.hpp"
-#include "protocol/socket.hpp"
+#include "protocol/channel/local_channel.hpp"
+#include "protocol/channel/socket.hpp"
 
 namespace gabion::test {
 namespace {

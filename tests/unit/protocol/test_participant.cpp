@@ -9,9 +9,9 @@
 
 #include "common/base/require.hpp"
 #include "dummy_solver.hpp"
-#include "protocol/exchange.hpp"
 #include "protocol/gabion_participant.h"
 #include "protocol/participant.hpp"
+#include "protocol/wire/exchange.hpp"
 
 namespace gabion::test {
 namespace {

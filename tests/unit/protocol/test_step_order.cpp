@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dummy_solver.hpp"
-#include "protocol/step_order.hpp"
+#include "protocol/participant/step_order.hpp"
 
 namespace gabion::test {
 namespace {

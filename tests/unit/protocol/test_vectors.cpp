@@ -5,8 +5,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "protocol/codec.hpp"
-#include "protocol/exchange.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/exchange.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace gabion {

@@ -163,7 +163,7 @@ TEST(KeyTables, a_resolved_file_shows_the_tolerances_of_the_run) {
   const Json resolved = in.resolved();
   EXPECT_EQ(resolved["newton"]["residual_tolerance"], settings.newton.residual_tolerance);
   EXPECT_EQ(resolved["newton"]["increment_tolerance"], settings.newton.increment_tolerance);
-  EXPECT_EQ(resolved["linear_solver"]["method"], settings.linear_solver.method);
+  EXPECT_EQ(resolved["linear_solver"]["method"].get<std::string>(), settings.linear_solver.method);
   EXPECT_EQ(resolved["linear_solver"]["tolerance"], settings.linear_solver.tolerance);
 }
 

@@ -7,10 +7,10 @@
 
 #include "common/checkpoint/state_file.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/exchange.hpp"
-#include "protocol/force_kinds.hpp"
 #include "protocol/serve.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/exchange.hpp"
+#include "protocol/wire/force_kinds.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
 #include "solver_program/ranked_state.hpp"

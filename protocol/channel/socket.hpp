@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/channel/keys.hpp"
+
+namespace gabion {
+
+/// The messaging library's state of one process side; sockets of several threads share it.
+struct SocketContext;
+/// Shared, because it must outlive whichever of the sockets closes last.
+std::shared_ptr<SocketContext> make_socket_context();
+
+/// A ZeroMQ socket with finite linger and finite send time. To be used by one thread at a time.
+/// Between processes of one machine messages take the way of local_channel.hpp, which wakes no
+/// threads of the library: where both sides have no keys, one endpoint, and the coupler is there
+/// when the participant sends its first message.
+class Socket {
+ public:
+  /// Coupler's side. The first frame of what it sends and receives is the peer's route.
+  /// @param keys  only participants with one of these keys may connect, and all is encrypted
+  /// @throws ConfigError  the endpoint cannot be bound
+  static Socket bind_router(std::shared_ptr<SocketContext> context, const std::string& endpoint,
+                            const std::optional<ServerKeys>& keys = {});
+  /// Participant's side. Connects in the background, again and again.
+  /// @param route   unique to this socket, at most 255 bytes
+  /// @param linger  [ms] that closing waits for unsent messages
+  /// @throws ProtocolError  the endpoint is not understood
+  static Socket connect_dealer(std::shared_ptr<SocketContext> context, const std::string& endpoint,
+                               const std::string& route, int linger = 500,
+                               const std::optional<ClientKeys>& keys = {});
+  ~Socket();
+  Socket(Socket&&) noexcept;
+  Socket& operator=(Socket&&) noexcept;
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  /// False when the peer cannot be reached or its queue stays full for a second.
+  bool send(const std::vector<std::string_view>& frames);
+  /// The same without waiting: false also when its queue is full now.
+  bool try_send(const std::vector<std::string_view>& frames);
+
+  /// One message, or nothing after `milliseconds` or when a signal came.
+  /// Of more than `max_frames` frames only the first ones are kept.
+  /// @param look  time before sleep in which the processor is kept (Attention)
+  std::optional<std::vector<std::string>> receive(int milliseconds,
+                                                  std::chrono::duration<double> look = {});
+
+  /// A participant's, until its first message comes: why the coupler does not let it in.
+  struct Refusal {
+    std::string reason;
+    bool is_final = false;  ///< trying again will not help
+  };
+  std::optional<Refusal> refusal();
+
+  /// Whether what goes to this route stays on this machine, past the network. Coupler's side.
+  bool is_local(const std::string& route) const;
+
+  /// Where it is bound: the port is known even when the endpoint said `*`.
+  std::string endpoint() const;
+
+  static constexpr std::size_t max_frames = 300;
+
+ private:
+  struct Implementation;
+  bool send(const std::vector<std::string_view>& frames, bool waits);
+  explicit Socket(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace gabion
