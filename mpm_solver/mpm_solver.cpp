@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/mpm_solver.hpp"
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "mpm_solver/checks/overlaps.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
@@ -11,7 +12,7 @@ namespace gabion::mpm {
 namespace {
 
 template <int dim>
-void check_surfaces(const SoilModel<dim>& model, const MaterialPoints<dim>& points) {
+std::vector<StartSurface<dim>> surfaces_at_start(const SoilModel<dim>& model) {
   std::vector<StartSurface<dim>> surfaces;
   for (const auto& interface : model.settings.interfaces) {
     surfaces.push_back({interface, interface.surface.vertices, false});
@@ -24,7 +25,7 @@ void check_surfaces(const SoilModel<dim>& model, const MaterialPoints<dim>& poin
       vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
     }
   }
-  check_start<dim>(model.comm, surfaces, points, model.cell_size, bounding_box(model.grid));
+  return surfaces;
 }
 
 }  // namespace
@@ -35,11 +36,17 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
     : model_(comm, std::move(settings)),
       state_(model_),
       step_(model_, state_, times_),
-      report_(model_, output_folder) {
+      report_(model_, output_folder),
+      thin_walls_(surfaces_at_start(model_), model_.cell_size) {
   report_.log_start(state_, step_.soil().weights());
   log_soil_at_rest(model_.settings);
   check_overlaps(model_.comm, model_.settings, state_.points);
-  check_surfaces(model_, state_.points);
+  const auto surfaces = surfaces_at_start(model_);
+  check_start<dim>(model_.comm, surfaces, state_.points, model_.cell_size,
+                   bounding_box(model_.grid));
+  for (const auto& text : thin_walls_.at_start(model_.comm, surfaces, state_.points)) {
+    log::warn("{}", text);
+  }
   step_.check_initial_stress();
   model_.settings.layouts.clear();  // the points are laid and at rest
 }
@@ -55,6 +62,10 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
 template <int dim>
 AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   AcceptReport report = step_.accept(request, solved);
+  for (const auto& text :
+       thin_walls_.after_step(model_.comm, state_.surfaces, request.time + request.dt)) {
+    log::warn("{}", text);
+  }
   report.probes = probes();
   report_.look_at_memory(state_, step_);
   return report;

@@ -8,6 +8,7 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
+#include "mpm_solver/contact/thin_walls.hpp"
 #include "mpm_solver/report/soil_report.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 
@@ -56,6 +57,7 @@ class MpmSolver final : public Solver {
   SoilState<dim> state_;
   SoilStep<dim> step_;
   SoilReport<dim> report_;
+  ThinWalls<dim> thin_walls_;
 };
 
 }  // namespace gabion::mpm

@@ -15,6 +15,10 @@ namespace gabion {
 namespace {
 
 using WeightRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+// A weight below this is round-off of a vertex that lies on the rim of a facet: no force comes by
+// it.
+constexpr double round_off_weight = 1e-9;
+
 using VertexValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::string point_text(const Eigen::Vector3d& x, int dim) {
@@ -198,7 +202,9 @@ void Mapping::measure(const Surface& from, const Surface& to) {
     for (WeightRows::InnerIterator entry(H_, v); entry; ++entry) {
       image += entry.value() * from.vertex(entry.col());
       report_.largest_weight = std::max(report_.largest_weight, std::abs(entry.value()));
-      if (entry.value() != 0) used[static_cast<std::size_t>(entry.col())] = true;
+      if (std::abs(entry.value()) > round_off_weight) {
+        used[static_cast<std::size_t>(entry.col())] = true;
+      }
     }
     report_.largest_shift = std::max(report_.largest_shift, (image - to.vertex(v)).norm());
   }

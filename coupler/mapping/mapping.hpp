@@ -28,7 +28,7 @@ MappingSettings read_mapping_settings(ConfigReader in);
 struct MappingReport {
   std::int64_t soil_vertices = 0;  ///< all of them have an image, else the mapping is refused
   std::int64_t structure_vertices = 0;
-  std::int64_t unused_vertices = 0;  ///< vertices of the structure that no soil vertex uses
+  std::int64_t unused_vertices = 0;  ///< of the structure: no soil vertex takes more than round-off
   double farthest = 0;               ///< [m] of a soil vertex from its place on the structure
   double largest_shift = 0;   ///< [m] |H X_structure - X_soil|, the error for a rotation by 1
   double largest_weight = 0;  ///< |H_ij|, 1 unless extrapolated

@@ -106,7 +106,7 @@ void BoundaryPoints<dim>::append_cells(std::vector<std::int32_t>& offsets,
 }
 
 template <int dim>
-void BoundaryPoints<dim>::set_displacement(std::span<const double> displacement) {
+void BoundaryPoints<dim>::set_displacement(std::span<const double> displacement, std::size_t) {
   surface_.set_displacement(displacement);
   if (touching_.empty()) return;
   const auto geometry = surface_.geometry();
@@ -152,7 +152,7 @@ void BoundaryPoints<dim>::add_forces(std::span<const double> du, std::span<doubl
 }
 
 template <int dim>
-std::vector<double> BoundaryPoints<dim>::forces_on_structure() const {
+std::vector<double> BoundaryPoints<dim>::forces_on_structure(std::size_t) const {
   std::vector<double> forces(surface_.num_vertices() * dim, 0.0);
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
@@ -167,7 +167,7 @@ std::vector<double> BoundaryPoints<dim>::forces_on_structure() const {
 }
 
 template <int dim>
-typename Contact<dim>::Resultant BoundaryPoints<dim>::resultant() const {
+typename Contact<dim>::Resultant BoundaryPoints<dim>::resultant(std::size_t) const {
   typename Contact<dim>::Resultant sum;
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
@@ -192,7 +192,7 @@ double BoundaryPoints<dim>::work_on_soil(std::span<const double> du) const {
 }
 
 template <int dim>
-ContactCounts BoundaryPoints<dim>::counts() const {
+ContactCounts BoundaryPoints<dim>::counts(std::size_t) const {
   ContactCounts result;
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
@@ -237,7 +237,8 @@ void BoundaryPoints<dim>::mark_closed_points() {
 }
 
 template <int dim>
-ContactFields<dim> BoundaryPoints<dim>::fields(const MaterialPoints<dim>&, double) const {
+ContactFields<dim> BoundaryPoints<dim>::fields(const MaterialPoints<dim>&, double,
+                                               std::size_t) const {
   ContactFields<dim> fields(vertices_, surface_.num_facets());
   for (const ContactMark<dim>& mark : marks_) {
     fields.add(static_cast<std::size_t>(mark.facet), 1, mark);

@@ -27,23 +27,25 @@ class BoundaryPoints final : public Contact<dim> {
   void begin_step(const SoilSurface<dim>& soil) override;
   bool asks_for_cells() const override { return true; }
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) override;
-  bool can_touch() const override { return !touching_.empty(); }
+  bool can_touch(std::size_t = 0) const override { return !touching_.empty(); }
   bool symmetric() const override { return !law_.has_friction(); }
   void append_cells(std::vector<std::int32_t>& offsets,
                     std::vector<std::int32_t>& nodes) const override;
 
-  void set_displacement(std::span<const double> displacement) override;
+  void set_displacement(std::span<const double> displacement, std::size_t = 0) override;
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
 
-  std::vector<double> forces_on_structure() const override;
-  typename Contact<dim>::Resultant resultant() const override;
+  std::vector<double> forces_on_structure(std::size_t = 0) const override;
+  typename Contact<dim>::Resultant resultant(std::size_t = 0) const override;
   double work_on_soil(std::span<const double> du) const override;
-  ContactCounts counts() const override;
+  ContactCounts counts(std::size_t = 0) const override;
   double approach_step(double dt, double margin) const override;
 
   void accept() override;
   /// Gaps are those that the law sees: known where a boundary point has soil.
-  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
+  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
+                            std::size_t = 0) const override;
+  std::span<const ContactMark<dim>> marks(std::size_t = 0) const override { return marks_; }
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:

@@ -22,8 +22,8 @@ struct ContactMaker {
   std::unique_ptr<Contact<dim>> operator()(const BoundaryPointSettings& method) const {
     return std::make_unique<BoundaryPoints<dim>>(settings, method);
   }
-  std::unique_ptr<Contact<dim>> operator()(const FacetSettings& method) const {
-    return std::make_unique<FacetContact<dim>>(settings, method);
+  std::unique_ptr<Contact<dim>> operator()(const FacetSettings&) const {
+    return make_joint_contact<dim>({&settings});
   }
 };
 
@@ -32,6 +32,12 @@ struct ContactMaker {
 template <int dim>
 std::unique_ptr<Contact<dim>> make_contact(const ContactSettings<dim>& settings) {
   return std::visit(ContactMaker<dim>{settings}, settings.method);
+}
+
+template <int dim>
+std::unique_ptr<Contact<dim>> make_joint_contact(
+    const std::vector<const ContactSettings<dim>*>& members) {
+  return std::make_unique<FacetContact<dim>>(members);
 }
 
 template <int dim>
@@ -52,6 +58,10 @@ InterfaceMesh interface_mesh(const ContactSettings<dim>& settings) {
 
 template std::unique_ptr<Contact<2>> make_contact<2>(const ContactSettings<2>&);
 template std::unique_ptr<Contact<3>> make_contact<3>(const ContactSettings<3>&);
+template std::unique_ptr<Contact<2>> make_joint_contact<2>(
+    const std::vector<const ContactSettings<2>*>&);
+template std::unique_ptr<Contact<3>> make_joint_contact<3>(
+    const std::vector<const ContactSettings<3>*>&);
 template InterfaceMesh interface_mesh<2>(const ContactSettings<2>&);
 template InterfaceMesh interface_mesh<3>(const ContactSettings<3>&);
 

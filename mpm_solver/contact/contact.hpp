@@ -66,10 +66,10 @@ struct SoilAtRest {
   std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
 };
 
-/// A surface that touches the soil: between them act equal and opposite forces, by a method of its
-/// own. A step: begin_step; then set_displacement and add_forces as often as wanted; then accept,
-/// or the next begin_step. Forces, counts and energies are those that this rank carries: their sums
-/// over the ranks are those of the contact.
+/// One or several surfaces, its members, that touch the soil: between them act equal and opposite
+/// forces, by a method of their own. A step: begin_step; then set_displacement and add_forces as
+/// often as wanted; then accept, or the next begin_step. Forces, counts and energies are those that
+/// this rank carries: their sums over the ranks are those of the contact.
 template <int dim>
 class Contact {
  public:
@@ -92,15 +92,15 @@ class Contact {
   /// Collective over soil.comm.
   virtual void begin_step(const SoilSurface<dim>& soil) = 0;
   /// Whether a force can arise in this step.
-  virtual bool can_touch() const = 0;
+  virtual bool can_touch(std::size_t member = 0) const = 0;
   /// Whether the stiffness of this step is symmetric.
   virtual bool symmetric() const = 0;
   /// Cells that carry contact terms, as lists of active nodes (for the matrix pattern).
   virtual void append_cells(std::vector<std::int32_t>& offsets,
                             std::vector<std::int32_t>& nodes) const = 0;
 
-  /// Displacement of the surface at the end of the step, num_vertices x dim, from the reference.
-  virtual void set_displacement(std::span<const double> displacement) = 0;
+  /// Displacement of a member at the end of the step, num_vertices x dim, from the reference.
+  virtual void set_displacement(std::span<const double> displacement, std::size_t member = 0) = 0;
   /// Add the contact force, as the balance at the end of the step sees it, to r and its stiffness
   /// -df/du to K (may be null).
   virtual void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) = 0;
@@ -110,7 +110,7 @@ class Contact {
   // whole step. Forces on the structure and their resultant are then means over the substeps.
 
   virtual void begin_substeps() {}
-  /// Where the surface is at this share of the step, on its way to set_displacement's place.
+  /// Where the surfaces are at this share of the step, on its way to set_displacement's place.
   virtual void set_share(double) {}
   /// The forces of the last add_forces acted over this share of the step.
   /// @param move  of the soil in that time [m], num_nodes x dim
@@ -124,8 +124,8 @@ class Contact {
 
   // All of the following are those of the last add_forces.
 
-  /// Nodal forces of the soil on the structure, num_vertices x dim [N].
-  virtual std::vector<double> forces_on_structure() const = 0;
+  /// Nodal forces of the soil on the structure, num_vertices of the member x dim [N].
+  virtual std::vector<double> forces_on_structure(std::size_t member = 0) const = 0;
   /// Their sum, and the sum of their moments about the origin, at the positions at the start of the
   /// step.
   struct Resultant {
@@ -141,11 +141,11 @@ class Contact {
       }
     }
   };
-  virtual Resultant resultant() const = 0;
+  virtual Resultant resultant(std::size_t member = 0) const = 0;
   /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
   /// and the present ones [J].
   virtual double work_on_soil(std::span<const double> du) const = 0;
-  virtual ContactCounts counts() const = 0;
+  virtual ContactCounts counts(std::size_t member = 0) const = 0;
   /// Whether the force is constant in a step, see NewmarkBossak::step_force_weight. The resultant
   /// is then that force, not what add_forces added.
   virtual bool is_step_force() const { return false; }
@@ -159,7 +159,10 @@ class Contact {
   /// How far a material point of this rank may move in the step, beyond twice the way that
   /// fastest_about would take it, before begin_step has not looked far enough ahead [m]; infinite:
   /// the method does not look ahead.
-  virtual double allowed_way() const { return std::numeric_limits<double>::infinity(); }
+  virtual double allowed_way(std::size_t member = 0) const {
+    static_cast<void>(member);
+    return std::numeric_limits<double>::infinity();
+  }
   /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
   /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite
   /// when it comes no nearer.
@@ -174,10 +177,19 @@ class Contact {
   virtual void accept() = 0;
   /// Of the accepted state.
   virtual ContactEnergy energy() const { return {}; }
-  /// Of the accepted state: what this rank's soil does to each facet.
+  /// Let a member act no more, what its springs hold is lost; or act again, from a state that is
+  /// loaded next. @returns false: the method cannot, the contact has to be replaced
+  virtual bool drop(std::size_t member, bool dropped) {
+    static_cast<void>(member), static_cast<void>(dropped);
+    return false;
+  }
+  /// Of the accepted state: what this rank's soil does to each facet of a member.
   /// @param points  of this rank, accepted
   /// @param reach   how far to look for gaps [m]
-  virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const = 0;
+  virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
+                                    std::size_t member = 0) const = 0;
+  /// Of the accepted state: where this rank's soil touched a member.
+  virtual std::span<const ContactMark<dim>> marks(std::size_t member = 0) const = 0;
   /// Material points move to another rank: put what this contact remembers of them into the packet,
   /// and forget it. @param ids  of the points
   virtual void give(std::span<const std::int64_t> ids, Packet& packet) {
@@ -195,5 +207,12 @@ using Contacts = std::vector<std::unique_ptr<Contact<dim>>>;
 /// The contact of the method that the settings ask for.
 template <int dim>
 std::unique_ptr<Contact<dim>> make_contact(const ContactSettings<dim>& settings);
+
+/// One contact of surfaces that all have the method `facets`: what a point touches is searched as
+/// if they were one surface.
+/// @param members  not empty
+template <int dim>
+std::unique_ptr<Contact<dim>> make_joint_contact(
+    const std::vector<const ContactSettings<dim>*>& members);
 
 }  // namespace gabion::mpm

@@ -16,27 +16,28 @@ class DroppedContact final : public Contact<dim> {
         energy_{.friction = energy.friction, .loss = energy.loss + energy.stored} {}
 
   void begin_step(const SoilSurface<dim>&) override {}
-  bool can_touch() const override { return false; }
+  bool can_touch(std::size_t = 0) const override { return false; }
   bool symmetric() const override { return true; }
   void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
-  void set_displacement(std::span<const double> displacement) override {
+  void set_displacement(std::span<const double> displacement, std::size_t = 0) override {
     surface_.set_displacement(displacement);
   }
   void add_forces(std::span<const double>, std::span<double>, BlockMatrix<dim>*) override {}
-  std::vector<double> forces_on_structure() const override {
+  std::vector<double> forces_on_structure(std::size_t = 0) const override {
     return std::vector<double>(surface_.num_vertices() * dim, 0.0);
   }
-  typename Contact<dim>::Resultant resultant() const override { return {}; }
+  typename Contact<dim>::Resultant resultant(std::size_t = 0) const override { return {}; }
   double work_on_soil(std::span<const double>) const override { return 0; }
-  ContactCounts counts() const override { return {}; }
+  ContactCounts counts(std::size_t = 0) const override { return {}; }
   double approach_step(double, double) const override {
     return std::numeric_limits<double>::infinity();
   }
   void accept() override {}
   ContactEnergy energy() const override { return energy_; }
-  ContactFields<dim> fields(const MaterialPoints<dim>&, double) const override {
+  ContactFields<dim> fields(const MaterialPoints<dim>&, double, std::size_t = 0) const override {
     return {surface_.positions(), surface_.num_facets()};
   }
+  std::span<const ContactMark<dim>> marks(std::size_t = 0) const override { return {}; }
   void visit_state(StateVisitor& visitor, const std::string& prefix) override {
     visitor.share(prefix + "friction", energy_.friction);
     visitor.share(prefix + "loss", energy_.loss);

@@ -31,44 +31,26 @@ Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
 }  // namespace
 
 template <int dim>
-FacetContact<dim>::FacetContact(const ContactSettings<dim>& settings, const FacetSettings& method)
-    : mode_(settings.mode),
-      friction_(settings.friction),
-      method_(method),
-      surface_(settings.surface),
-      simplices_(simplices(surface_)),
-      start_(surface_.vertices),
-      end_(surface_.vertices),
-      target_(surface_.vertices) {}
-
-template <int dim>
-ContactLaw FacetContact<dim>::law_of(const Candidate& c, double part) const {
+ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, double part) const {
+  const Member& member = members_[owner];
+  const FacetSettings& method = member.method;
   const double M = c.modulus, h = cell_size_;
-  return {.mode = mode_,
-          .friction = friction_,
-          .penalty = method_.penalty_factor * M / (h * h),
-          .tangential_penalty = part * method_.tangential_factor * M / h,
+  return {.mode = member.mode,
+          .friction = member.friction,
+          .penalty = method.penalty_factor * M / (h * h),
+          .tangential_penalty = part * method.tangential_factor * M / h,
           .normal = NormalLaw::quadratic};
 }
 
 template <int dim>
-void FacetContact<dim>::set_displacement(std::span<const double> displacement) {
-  surface_motion_ = 0;
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    end_[v] = surface_.vertices[v] + Eigen::Map<const Vector<dim>>(displacement.data() + v * dim);
-    surface_motion_ = std::max(surface_motion_, (end_[v] - start_[v]).norm());
-  }
-  target_ = end_;
-  share_ = 1;
-}
-
-template <int dim>
-const typename FacetContact<dim>::Memory* FacetContact<dim>::remembered(
-    const Candidate& c, const Vector<dim>& n) const {
+const typename FacetContact<dim>::Memory* FacetContact<dim>::remembered(const Candidate& c,
+                                                                        const Vector<dim>& n,
+                                                                        std::int32_t owner) const {
   if (!c.memory) return nullptr;
   const Memory* best = nullptr;
   double largest = same_normal;
   for (const Memory& memory : *c.memory) {
+    if (owner != any_owner && memory.owner != owner) continue;
     if (memory.normal.dot(n) <= largest) continue;
     largest = memory.normal.dot(n);
     best = &memory;
@@ -139,6 +121,7 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
                                                               std::span<const double> du) {
   const Vector<dim>& n = feature.normal;
   Touch touch;
+  touch.owner = owner_[feature.simplex];
   touch.feature = feature;
   touch.radius = radius(c, n);
   touch.area = c.volume / (2 * touch.radius);
@@ -189,7 +172,7 @@ void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const dou
     }
     touches_.push_back(touch);
   }
-  share_depths(first);
+  share_in_corners(c, first);
 }
 
 // Along the normal of a touch, after the step: the gap stays what it was. Where a rigid ball opens,
@@ -202,6 +185,35 @@ double FacetContact<dim>::offset_after(const Touch& touch) const {
   if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - touch.radius;
   if (touch.gap < 0) return std::max(offset, -touch.radius);
   return std::max(offset - touch.gap - touch.begun, 0.0);
+}
+
+// Members that meet in a corner with the point in it, or that face each other with the point
+// between them, push each for itself.
+template <int dim>
+void FacetContact<dim>::share_in_corners(const Candidate& c, std::size_t first) {
+  if (members_.size() == 1 || touches_.size() <= first + 1) return share_depths(first);
+  const auto surface = surface_of(c, end_);
+  const auto apart = [&](const Touch& a, const Touch& b) {
+    return are_in_corner<dim>(surface, a.feature.simplex, b.feature.simplex);
+  };
+  std::vector<std::vector<Touch>> groups;
+  for (std::size_t k = first; k < touches_.size(); ++k) {
+    const auto group = std::ranges::find_if(groups, [&](const auto& touches) {
+      return std::ranges::none_of(touches, [&](const Touch& t) { return apart(t, touches_[k]); });
+    });
+    if (group == groups.end()) {
+      groups.push_back({touches_[k]});
+    } else {
+      group->push_back(touches_[k]);
+    }
+  }
+  if (groups.size() <= 1) return share_depths(first);
+  touches_.resize(first);
+  for (const auto& touches : groups) {
+    const std::size_t begin = touches_.size();
+    touches_.insert(touches_.end(), touches.begin(), touches.end());
+    share_depths(begin);
+  }
 }
 
 // Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of
@@ -305,25 +317,32 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     find_touches(static_cast<std::int32_t>(k), du);
   }
-  for (Touch& touch : touches_) {
-    const Candidate& c = candidates_[touch.candidate];
-    Vector<dim> gap = touch.frame.transpose() * touch.slip;
-    gap[0] = -touch.depth;
-    touch.traction = law_of(c, touch.part).template traction<dim>(gap, K ? &slope : nullptr);
-    touch.force = touch.area * (touch.frame * touch.traction.t);
-    scatter(c, weights_of(touch), force_weight_ * touch.force, r);
-    if (K) add_stiffness(touch, slope, *K);
+  order_touches();
+  for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
+    for (const std::int32_t k : touches_of(owner)) {
+      Touch& touch = touches_[k];
+      const Candidate& c = candidates_[touch.candidate];
+      Vector<dim> gap = touch.frame.transpose() * touch.slip;
+      gap[0] = -touch.depth;
+      touch.traction =
+          law_of(c, owner, touch.part).template traction<dim>(gap, K ? &slope : nullptr);
+      touch.force = touch.area * (touch.frame * touch.traction.t);
+      scatter(c, weights_of(touch), force_weight_ * touch.force, r);
+      if (K) add_stiffness(touch, slope, *K);
+    }
+    if (force_weight_ != 1) add_old_forces(owner, 1 - force_weight_, r);
   }
-  if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
 }
 
 template <int dim>
-void FacetContact<dim>::add_old_forces(double share, std::span<double> field) const {
+void FacetContact<dim>::add_old_forces(std::int32_t owner, double share,
+                                       std::span<double> field) const {
   std::vector<double> w;
   for (const Candidate& c : candidates_) {
     if (!c.memory) continue;
     w.resize(c.num_values);
     for (const Memory& memory : *c.memory) {
+      if (memory.owner != owner) continue;
       surface_weights(c, memory.normal, w.data());
       scatter(c, w.data(), share * memory.force, field);
     }
@@ -332,78 +351,13 @@ void FacetContact<dim>::add_old_forces(double share, std::span<double> field) co
 
 template <int dim>
 void FacetContact<dim>::add_step_force_change(std::span<double> f) const {
-  for (const Touch& touch : touches_) {
-    scatter(candidates_[touch.candidate], weights_of(touch), touch.force, f);
+  for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
+    for (const std::int32_t k : touches_of(owner)) {
+      const Touch& touch = touches_[k];
+      scatter(candidates_[touch.candidate], weights_of(touch), touch.force, f);
+    }
+    add_old_forces(owner, -1, f);
   }
-  add_old_forces(-1, f);
-}
-
-template <int dim>
-void FacetContact<dim>::add_vertex_forces(const Touch& touch, double share,
-                                          std::span<double> forces) const {
-  const Simplex<dim>& simplex = simplices_[touch.feature.simplex];
-  for (int k = 0; k < dim; ++k) {
-    Eigen::Map<Vector<dim>>(forces.data() + std::ptrdiff_t{simplex[k]} * dim) -=
-        share * touch.feature.weights[k] * touch.force;
-  }
-}
-
-template <int dim>
-std::vector<double> FacetContact<dim>::forces_on_structure() const {
-  if (substeps_) return substeps_->forces;
-  std::vector<double> forces(start_.size() * dim, 0.0);
-  for (const Touch& touch : touches_) add_vertex_forces(touch, 1, forces);
-  return forces;
-}
-
-template <int dim>
-typename Contact<dim>::Resultant FacetContact<dim>::resultant() const {
-  if (substeps_) return substeps_->resultant;
-  typename Contact<dim>::Resultant sum;
-  for (const Touch& touch : touches_) sum.add(touch.feature.x, -touch.force);
-  return sum;
-}
-
-template <int dim>
-double FacetContact<dim>::work_on_soil(std::span<const double>) const {
-  double work = 0;
-  for (const Touch& touch : touches_) work += touch.motion.dot(touch.force);
-  return work;
-}
-
-template <int dim>
-ContactCounts FacetContact<dim>::counts() const {
-  ContactCounts result;
-  for (const Touch& touch : touches_) {
-    ++result.closed;
-    result.sliding += touch.traction.sliding;
-    result.penetration = std::max(result.penetration, -touch.gap - touch.begun);
-  }
-  if (substeps_) result.closed = std::max(result.closed, substeps_->closed);
-  return result;
-}
-
-template <int dim>
-Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature) const {
-  Vector<dim> motion = Vector<dim>::Zero();
-  for (int k = 0; k < dim; ++k) {
-    const std::int32_t v = simplices_[feature.simplex][k];
-    motion += feature.weights[k] * (end_[v] - start_[v]);
-  }
-  return motion;
-}
-
-template <int dim>
-double FacetContact<dim>::approach_step(double dt, double margin) const {
-  double result = std::numeric_limits<double>::infinity();
-  for (const Candidate& c : candidates_) {
-    if (c.num_facing == 0) continue;
-    const Vector<dim>& n = c.nearest.normal;
-    const double closing = n.dot(surface_motion(c.nearest) - c.motion);
-    const double gap = c.distance - closing - radius(c, n);
-    if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
-  }
-  return result;
 }
 
 template class FacetContact<2>;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -14,9 +15,9 @@
 
 namespace gabion::mpm {
 
-/// Material points against the facets of a surface (docs/theory/interface.md). A point is a ball of
-/// radius R, as deep as the point lies in the cell that it was laid in; it touches the surface
-/// where the distance of its centre y has a local minimum x_m below R:
+/// Material points against the facets of surfaces (docs/theory/interface.md), its members. A point
+/// is a ball of radius R, as deep as the point lies in the cell that it was laid in; it touches the
+/// surface where the distance of its centre y has a local minimum x_m below R:
 ///
 ///     g = (y - x_m) . n - R + n . sum_i (w_i - N_i) du_i ,  y = x_p + o + sum_i N_i du_i ,
 ///     d = o - R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
@@ -32,21 +33,26 @@ namespace gabion::mpm {
 /// step is constant in it (NewmarkBossak::step_force_weight): contact then takes energy or keeps
 /// it, at any stiffness and dt.
 ///
+/// The members are one surface for the search: where their rims meet, nothing but the friction and
+/// the owner of the forces changes. Where two of them meet in a corner each pushes for itself
+/// (surface_features.hpp).
+///
 /// Each rank carries its own material points, and looks as far ahead as all ranks together would.
 /// @see Kane, Repetto, Ortiz, Marsden (1999) for the time law; Bird et al. (2024) for points and
 ///      facets
 template <int dim>
 class FacetContact final : public Contact<dim> {
  public:
-  FacetContact(const ContactSettings<dim>& settings, const FacetSettings& method);
+  /// @param members  not empty, all with FacetSettings
+  explicit FacetContact(const std::vector<const ContactSettings<dim>*>& members);
 
   void begin_step(const SoilSurface<dim>& soil) override;
-  bool can_touch() const override { return may_touch_; }
+  bool can_touch(std::size_t member = 0) const override { return members_[member].may_touch; }
   bool symmetric() const override { return false; }
   /// A point's nodes are those of its group already.
   void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
 
-  void set_displacement(std::span<const double> displacement) override;
+  void set_displacement(std::span<const double> displacement, std::size_t member = 0) override;
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
   bool is_step_force() const override { return true; }
   void add_step_force_change(std::span<double> f) const override;
@@ -57,17 +63,25 @@ class FacetContact final : public Contact<dim> {
   void add_substep(std::span<const double> move, double share) override;
   void add_stiffness_sums(std::span<double> sums) const override;
 
-  std::vector<double> forces_on_structure() const override;
-  typename Contact<dim>::Resultant resultant() const override;
+  std::vector<double> forces_on_structure(std::size_t member = 0) const override;
+  typename Contact<dim>::Resultant resultant(std::size_t member = 0) const override;
   double work_on_soil(std::span<const double> du) const override;
-  ContactCounts counts() const override;
+  ContactCounts counts(std::size_t member = 0) const override;
   double approach_step(double dt, double margin) const override;
-  double allowed_way() const override { return watched_ - surface_motion_; }
+  double allowed_way(std::size_t member = 0) const override {
+    const Member& own = members_[member];
+    return own.dropped ? std::numeric_limits<double>::infinity() : own.watched - own.motion;
+  }
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
   void accept() override;
-  ContactEnergy energy() const override { return energy_; }
-  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach) const override;
+  ContactEnergy energy() const override;
+  bool drop(std::size_t member, bool dropped) override;
+  ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
+                            std::size_t member = 0) const override;
+  std::span<const ContactMark<dim>> marks(std::size_t member = 0) const override {
+    return members_[member].marks;
+  }
   void give(std::span<const std::int64_t> ids, Packet& packet) override;
   void take(Packet& packet) override;
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
@@ -82,6 +96,7 @@ class FacetContact final : public Contact<dim> {
 
   /// What a point remembers of a place where it touched in the accepted state.
   struct Memory {
+    std::int32_t owner = 0;  // the member
     Vector<dim> normal = Vector<dim>::Zero();
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
     Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
@@ -103,15 +118,29 @@ class FacetContact final : public Contact<dim> {
     double distance = 0;   // to the nearest facet at the start, 0 behind one
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
-    SurfaceFeature<dim> nearest{};              // at the start
+    std::int32_t first_near = 0, num_near = 0;
     Vector<dim> motion = Vector<dim>::Zero();   // in the step
     Matrix<dim> H = Matrix<dim>::Zero();        // its gradient
     std::optional<SurfaceValues<dim>> surface;  // none: functions are continued
     const std::vector<Memory>* memory = nullptr;
   };
+  /// What is nearest to a point of a member, when the step begins.
+  struct Near {
+    std::int32_t owner = 0;
+    double distance = 0;  // [m], 0 behind a facet that is touched
+    SurfaceFeature<dim> place{};
+  };
+  /// The facet that a point touched and is nearest to, when the step begins.
+  struct Behind {
+    double distance = std::numeric_limits<double>::infinity();  // [m]
+    double height = 0;                                          // of the point above it [m]
+    std::int32_t owner = 0;
+    Vector<dim> normal = Vector<dim>::Zero();  // zero: the point is in front of it
+  };
   /// A place where a point touches.
   struct Touch {
     std::int32_t candidate = 0;
+    std::int32_t owner = 0;  // the member that has the feature
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
     double begun = 0;                        // depth that it began with [m]
@@ -138,31 +167,63 @@ class FacetContact final : public Contact<dim> {
 
   /// Means and sums over the substeps of an explicit step.
   struct Substeps {
-    std::vector<double> forces;  // on the vertices [N]
     typename Contact<dim>::Resultant resultant;
     double normal_work = 0, tangential_work = 0;  // of soil and surface on the contact [J]
     int closed = 0;                               // places that carried force, most of a substep
   };
+  /// One of the surfaces.
+  struct Member {
+    ContactMode mode = ContactMode::contact;
+    double friction = -1;
+    FacetSettings method;
+    ContactSurface<dim> surface;                        // reference
+    std::int32_t first_vertex = 0, num_vertices = 0;    // of all members'
+    std::int32_t first_simplex = 0, num_simplices = 0;  // of all members'
+    bool dropped = false;                               // it acts no more
+    bool bounds_known = false;                          // those of its simplices, at start_
+    double size = 0;                                    // of its largest simplex [m]
+    std::vector<ContactMark<dim>> marks;                // of the accepted step
+    double last_motion = 0;                             // `motion` of the accepted step
+    ContactEnergy energy;                               // accepted
+    double stored_slip = 0;                             // part of its energy in tangential springs
+    // of the step under way
+    double motion = 0;   // largest of a vertex [m]
+    double watched = 0;  // beyond its speed soil and surface may move by this much together [m]
+    bool may_touch = false;
+    Substeps substeps;
+  };
 
-  ContactLaw law_of(const Candidate& c, double part) const;
+  void add_member(const ContactSettings<dim>& settings);
+  void find_motion(Member& member);
+  void order_touches();
+  std::span<const std::int32_t> touches_of(std::size_t owner) const {
+    return std::span(by_owner_).subspan(first_of_[owner], first_of_[owner + 1] - first_of_[owner]);
+  }
+  ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
+  void accept_touches(std::size_t owner);
   void add_vertex_forces(const Touch& touch, double share, std::span<double> forces) const;
   void find_bounds();
-  void add_candidates(const SoilSurface<dim>& soil, const FacetHash<dim>& hash);
+  void add_candidates(const SoilSurface<dim>& soil, std::span<const FacetHash<dim>> hashes);
   void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
-  void list_facing(Candidate& candidate, std::span<const std::int32_t> near, double margin);
-  void drop_far_side(const Candidate& candidate, const Vector<dim>& normal);
+  void list_facing(Candidate& candidate, double margin);
+  void face(const Candidate& c, std::int32_t s, double margin, Near& nearest, Behind& behind);
+  void face_next_members(const Candidate& c, double margin, const Behind& behind);
+  void drop_far_side(const Candidate& candidate, const Behind& behind);
+  void mark_touching(const Candidate& c, double reach);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   double mean_radius(const Candidate& c) const { return c.shape.norm() / std::sqrt(double{dim}); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
   ContactMark<dim> mark_of(const Touch& touch) const;
-  void add_old_forces(double share, std::span<double> field) const;
+  void add_old_forces(std::int32_t owner, double share, std::span<double> field) const;
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
   static double most_begun(const Candidate& c);
-  const Memory* remembered(const Candidate& c, const Vector<dim>& n) const;
+  static constexpr std::int32_t any_owner = -1;
+  const Memory* remembered(const Candidate& c, const Vector<dim>& n,
+                           std::int32_t owner = any_owner) const;
   std::vector<RestingPlace<dim>> places_at_rest(const Candidate& c, const SoilAtRest<dim>& rest);
   void lay_on(std::span<const RestingPlace<dim>> places, Candidate& c);
   void remember_shear(const Touch& touch, std::span<const RestingPlace<dim>> places);
@@ -177,6 +238,7 @@ class FacetContact final : public Contact<dim> {
   void set_slip(const Candidate& c, Touch& touch) const;
   static void follow_part(Touch& touch);
   void share_depths(std::size_t first);
+  void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
   void surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const;
@@ -184,20 +246,17 @@ class FacetContact final : public Contact<dim> {
                std::span<double> field) const;
   const double* weights_of(const Touch& touch) const { return w_.data() + touch.first_weight; }
 
-  ContactMode mode_;
-  double friction_;
-  FacetSettings method_;
-  ContactSurface<dim> surface_;
-  std::vector<Simplex<dim>> simplices_;
+  std::vector<Member> members_;
+  std::vector<Simplex<dim>> simplices_;     // of one member after the other
+  std::vector<std::int32_t> owner_;         // of each simplex
+  std::vector<char> rim_;                   // of each vertex: 1 on the rim of its surface
   std::vector<Vector<dim>> start_, end_;    // of the vertices: accepted, and in the step
   std::vector<Vector<dim>> target_;         // at the end of the step
-  std::vector<SimplexBounds<dim>> bounds_;  // at start_; empty: not known
+  std::vector<SimplexBounds<dim>> bounds_;  // at start_
   double size_ = 0;                         // of the largest simplex [m]
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
   std::map<std::int64_t, Vector<dim>> offset_;          // of balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
-  std::vector<ContactMark<dim>> marks_;                 // of the accepted step
-  double last_motion_ = 0;                              // surface_motion_ of the accepted step
   double deepest_ = 0;  // touch of the accepted step, of all ranks [m]
 
   // the step under way
@@ -206,7 +265,10 @@ class FacetContact final : public Contact<dim> {
   std::vector<Vector<dim>> grad_N_;
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
+  std::vector<std::span<const std::int32_t>> near_lists_;  // of a point, by member
+  std::vector<Near> near_;
   std::vector<Touch> touches_;
+  std::vector<std::int32_t> by_owner_, first_of_;  // touches_ of one member after the other
   std::vector<Touch> opened_;  // places where balls that do not touch keep an offset
   std::vector<double> w_;      // of the touches
   std::vector<SurfaceFeature<dim>> features_;
@@ -215,13 +277,10 @@ class FacetContact final : public Contact<dim> {
   double cell_size_ = 0;
   double dt_ = 0;
   double surface_motion_ = 0;  // largest of a vertex in the step [m]
-  double watched_ = 0;  // beyond its speed soil and surface may move by this much together [m]
-  double margin_ = 0;   // at no speed: what is farther cannot be touched in the step [m]
-  bool may_touch_ = false;
-  double share_ = 1;                  // of the step at which end_ is
-  std::optional<Substeps> substeps_;  // none: the step has none
-  ContactEnergy energy_;              // accepted
-  double stored_slip_ = 0;            // part of its energy in tangential springs
+  double margin_ = 0;          // at no speed: what is farther cannot be touched in the step [m]
+  double share_ = 1;           // of the step at which end_ is
+  bool has_substeps_ = false;  // the step has them
+  std::vector<double> substep_forces_;  // on the vertices, mean over the substeps [N]
 };
 
 }  // namespace gabion::mpm

@@ -2,6 +2,7 @@
 // Contact by facets with soil that is at rest under stress when the run begins.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
@@ -40,8 +41,15 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(const Candidate
     const Vector<dim> stress = rest.stress(c.body, feature.x + side->shift);
     const Vector<dim> force = side->area * stress.cwiseProduct(n);
     const double R = radius(c, n), area = c.volume / (2 * R);
-    const double square = -n.dot(force) / (area * law_of(c, 1).penalty);
-    if (square > 0) places.push_back({n, feature.distance - R, square, force - n.dot(force) * n});
+    const std::int32_t owner = owner_[feature.simplex];
+    const double penalty = law_of(c, owner, 1).penalty;
+    const double square = -n.dot(force) / (area * penalty);
+    if (!(square > 0)) continue;
+    places.push_back({.normal = n,
+                      .gap = feature.distance - R,
+                      .square = square,
+                      .pull = force - n.dot(force) * n,
+                      .owner = owner});
   }
   return places;
 }
@@ -59,13 +67,19 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     offset_[c.id] = c.offset = offset;
     c.x += offset;
   }
-  const Vector<dim> way = way_at_rest<dim>(places);
   auto& memory = memory_[c.id];
   memory.clear();
+  std::vector<RestingPlace<dim>> together;
   for (const auto& place : places) {
     const Vector<dim>& n = place.normal;
     const double gap = place.gap + n.dot(c.offset);
+    together.clear();
+    std::ranges::copy_if(places, std::back_inserter(together), [&](const auto& other) {
+      return place.owner == other.owner || n.dot(other.normal) >= corner_cosine;
+    });
+    const Vector<dim> way = way_at_rest<dim>(together);
     memory.emplace_back();
+    memory.back().owner = place.owner;
     memory.back().normal = n;
     memory.back().slip = -(n.dot(way) + gap) * n;
   }
@@ -76,7 +90,7 @@ template <int dim>
 void FacetContact<dim>::remember_shear(const Touch& touch,
                                        std::span<const RestingPlace<dim>> places) {
   const Candidate& c = candidates_[touch.candidate];
-  const double k = touch.area * law_of(c, touch.part).tangential_penalty;
+  const double k = touch.area * law_of(c, touch.owner, touch.part).tangential_penalty;
   for (Memory& memory : memory_[c.id]) {
     for (const auto& place : places) {
       if (memory.normal == place.normal && place.normal == touch.feature.normal) {
@@ -91,12 +105,15 @@ void FacetContact<dim>::remember_shear(const Touch& touch,
 template <int dim>
 void FacetContact<dim>::remember_touches() {
   memory_.clear();
-  energy_ = {};
-  stored_slip_ = 0;
+  for (Member& member : members_) {
+    member.energy = {};
+    member.stored_slip = 0;
+  }
   for (const Touch& touch : touches_) {
     const Memory memory = memory_of(touch);
-    stored_slip_ += stored_in_slip(touch, memory);
-    energy_.stored += stored_in_depth(touch) + stored_in_slip(touch, memory);
+    Member& member = members_[touch.owner];
+    member.stored_slip += stored_in_slip(touch, memory);
+    member.energy.stored += stored_in_depth(touch) + stored_in_slip(touch, memory);
     deepest_ = std::max(deepest_, -touch.gap);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
@@ -119,8 +136,11 @@ void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
     if (!places.back().empty()) lay_on(places.back(), c);
   }
   add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness
-  if (mode_ == ContactMode::contact) {
-    for (const Touch& touch : touches_) remember_shear(touch, places[touch.candidate]);
+  const auto has_shear = [](const Member& member) { return member.mode == ContactMode::contact; };
+  if (std::ranges::any_of(members_, has_shear)) {
+    for (const Touch& touch : touches_) {
+      if (has_shear(members_[touch.owner])) remember_shear(touch, places[touch.candidate]);
+    }
     add_forces(du, r, nullptr);
   }
   remember_touches();

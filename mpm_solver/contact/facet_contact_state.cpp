@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accepted state of a contact by facets.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
 #include <utility>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/run/list_lengths.hpp"
 #include "mpm_solver/contact/facet_contact.hpp"
@@ -63,8 +66,9 @@ void take_by_id(Packet& packet, std::map<std::int64_t, Value>& by_id,
 template <int dim>
 ContactMark<dim> FacetContact<dim>::mark_of(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
-  const int cuts = surface_.facet_type == CellType::quad4 ? 2 : 1;
-  return {.facet = touch.feature.simplex / cuts,
+  const Member& member = members_[touch.owner];
+  const int cuts = member.surface.facet_type == CellType::quad4 ? 2 : 1;
+  return {.facet = (touch.feature.simplex - member.first_simplex) / cuts,
           .sliding = touch.traction.sliding,
           .area = touch.area,
           .gap = touch.gap + touch.begun,
@@ -88,15 +92,19 @@ Matrix<dim> FacetContact<dim>::shape_of(std::int64_t id, double depth) const {
 }
 
 template <int dim>
-ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points,
-                                             double reach) const {
-  ContactFields<dim> fields(start_, surface_.facets.size() / num_nodes(surface_.facet_type));
-  spread_marks<dim>(surface_, marks_, fields);
+ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points, double reach,
+                                             std::size_t member) const {
+  const Member& own = members_[member];
+  const auto first = start_.begin() + own.first_vertex;
+  ContactFields<dim> fields({first, first + own.num_vertices},
+                            own.surface.facets.size() / num_nodes(own.surface.facet_type));
+  if (own.dropped) return fields;
+  spread_marks<dim>(own.surface, own.marks, fields);
   const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
     const std::int64_t id = points.id[p];
     return (shape_of(id, points.depth[p]) * n).norm() - offset_of(id).dot(n);
   };
-  add_gaps<dim>(surface_, points, radius, reach, fields);
+  add_gaps<dim>(own.surface, points, radius, reach, fields);
   return fields;
 }
 
@@ -122,8 +130,12 @@ void FacetContact<dim>::accept_offsets() {
 template <int dim>
 typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& touch) const {
   const Vector<dim>& n = touch.feature.normal;
-  Memory memory{.normal = n, .force = touch.force, .slip = -touch.begun * n, .part = touch.part};
-  const ContactLaw law = law_of(candidates_[touch.candidate], touch.part);
+  Memory memory{.owner = touch.owner,
+                .normal = n,
+                .force = touch.force,
+                .slip = -touch.begun * n,
+                .part = touch.part};
+  const ContactLaw law = law_of(candidates_[touch.candidate], touch.owner, touch.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
     memory.slip -= pull / (touch.area * law.tangential_penalty);
@@ -133,26 +145,28 @@ typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& tou
 
 template <int dim>
 double FacetContact<dim>::stored_in_slip(const Touch& touch, const Memory& memory) const {
-  const double k = law_of(candidates_[touch.candidate], touch.part).tangential_penalty;
+  const Candidate& c = candidates_[touch.candidate];
+  const double k = law_of(c, touch.owner, touch.part).tangential_penalty;
   return 0.5 * touch.area * k * memory.tangential().squaredNorm();
 }
 
 template <int dim>
 double FacetContact<dim>::stored_in_depth(const Touch& touch) const {
-  return touch.area * law_of(candidates_[touch.candidate], 1).stored(touch.stored_depth);
+  const ContactLaw law = law_of(candidates_[touch.candidate], touch.owner, 1);
+  return touch.area * law.stored(touch.stored_depth);
 }
 
 template <int dim>
-void FacetContact<dim>::accept() {
+void FacetContact<dim>::accept_touches(std::size_t owner) {
+  Member& member = members_[owner];
   double work = 0, stored = 0, stored_slip = 0, slid = 0;
-  memory_.clear();
-  marks_.clear();
-  deepest_ = 0;
-  for (const Touch& touch : touches_) {
+  member.marks.clear();
+  for (const std::int32_t k : touches_of(owner)) {
+    const Touch& touch = touches_[k];
     deepest_ = std::max(deepest_, -touch.gap);
-    marks_.push_back(mark_of(touch));
+    member.marks.push_back(mark_of(touch));
     const Memory memory = memory_of(touch);
-    if (mode_ == ContactMode::contact) {
+    if (member.mode == ContactMode::contact) {
       const Vector<dim>& n = touch.feature.normal;
       const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
       slid -= pull.dot(touch.slip - memory.tangential());
@@ -162,33 +176,46 @@ void FacetContact<dim>::accept() {
     work -= touch.force.dot(touch.relative);
     memory_[candidates_[touch.candidate].id].push_back(memory);
   }
-  deepest_ = max_over_ranks(comm_, deepest_);
-  if (substeps_) {
-    work = substeps_->normal_work + substeps_->tangential_work;
-    slid = substeps_->tangential_work - (stored_slip - stored_slip_);
+  if (has_substeps_) {
+    const Substeps& sums = member.substeps;
+    work = sums.normal_work + sums.tangential_work;
+    slid = sums.tangential_work - (stored_slip - member.stored_slip);
   }
-  energy_.add_step(work, stored, slid);
-  stored_slip_ = stored_slip;
+  member.energy.add_step(work, stored, slid);
+  member.stored_slip = stored_slip;
+}
+
+template <int dim>
+void FacetContact<dim>::accept() {
+  memory_.clear();
+  deepest_ = 0;
+  for (std::size_t owner = 0; owner < members_.size(); ++owner) accept_touches(owner);
+  deepest_ = max_over_ranks(comm_, deepest_);
   accept_offsets();
   shape_.clear();
   for (const Candidate& c : candidates_) {
     if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
   }
   start_ = end_;
-  if (surface_motion_ > 0) bounds_.clear();
-  last_motion_ = surface_motion_;
+  for (Member& member : members_) {
+    if (member.motion > 0) member.bounds_known = false;
+    member.last_motion = member.motion;
+  }
   candidates_.clear();  // they refer to the memory before
   touches_.clear();
+  order_touches();
 }
 
 template <int dim>
 Vector<dim> FacetContact<dim>::step_force_on(std::span<const std::int64_t> ids) const {
-  Vector<dim> sum = Vector<dim>::Zero();
+  std::vector<Vector<dim>> sums(members_.size(), Vector<dim>::Zero());
   for (const std::int64_t id : ids) {
     const auto found = memory_.find(id);
     if (found == memory_.end()) continue;
-    for (const Memory& memory : found->second) sum += memory.force;
+    for (const Memory& memory : found->second) sums[memory.owner] += memory.force;
   }
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (const Vector<dim>& force : sums) sum += force;
   return sum;
 }
 
@@ -197,6 +224,7 @@ void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) 
   const auto put_memory = [&packet](const std::vector<Memory>& touches) {
     packet.put(std::ssize(touches));
     for (const Memory& memory : touches) {
+      packet.put(memory.owner);
       packet.put(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) packet.put(v);
     }
@@ -213,6 +241,7 @@ void FacetContact<dim>::take(Packet& packet) {
   const auto take_memory = [&packet] {
     std::vector<Memory> touches(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
     for (Memory& memory : touches) {
+      memory.owner = packet.take<std::int32_t>();
       memory.part = packet.take<double>();
       for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip}) {
         *v = packet.take<Vector<dim>>();
@@ -227,11 +256,12 @@ void FacetContact<dim>::take(Packet& packet) {
 
 template <int dim>
 void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& prefix) {
-  std::vector<std::int64_t> ids;
+  std::vector<std::int64_t> ids, owners;
   std::vector<double> values, parts;
   for (const auto& [id, touches] : memory_) {
     for (const Memory& memory : touches) {
       ids.push_back(id);
+      owners.push_back(memory.owner);
       parts.push_back(memory.part);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) {
         values.insert(values.end(), v.begin(), v.end());
@@ -239,8 +269,15 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
     }
   }
   visitor.list(prefix + "touch_ids", ids);
+  visitor.list(prefix + "touch_owners", owners);
   visitor.list(prefix + "touch_parts", parts);
   visitor.list(prefix + "touches", values);
+  require_values_each(prefix + "touch_owners", owners.size(), ids.size(), 1);
+  for (const std::int64_t owner : owners) {
+    require(owner >= 0 && owner < std::ssize(members_),
+            "saved state: {}touch_owners: found {}, allowed: 0 to {}", prefix, owner,
+            members_.size() - 1);
+  }
   require_values_each(prefix + "touch_parts", parts.size(), ids.size(), 1);
   require_values_each(prefix + "touches", values.size(), ids.size(), 3 * dim);
   memory_.clear();
@@ -248,7 +285,8 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
     return Vector<dim>(Eigen::Map<const Vector<dim>>(values.data() + k * dim));
   };
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    memory_[ids[k]].push_back({.normal = vector(3 * k),
+    memory_[ids[k]].push_back({.owner = static_cast<std::int32_t>(owners[k]),
+                               .normal = vector(3 * k),
                                .force = vector(3 * k + 1),
                                .slip = vector(3 * k + 2),
                                .part = parts[k]});
@@ -258,19 +296,24 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
 template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
-  bounds_.clear();
-  visitor.real(prefix + "last_motion", last_motion_);
   visitor.real(prefix + "deepest", deepest_);
   visit_memory(visitor, prefix);
   visit_by_id(visitor, prefix + "offset", offset_);
   visit_by_id(visitor, prefix + "shape", shape_);
-  visit_marks<dim>(visitor, prefix, surface_.facets.size() / num_nodes(surface_.facet_type),
-                   marks_);
-  const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
-                                                      {"friction", &energy_.friction},
-                                                      {"loss", &energy_.loss},
-                                                      {"stored_slip", &stored_slip_}};
-  for (const auto& [name, value] : energies) visitor.share(prefix + name, *value);
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    Member& member = members_[m];
+    member.bounds_known = false;
+    const std::string own = fmt::format("{}member_{}.", prefix, m);
+    visitor.real(own + "last_motion", member.last_motion);
+    visit_marks<dim>(visitor, own,
+                     member.surface.facets.size() / num_nodes(member.surface.facet_type),
+                     member.marks);
+    const std::pair<const char*, double*> energies[] = {{"stored", &member.energy.stored},
+                                                        {"friction", &member.energy.friction},
+                                                        {"loss", &member.energy.loss},
+                                                        {"stored_slip", &member.stored_slip}};
+    for (const auto& [name, value] : energies) visitor.share(own + name, *value);
+  }
 }
 
 template class FacetContact<2>;

@@ -9,8 +9,9 @@ namespace gabion::mpm {
 
 template <int dim>
 void FacetContact<dim>::begin_substeps() {
-  substeps_.emplace();
-  substeps_->forces.assign(start_.size() * dim, 0.0);
+  has_substeps_ = true;
+  substep_forces_.assign(start_.size() * dim, 0.0);
+  for (Member& member : members_) member.substeps = {};
 }
 
 template <int dim>
@@ -23,16 +24,17 @@ void FacetContact<dim>::set_share(double share) {
       end_[v] = start_[v] + share * (target_[v] - start_[v]);
     }
   }
-  surface_motion_ = 0;
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    surface_motion_ = std::max(surface_motion_, (end_[v] - start_[v]).norm());
-  }
+  for (Member& member : members_) find_motion(member);
 }
 
 template <int dim>
 void FacetContact<dim>::add_substep(std::span<const double> move, double share) {
-  substeps_->closed = std::max(substeps_->closed, static_cast<int>(touches_.size()));
+  for (std::size_t owner = 0; owner < members_.size(); ++owner) {
+    int& closed = members_[owner].substeps.closed;
+    closed = std::max(closed, static_cast<int>(touches_of(owner).size()));
+  }
   for (const Touch& touch : touches_) {
+    Substeps& sums = members_[touch.owner].substeps;
     const Candidate& c = candidates_[touch.candidate];
     const double* w = weights_of(touch);
     Vector<dim> relative = -share / share_ * surface_motion(touch.feature);
@@ -42,19 +44,20 @@ void FacetContact<dim>::add_substep(std::span<const double> move, double share) 
     }
     const Vector<dim>& n = touch.feature.normal;
     const double normal = n.dot(touch.force) * n.dot(relative);
-    substeps_->normal_work -= normal;
-    substeps_->tangential_work -= touch.force.dot(relative) - normal;
-    substeps_->resultant.add(touch.feature.x, -share * touch.force);
-    add_vertex_forces(touch, share, substeps_->forces);
+    sums.normal_work -= normal;
+    sums.tangential_work -= touch.force.dot(relative) - normal;
+    sums.resultant.add(touch.feature.x, -share * touch.force);
+    add_vertex_forces(touch, share, substep_forces_);
   }
 }
 
 template <int dim>
 void FacetContact<dim>::add_stiffness_sums(std::span<double> sums) const {
-  for (const Touch& touch : touches_) {
+  for (const std::int32_t index : by_owner_) {
+    const Touch& touch = touches_[index];
     const Candidate& c = candidates_[touch.candidate];
-    const ContactLaw law = law_of(c, touch.part);
-    const double tangential = mode_ == ContactMode::contact ? law.tangential_penalty : 0;
+    const ContactLaw law = law_of(c, touch.owner, touch.part);
+    const double tangential = law.mode == ContactMode::contact ? law.tangential_penalty : 0;
     const double k = touch.area * std::max(2 * law.penalty * touch.depth, tangential);
     const double* w = weights_of(touch);
     double all = 0;

@@ -14,7 +14,6 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
-#include "mpm_solver/contact/thin_walls.hpp"
 
 namespace gabion::mpm {
 
@@ -76,13 +75,8 @@ class SidedSurface {
       : vertices_(surface.vertices),
         simplices_(simplices(surface.settings.surface)),
         bounds_(bounds_of<dim>(simplices_, vertices_)),
-        rim_(surface.vertices.size()),
-        hash_(simplices_, vertices_, reach) {
-    for (const auto& [edge, owners] : edge_owners<dim>(simplices_)) {
-      if (owners.size() > 1) continue;
-      for (const std::int32_t v : edge) rim_[v] = 1;
-    }
-  }
+        rim_(rim_vertices<dim>(simplices_, surface.vertices.size())),
+        hash_(simplices_, vertices_, reach) {}
 
   /// Of the nearest simplex; of equally near ones, which meet in an edge, that whose plane the
   /// point is farthest from: it sees the side right.
@@ -356,9 +350,6 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
       log::info("{}: no soil in front of it", settings.name);
     }
     if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
-  }
-  for (const auto& warning : thin_walls<dim>(comm, surfaces, points, cell_size)) {
-    log::warn("{}", warning);
   }
 }
 

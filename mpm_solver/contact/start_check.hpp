@@ -64,8 +64,8 @@ std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
                                         const Eigen::AlignedBox<double, dim>& grid,
                                         double cell_size);
 
-/// Log the smallest gap of each surface; warn of coarse ones, of those that have to move to come
-/// into the grid and of thin_walls().
+/// Log the smallest gap of each surface; warn of coarse ones and of those that have to move to come
+/// into the grid.
 /// @param grid  box around it [m]
 /// @throws ConfigError  a surface outside the grid; all soil that is near lies behind a surface, so
 ///                      that its facets look the wrong way; soil inside the structure. The last two

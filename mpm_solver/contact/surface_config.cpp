@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "common/mechanics/mesh/triangle_surface.hpp"
@@ -32,9 +33,12 @@ ContactSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std
   return surface;
 }
 
-// Pieces of an edge; not an int, which too small a spacing would overflow.
-double pieces_of_edge(double length, double spacing) {
-  return std::max(1.0, std::ceil(length / spacing - 1e-9));
+// Pieces of an edge; not an int, which too small a spacing would overflow. Its length is off by the
+// round-off of its ends, which is larger the farther they are from the origin.
+double pieces_of_edge(const Vector<2>& from, const Vector<2>& to, double spacing) {
+  const double farthest = std::max(from.lpNorm<Eigen::Infinity>(), to.lpNorm<Eigen::Infinity>());
+  const double round_off = 4 * std::numeric_limits<double>::epsilon() * farthest;
+  return std::max(1.0, std::ceil(((to - from).norm() - round_off) / spacing - 1e-9));
 }
 
 // Refuse a corner that equals the one before, and more pieces in all than anyone can mean.
@@ -42,14 +46,14 @@ void check_polyline(const ConfigReader& in, const std::vector<std::vector<double
                     double spacing) {
   double pieces = 0;
   for (std::size_t k = 1; k < corners.size(); ++k) {
-    const double length =
-        std::hypot(corners[k][0] - corners[k - 1][0], corners[k][1] - corners[k - 1][1]);
-    if (!(length > 0)) {
+    const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
+    const Vector<2> to(corners[k][0], corners[k][1]);
+    if (!((to - from).norm() > 0)) {
       in.fail(fmt::format("polyline/{}", k),
               fmt::format("found ({}, {}), the point before it, allowed: points that differ",
                           corners[k][0], corners[k][1]));
     }
-    pieces += pieces_of_edge(length, spacing);
+    pieces += pieces_of_edge(from, to, spacing);
   }
   if (pieces <= max_surface_points) return;
   in.fail("spacing", fmt::format("found {}, which makes {:.0f} segments, allowed: at most {}",
@@ -65,7 +69,7 @@ ContactSurface<2> surface_of_polyline(const std::vector<std::vector<double>>& co
   for (std::size_t k = 1; k < corners.size(); ++k) {
     const Vector<2> from(corners[k - 1][0], corners[k - 1][1]);
     const Vector<2> to(corners[k][0], corners[k][1]);
-    const int pieces = static_cast<int>(pieces_of_edge((to - from).norm(), spacing));
+    const int pieces = static_cast<int>(pieces_of_edge(from, to, spacing));
     for (int i = 1; i <= pieces; ++i) {
       const auto last = static_cast<std::int32_t>(surface.vertices.size()) - 1;
       surface.vertices.push_back(from + (to - from) * (static_cast<double>(i) / pieces));

@@ -44,6 +44,24 @@ bool shares_place(const Simplex<dim>& a, const ClosestPlace<dim>& place, const S
   return true;
 }
 
+// Whether the place is on the rim of the surface.
+template <int dim>
+bool is_on_rim(const FacingSurface<dim>& surface, const Simplex<dim>& simplex,
+               const ClosestPlace<dim>& place) {
+  if (surface.rim.empty()) return false;
+  for (int k = 0; k < dim; ++k) {
+    if (place.weights[k] > 0 && surface.rim[simplex[k]] == 0) return false;
+  }
+  return true;
+}
+
+// Whether a simplex comes to a place on a rim.
+template <int dim>
+bool meets(const FacingSurface<dim>& surface, const Vector<dim>& x, const Simplex<dim>& simplex) {
+  const auto corners = corners_of<dim>(simplex, surface.end);
+  return (closest_place<dim>(corners, x).x - x).norm() <= surface.seam;
+}
+
 /// A point that goes from x to y, and its heights above the plane of a simplex there.
 template <int dim>
 struct Way {
@@ -84,14 +102,55 @@ Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& faci
   return sight;
 }
 
+/// A simplex at the end of the step.
+template <int dim>
+struct Placed {
+  std::int32_t simplex = 0;
+  Vector<dim> normal = Vector<dim>::Zero();
+};
+
+// Whether each of two simplices has a part in front of the other one.
+template <int dim>
+bool reach_in_front(const FacingSurface<dim>& surface, const Placed<dim>& a, const Placed<dim>& b) {
+  const auto reaches_in_front = [&](const Placed<dim>& other, const Placed<dim>& of) {
+    const Vector<dim> origin = surface.end[surface.simplices[of.simplex][0]];
+    const auto corners = corners_of<dim>(surface.simplices[other.simplex], surface.end);
+    const double size = (corners[1] - corners[0]).norm();
+    return std::any_of(corners.begin(), corners.end(), [&](const Vector<dim>& corner) {
+      return (corner - origin).dot(of.normal) > 1e-6 * size;
+    });
+  };
+  return reaches_in_front(a, b) && reaches_in_front(b, a);
+}
+
+}  // namespace
+
+template <int dim>
+bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b) {
+  if (surface.owner.empty() || surface.owner[a] == surface.owner[b]) return false;
+  const auto placed = [&](std::int32_t s) {
+    const auto corners = corners_of<dim>(surface.simplices[s], surface.end);
+    return Placed<dim>{s, simplex_normal<dim>(corners)};
+  };
+  const auto first = placed(a), second = placed(b);
+  return first.normal.dot(second.normal) < corner_cosine &&
+         reach_in_front<dim>(surface, first, second);
+}
+
+namespace {
+
 // A place on an edge or corner is no minimum when a simplex that shares it has a nearer one.
 template <int dim>
 bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
                 const std::vector<Sight<dim>>& all) {
   const Simplex<dim>& own = surface.simplices[sight.simplex];
+  const bool on_rim = is_on_rim<dim>(surface, own, sight.place);
   return std::none_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
-    return other.distance < (1 - same_distance) * sight.distance &&
-           shares_place<dim>(own, sight.place, surface.simplices[other.simplex]);
+    if (other.distance >= (1 - same_distance) * sight.distance) return false;
+    const Simplex<dim>& its = surface.simplices[other.simplex];
+    return shares_place<dim>(own, sight.place, its) ||
+           (on_rim && meets<dim>(surface, sight.place.x, its) &&
+            !are_in_corner<dim>(surface, sight.simplex, other.simplex));
   });
 }
 
@@ -126,105 +185,6 @@ bool is_new(const SurfaceFeature<dim>& feature, const std::vector<SurfaceFeature
   });
 }
 
-}  // namespace
-
-template <int dim>
-Vector<dim> simplex_normal(const std::array<Vector<dim>, dim>& corners) {
-  const Vector<dim> edge = corners[1] - corners[0];
-  if constexpr (dim == 2) {
-    return Vector<2>(edge[1], -edge[0]).normalized();
-  } else {
-    return edge.cross(corners[2] - corners[0]).normalized();
-  }
-}
-
-template <int dim>
-std::vector<SimplexBounds<dim>> bounds_of(std::span<const Simplex<dim>> simplices,
-                                          std::span<const Vector<dim>> vertices) {
-  std::vector<SimplexBounds<dim>> result;
-  result.reserve(simplices.size());
-  for (const Simplex<dim>& simplex : simplices) {
-    const auto corners = corners_of<dim>(simplex, vertices);
-    SimplexBounds<dim>& bounds = result.emplace_back();
-    bounds.normal = simplex_normal<dim>(corners);
-    bounds.centre.setZero();
-    for (const Vector<dim>& corner : corners) bounds.centre += corner / dim;
-    for (const Vector<dim>& corner : corners) {
-      bounds.radius = std::max(bounds.radius, (corner - bounds.centre).norm());
-    }
-  }
-  return result;
-}
-
-template <int dim>
-int ClosestPlace<dim>::num_corners() const {
-  return static_cast<int>(
-      std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }));
-}
-
-namespace {
-
-// Of the foot of y on the line or plane of a simplex; < 0 beyond its sides.
-std::array<double, 2> weights_of_foot(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
-  const Vector<2> edge = c[1] - c[0];
-  const double t = (y - c[0]).dot(edge) / edge.squaredNorm();
-  return {1 - t, t};
-}
-
-std::array<double, 3> weights_of_foot(const std::array<Vector<3>, 3>& c, const Vector<3>& y) {
-  const Vector<3> normal = (c[1] - c[0]).cross(c[2] - c[0]);
-  const auto share = [&](int i, int j) {
-    return normal.dot((c[i] - y).cross(c[j] - y)) / normal.squaredNorm();
-  };
-  return {share(1, 2), share(2, 0), share(0, 1)};
-}
-
-std::array<double, 2> weights_on_segment(const std::array<Vector<2>, 2>& c, const Vector<2>& y) {
-  const double t = std::clamp(weights_of_foot(c, y)[1], 0.0, 1.0);
-  return {1 - t, t};
-}
-
-// Voronoi regions of a triangle: corners, edges, inside.
-std::array<double, 3> weights_on_triangle(const std::array<Vector<3>, 3>& c, const Vector<3>& y) {
-  const Vector<3> ab = c[1] - c[0], ac = c[2] - c[0];
-  const double d1 = ab.dot(y - c[0]), d2 = ac.dot(y - c[0]);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const double d3 = ab.dot(y - c[1]), d4 = ac.dot(y - c[1]);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double d5 = ab.dot(y - c[2]), d6 = ac.dot(y - c[2]);
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double at_c = d1 * d4 - d3 * d2, at_b = d5 * d2 - d1 * d6, at_a = d3 * d6 - d5 * d4;
-  if (at_c <= 0 && d1 >= 0 && d3 <= 0) {
-    const double t = d1 / (d1 - d3);
-    return {1 - t, t, 0};
-  }
-  if (at_b <= 0 && d2 >= 0 && d6 <= 0) {
-    const double t = d2 / (d2 - d6);
-    return {1 - t, 0, t};
-  }
-  if (at_a <= 0 && d4 >= d3 && d5 >= d6) {
-    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - t, t};
-  }
-  return weights_of_foot(c, y);
-}
-
-}  // namespace
-
-template <int dim>
-ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& y) {
-  ClosestPlace<dim> place;
-  if constexpr (dim == 2) {
-    place.weights = weights_on_segment(corners, y);
-  } else {
-    place.weights = weights_on_triangle(corners, y);
-  }
-  for (int k = 0; k < dim; ++k) place.x += place.weights[k] * corners[k];
-  return place;
-}
-
-namespace {
-
 // The nearest one of the simplices that the point touched when the step before ended.
 template <int dim>
 const Sight<dim>* nearest_touched(const std::vector<Sight<dim>>& sights) {
@@ -245,18 +205,9 @@ bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   return above_inside || sight.distance <= (1 + same_distance) * touched->distance;
 }
 
-// Whether each of two simplices has a part in front of the other one.
 template <int dim>
 bool inside_corner(const FacingSurface<dim>& surface, const Sight<dim>& a, const Sight<dim>& b) {
-  const auto reaches_in_front = [&](const Sight<dim>& other, const Sight<dim>& of) {
-    const Vector<dim> origin = surface.end[surface.simplices[of.simplex][0]];
-    const auto corners = corners_of<dim>(surface.simplices[other.simplex], surface.end);
-    const double size = (corners[1] - corners[0]).norm();
-    return std::any_of(corners.begin(), corners.end(), [&](const Vector<dim>& corner) {
-      return (corner - origin).dot(of.normal) > 1e-6 * size;
-    });
-  };
-  return reaches_in_front(a, b) && reaches_in_front(b, a);
+  return reach_in_front<dim>(surface, {a.simplex, a.normal}, {b.simplex, b.normal});
 }
 
 template <int dim>
@@ -264,7 +215,7 @@ SurfaceFeature<dim> foot_of(const FacingSurface<dim>& surface, const Sight<dim>&
                             const Vector<dim>& y) {
   const auto corners = corners_of<dim>(surface.simplices[sight.simplex], surface.end);
   return {.simplex = sight.simplex,
-          .weights = weights_of_foot(corners, y),
+          .weights = weights_of_foot<dim>(corners, y),
           .x = y - sight.height * sight.normal,
           .normal = sight.normal,
           .distance = sight.height};
@@ -287,17 +238,43 @@ void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<
   }
 }
 
+// Whether two simplices share the side of the first one that has no corner k.
+template <int dim>
+bool shares_side(const Simplex<dim>& own, int k, const Simplex<dim>& other) {
+  for (int l = 0; l < dim; ++l) {
+    if (has_vertex<dim>(other, own[l]) == (l == k)) return false;
+  }
+  return true;
+}
+
+// The place of the side without corner k that is closest to y, kept off its ends.
+template <int dim>
+ClosestPlace<dim> place_on_side(const std::array<Vector<dim>, dim>& corners, int k,
+                                const Vector<dim>& y) {
+  ClosestPlace<dim> place;
+  const int a = (k + 1) % dim, b = (k + dim - 1) % dim;
+  const Vector<dim> edge = corners[b] - corners[a];
+  const double t =
+      a == b ? 0 : std::clamp((y - corners[a]).dot(edge) / edge.squaredNorm(), 0.01, 0.99);
+  place.weights[b] += t;
+  place.weights[a] += 1 - t;
+  place.x = corners[a] + t * edge;
+  return place;
+}
+
 // Whether another simplex meets this one in an inside corner at the side that has no corner k.
 template <int dim>
 bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k,
                    const std::vector<Sight<dim>>& all) {
   const Simplex<dim>& own = surface.simplices[sight.simplex];
+  const auto side = place_on_side<dim>(corners_of<dim>(own, surface.end), k, sight.place.x);
+  const bool on_rim = is_on_rim<dim>(surface, own, side);
   return std::any_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
     const Simplex<dim>& its = surface.simplices[other.simplex];
-    for (int l = 0; l < dim; ++l) {
-      if (has_vertex<dim>(its, own[l]) == (l == k)) return false;
-    }
-    return inside_corner<dim>(surface, sight, other);
+    const bool shares = shares_side<dim>(own, k, its) ||
+                        (on_rim && &other != &sight && meets<dim>(surface, side.x, its) &&
+                         !are_in_corner<dim>(surface, sight.simplex, other.simplex));
+    return shares && inside_corner<dim>(surface, sight, other);
   });
 }
 
@@ -364,16 +341,8 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   }
 }
 
-template std::vector<SimplexBounds<2>> bounds_of<2>(std::span<const Simplex<2>>,
-                                                    std::span<const Vector<2>>);
-template std::vector<SimplexBounds<3>> bounds_of<3>(std::span<const Simplex<3>>,
-                                                    std::span<const Vector<3>>);
-template Vector<2> simplex_normal<2>(const std::array<Vector<2>, 2>&);
-template Vector<3> simplex_normal<3>(const std::array<Vector<3>, 3>&);
-template struct ClosestPlace<2>;
-template struct ClosestPlace<3>;
-template ClosestPlace<2> closest_place<2>(const std::array<Vector<2>, 2>&, const Vector<2>&);
-template ClosestPlace<3> closest_place<3>(const std::array<Vector<3>, 3>&, const Vector<3>&);
+template bool are_in_corner<2>(const FacingSurface<2>&, std::int32_t, std::int32_t);
+template bool are_in_corner<3>(const FacingSurface<3>&, std::int32_t, std::int32_t);
 template void find_features<2>(const FacingSurface<2>&, const Vector<2>&, const Vector<2>&,
                                const FeatureReach&, std::vector<SurfaceFeature<2>>&);
 template void find_features<3>(const FacingSurface<3>&, const Vector<3>&, const Vector<3>&,

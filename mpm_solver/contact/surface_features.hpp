@@ -20,6 +20,11 @@ using Simplex = std::array<std::int32_t, dim>;
 template <int dim>
 std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface);
 
+/// Of each vertex: 1 where it is on the rim of an open surface, an edge (2D: vertex) that belongs
+/// to one simplex only.
+template <int dim>
+std::vector<char> rim_vertices(std::span<const Simplex<dim>> simplices, std::size_t num_vertices);
+
 /// Its corners, for vertices at these positions.
 template <int dim>
 std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,
@@ -45,6 +50,11 @@ struct ClosestPlace {
 /// @see Ericson (2005), Real-time collision detection, section 5.1
 template <int dim>
 ClosestPlace<dim> closest_place(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& y);
+
+/// Weights of the corners at the foot of y on the line or plane of a simplex; < 0 beyond its sides.
+template <int dim>
+std::array<double, dim> weights_of_foot(const std::array<Vector<dim>, dim>& corners,
+                                        const Vector<dim>& y);
 
 /// A place of a surface where its distance to a point has a local minimum.
 template <int dim>
@@ -83,15 +93,25 @@ struct FacingSimplex {
   double distance = 0;   ///< of the point, or less [m]
 };
 
-/// Positions of the surface and the simplices that faced a point when a step began.
+/// Two surfaces whose normals have at most this cosine (53 degrees), with the soil between them,
+/// meet in a corner: each of them pushes for itself.
+constexpr double corner_cosine = 0.6;
+
+/// Positions of the surface and the simplices that faced a point when a step began. A rim that
+/// meets a simplex at the end of the step, of another surface or of the same one, is no open edge:
+/// there the two are one surface, with or without vertices in common. Not so where two surfaces
+/// meet in a corner, see corner_cosine.
 template <int dim>
 struct FacingSurface {
   std::span<const Simplex<dim>> simplices;
   std::span<const Vector<dim>> start;  ///< of the vertices at the start of the step [m]
   std::span<const Vector<dim>> end;    ///< at its end [m]
   std::span<const FacingSimplex> facing;
-  double motion = 0;  ///< the largest of a vertex in the step [m]
-  double size = 0;    ///< no two places of a simplex are farther from each other [m]
+  std::span<const char> rim{};  ///< of the vertices, see rim_vertices; empty: there is no rim
+  std::span<const std::int32_t> owner{};  ///< surface of each simplex; empty: there is one only
+  double motion = 0;                      ///< the largest of a vertex in the step [m]
+  double size = 0;  ///< no two places of a simplex are farther from each other [m]
+  double seam = 0;  ///< a rim that is nearer to a simplex meets it [m]
 };
 
 /// How far a point feels a surface.
@@ -99,6 +119,10 @@ struct FeatureReach {
   double distance = 0;  ///< features that are farther do not count [m]
   double radius = 0;    ///< of the ball around the point [m]
 };
+
+/// Whether two simplices belong to different surfaces that meet in a corner there.
+template <int dim>
+bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b);
 
 /// The features of a surface that are within reach of a point that came from x to y, or that
 /// its way went through. Inside corners have several, each a little beyond where its simplex ends,

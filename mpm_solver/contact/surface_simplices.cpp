@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include "mpm_solver/contact/surface_features.hpp"
@@ -48,6 +49,29 @@ std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface) {
   return result;
 }
 
+template <int dim>
+std::vector<char> rim_vertices(std::span<const Simplex<dim>> simplices, std::size_t num_vertices) {
+  using Edge = std::array<std::int32_t, dim - 1>;
+  std::vector<Edge> edges;
+  for (const Simplex<dim>& simplex : simplices) {
+    for (int k = 0; k < dim; ++k) {
+      Edge& edge = edges.emplace_back();
+      for (int l = 0; l < dim - 1; ++l) edge[l] = simplex[(k + l) % dim];
+      std::sort(edge.begin(), edge.end());
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<char> rim(num_vertices, 0);
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    if (k > 0 && edges[k - 1] == edges[k]) continue;
+    if (k + 1 < edges.size() && edges[k + 1] == edges[k]) continue;
+    for (const std::int32_t v : edges[k]) rim[v] = 1;
+  }
+  return rim;
+}
+
+template std::vector<char> rim_vertices<2>(std::span<const Simplex<2>>, std::size_t);
+template std::vector<char> rim_vertices<3>(std::span<const Simplex<3>>, std::size_t);
 template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);
 template std::vector<Simplex<3>> simplices<3>(const ContactSurface<3>&);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -14,26 +15,80 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+// Of the cell size: a rim that is nearer to a surface meets it.
+constexpr double seam_share = 0.02;
+
+}  // namespace
+
 template <int dim>
 Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
-                        const std::vector<RigidWallSettings<dim>>& walls)
+                        const std::vector<RigidWallSettings<dim>>& walls, double cell_size)
     : comm_(comm), interfaces_(interfaces), walls_(walls) {
-  for (const auto& settings : interfaces_) contacts_.push_back(make_contact(settings));
-  for (const auto& wall : walls_) contacts_.push_back(make_contact(wall.boundary));
-  touching_.assign(contacts_.size(), 0);
-  dropped_.assign(contacts_.size(), 0);
+  const std::size_t count = interfaces_.size() + walls_.size();
+  std::vector<std::size_t> by_facets;
+  std::vector<PlacedSurface<dim>> at_start;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::holds_alternative<FacetSettings>(settings(k).method)) continue;
+    by_facets.push_back(k);
+    at_start.push_back(placed(k));
+  }
+  std::vector<std::size_t> first(count);  // of the surfaces of the same contact
+  std::iota(first.begin(), first.end(), 0);
+  const auto joint = joint_surfaces<dim>(at_start, seam_share * cell_size);
+  for (std::size_t k = 0; k < joint.size(); ++k) first[by_facets[k]] = by_facets[joint[k]];
+  for (std::size_t k = 0; k < count; ++k) {
+    if (first[k] != k) {
+      places_.push_back({places_[first[k]].contact, 0});
+      for (std::size_t j = first[k]; j < k; ++j) places_[k].member += first[j] == first[k] ? 1 : 0;
+      continue;
+    }
+    places_.push_back({contacts_.size(), 0});
+    std::vector<const ContactSettings<dim>*> members;
+    for (std::size_t j = k; j < count; ++j) {
+      if (first[j] == k) members.push_back(&settings(j));
+    }
+    contacts_.push_back(members.size() > 1 ? make_joint_contact(members)
+                                           : make_contact(settings(k)));
+  }
+  touching_.assign(places_.size(), 0);
+  dropped_.assign(places_.size(), 0);
 }
 
 template <int dim>
-void Surfaces<dim>::drop(std::size_t contact) {
+PlacedSurface<dim> Surfaces<dim>::placed(std::size_t surface) const {
+  const ContactSurface<dim>& mesh = settings(surface).surface;
+  PlacedSurface<dim> result{.simplices = simplices(mesh), .vertices = mesh.vertices};
+  if (surface < interfaces_.size()) return result;
+  const auto& motion = walls_[surface - interfaces_.size()].motion;
+  const auto moved = motion.displacement(mesh.vertices, 0);
+  for (std::size_t v = 0; v < result.vertices.size(); ++v) {
+    result.vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
+  }
+  return result;
+}
+
+template <int dim>
+void Surfaces<dim>::drop(std::size_t surface) {
+  const auto [contact, member] = places_[surface];
+  dropped_[surface] = 1;
+  if (contacts_[contact]->drop(member, true)) return;
   const ContactEnergy energy = contacts_[contact]->energy();
-  contacts_[contact] = std::make_unique<DroppedContact<dim>>(settings(contact), energy);
-  dropped_[contact] = 1;
+  contacts_[contact] = std::make_unique<DroppedContact<dim>>(settings(surface), energy);
+}
+
+template <int dim>
+void Surfaces<dim>::take_back(std::size_t surface) {
+  const auto [contact, member] = places_[surface];
+  dropped_[surface] = 0;
+  if (contacts_[contact]->drop(member, false)) return;
+  contacts_[contact] = make_contact(settings(surface));
 }
 
 template <int dim>
 void Surfaces<dim>::drop_all() {
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+  for (std::size_t k = 0; k < places_.size(); ++k) {
     if (dropped_[k] == 0) drop(k);
   }
   std::fill(touching_.begin(), touching_.end(), 0);
@@ -43,10 +98,10 @@ void Surfaces<dim>::drop_all() {
 template <int dim>
 void Surfaces<dim>::keep_walls(std::span<const std::string> names) {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
-    const std::size_t contact = interfaces_.size() + k;
+    const std::size_t surface = interfaces_.size() + k;
     const bool named = std::find(names.begin(), names.end(), walls_[k].name) != names.end();
-    if (named || dropped_[contact] != 0) continue;
-    drop(contact);
+    if (named || dropped_[surface] != 0) continue;
+    drop(surface);
     log::info("rigid wall \"{}\" is dropped", walls_[k].name);
   }
 }
@@ -59,9 +114,9 @@ std::vector<InterfaceMesh> Surfaces<dim>::interface_meshes() const {
 }
 
 template <int dim>
-const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t contact) const {
-  const bool wall = contact >= interfaces_.size();
-  return wall ? walls_[contact - interfaces_.size()].boundary : interfaces_[contact];
+const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t surface) const {
+  const bool wall = surface >= interfaces_.size();
+  return wall ? walls_[surface - interfaces_.size()].boundary : interfaces_[surface];
 }
 
 template <int dim>
@@ -83,15 +138,15 @@ std::vector<std::int32_t> Surfaces<dim>::find_nodes(const SoilSurface<dim>& soil
 template <int dim>
 void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> touching;
-  for (const auto& contact : contacts_) {
-    contact->begin_step(soil);
-    touching.push_back(contact->can_touch() ? 1 : 0);
+  for (const auto& contact : contacts_) contact->begin_step(soil);
+  for (std::size_t k = 0; k < size(); ++k) {
+    touching.push_back(contact_of(k).can_touch(member_of(k)) ? 1 : 0);
   }
   sum_over_ranks(comm_, std::span<std::int32_t>(touching));
   symmetric_ = true;
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+  for (std::size_t k = 0; k < size(); ++k) {
     touching_[k] = touching[k] > 0;
-    symmetric_ &= !touching_[k] || contacts_[k]->symmetric();
+    symmetric_ &= !touching_[k] || contact_of(k).symmetric();
   }
 }
 
@@ -100,10 +155,10 @@ void Surfaces<dim>::receive(const InterfaceValues& displacements) {
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     const auto found = displacements.find(interfaces_[k].name);
     if (found != displacements.end()) {
-      contacts_[k]->set_displacement(found->second);
+      contact_of(k).set_displacement(found->second, member_of(k));
     } else {
-      contacts_[k]->set_displacement(
-          std::vector<double>(interfaces_[k].surface.vertices.size() * dim));
+      contact_of(k).set_displacement(
+          std::vector<double>(interfaces_[k].surface.vertices.size() * dim), member_of(k));
     }
   }
 }
@@ -112,21 +167,25 @@ template <int dim>
 void Surfaces<dim>::move_walls(double time) {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
     const auto& wall = walls_[k];
-    contacts_[interfaces_.size() + k]->set_displacement(
-        wall.motion.displacement(wall.boundary.surface.vertices, time));
+    const std::size_t surface = interfaces_.size() + k;
+    contact_of(surface).set_displacement(
+        wall.motion.displacement(wall.boundary.surface.vertices, time), member_of(surface));
   }
 }
 
 template <int dim>
 bool Surfaces<dim>::look_ahead() const {
-  return std::any_of(contacts_.begin(), contacts_.end(),
-                     [](const auto& contact) { return std::isfinite(contact->allowed_way()); });
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (std::isfinite(contact_of(k).allowed_way(member_of(k)))) return true;
+  }
+  return false;
 }
 
 template <int dim>
 void Surfaces<dim>::refuse_misses(double largest) const {
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    if (max_over_ranks(comm_, largest > contacts_[k]->allowed_way() ? 1 : 0) == 0) continue;
+  for (std::size_t k = 0; k < size(); ++k) {
+    const double allowed = contact_of(k).allowed_way(member_of(k));
+    if (max_over_ranks(comm_, largest > allowed ? 1 : 0) == 0) continue;
     throw ConvergenceError(
         fmt::format("soil and \"{}\" move too far in one step to know where they touch",
                     settings(k).name),
@@ -138,7 +197,7 @@ template <int dim>
 InterfaceValues Surfaces<dim>::forces_on_structure() const {
   InterfaceValues forces;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    auto values = contacts_[k]->forces_on_structure();
+    auto values = contact_of(k).forces_on_structure(member_of(k));
     sum_over_ranks(comm_, std::span<double>(values));
     forces[interfaces_[k].name] = std::move(values);
   }
@@ -146,8 +205,8 @@ InterfaceValues Surfaces<dim>::forces_on_structure() const {
 }
 
 template <int dim>
-ContactCounts Surfaces<dim>::counts(std::size_t contact) const {
-  ContactCounts counts = contacts_[contact]->counts();
+ContactCounts Surfaces<dim>::counts(std::size_t surface) const {
+  ContactCounts counts = contact_of(surface).counts(member_of(surface));
   std::int32_t sums[] = {counts.closed, counts.sliding};
   sum_over_ranks(comm_, std::span<std::int32_t>(sums));
   counts.closed = sums[0];
@@ -181,8 +240,8 @@ void Surfaces<dim>::report(StepReport& report) const {
 template <int dim>
 std::vector<double> Surfaces<dim>::forces_on_walls() const {
   std::vector<double> values;
-  for (std::size_t k = interfaces_.size(); k < contacts_.size(); ++k) {
-    auto [force, moment] = contacts_[k]->resultant();
+  for (std::size_t k = interfaces_.size(); k < size(); ++k) {
+    auto [force, moment] = contact_of(k).resultant(member_of(k));
     typename Contact<dim>::Resultant at_place;
     at_place.add(walls_[k - interfaces_.size()].moment_about, force);
     moment -= at_place.moment;
@@ -221,9 +280,9 @@ Vector<dim> Surfaces<dim>::step_force_on(std::span<const std::int64_t> ids) cons
 }
 
 template <int dim>
-ContactFields<dim> Surfaces<dim>::fields(std::size_t contact, const MaterialPoints<dim>& points,
+ContactFields<dim> Surfaces<dim>::fields(std::size_t surface, const MaterialPoints<dim>& points,
                                          double reach) const {
-  ContactFields<dim> fields = contacts_[contact]->fields(points, reach);
+  ContactFields<dim> fields = contact_of(surface).fields(points, reach, member_of(surface));
   sum_over_ranks<dim>(comm_, std::span(fields.force));
   sum_over_ranks<dim>(comm_, std::span(fields.slip));
   sum_over_ranks(comm_, std::span(fields.area));
@@ -258,12 +317,9 @@ template <int dim>
 void Surfaces<dim>::visit_state(StateVisitor& visitor) {
   std::vector<std::int32_t> dropped = dropped_;
   visitor.integers("dropped_surfaces", std::span<std::int32_t>(dropped));
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+  for (std::size_t k = 0; k < places_.size(); ++k) {
     if (dropped[k] != 0 && dropped_[k] == 0) drop(k);
-    if (dropped[k] == 0 && dropped_[k] != 0) {
-      contacts_[k] = make_contact(settings(k));
-      dropped_[k] = 0;
-    }
+    if (dropped[k] == 0 && dropped_[k] != 0) take_back(k);
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     contacts_[k]->visit_state(visitor, fmt::format("boundary_{}.", k));

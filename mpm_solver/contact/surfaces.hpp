@@ -4,20 +4,23 @@
 #include <mpi.h>
 
 #include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/contact/seams.hpp"
 
 namespace gabion::mpm {
 
-/// All surfaces that may touch the soil: the interfaces, then the rigid walls. Refers to their
-/// settings.
+/// All surfaces that may touch the soil: the interfaces, then the rigid walls. Those of the method
+/// `facets` that meet are one contact, see joint_surfaces. Refers to their settings.
 template <int dim>
 class Surfaces {
  public:
+  /// @param cell_size  mean [m]
   Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
-           const std::vector<RigidWallSettings<dim>>& walls);
+           const std::vector<RigidWallSettings<dim>>& walls, double cell_size);
 
   const Contacts<dim>& contacts() const { return contacts_; }
+  std::size_t size() const { return places_.size(); }
   std::vector<InterfaceMesh> interface_meshes() const;
-  const ContactSettings<dim>& settings(std::size_t contact) const;
+  const ContactSettings<dim>& settings(std::size_t surface) const;
 
   /// Whether a contact asks for occupied cells.
   bool asks_for_cells() const;
@@ -57,8 +60,13 @@ class Surfaces {
   /// The same of Contact::step_force_on, of this rank.
   Vector<dim> step_force_on(std::span<const std::int64_t> ids) const;
   /// Contact::fields of all ranks.
-  ContactFields<dim> fields(std::size_t contact, const MaterialPoints<dim>& points,
+  ContactFields<dim> fields(std::size_t surface, const MaterialPoints<dim>& points,
                             double reach) const;
+
+  /// Contact::marks. @note Not collective.
+  std::span<const ContactMark<dim>> marks(std::size_t surface) const {
+    return contact_of(surface).marks(member_of(surface));
+  }
 
   /// Contact::begin_at_rest of all of them.
   void begin_at_rest(const SoilAtRest<dim>& rest);
@@ -69,15 +77,26 @@ class Surfaces {
   void visit_state(StateVisitor& visitor);
 
  private:
-  void drop(std::size_t contact);
-  ContactCounts counts(std::size_t contact) const;
+  /// Where a surface is among the contacts.
+  struct Place {
+    std::size_t contact = 0, member = 0;
+  };
+  PlacedSurface<dim> placed(std::size_t surface) const;
+  Contact<dim>& contact_of(std::size_t surface) const {
+    return *contacts_[places_[surface].contact];
+  }
+  std::size_t member_of(std::size_t surface) const { return places_[surface].member; }
+  void drop(std::size_t surface);
+  void take_back(std::size_t surface);
+  ContactCounts counts(std::size_t surface) const;
 
   MPI_Comm comm_;
   const std::vector<ContactSettings<dim>>& interfaces_;
   const std::vector<RigidWallSettings<dim>>& walls_;
+  std::vector<Place> places_;  // of each surface
   Contacts<dim> contacts_;
-  std::vector<std::int32_t> dropped_;  // of each contact: 1 if it was
-  std::vector<char> touching_;         // of each contact, in this step, on any rank
+  std::vector<std::int32_t> dropped_;  // of each surface: 1 if it was
+  std::vector<char> touching_;         // of each surface, in this step, on any rank
   bool symmetric_ = true;
 };
 

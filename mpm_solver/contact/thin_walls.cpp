@@ -15,6 +15,10 @@ namespace gabion::mpm {
 
 namespace {
 
+// Functions of a cell reach over the next one: soil on both sides of a wall that is thinner than
+// two cells shares nodes.
+constexpr double thin_cells = 2;
+
 // Soil within this many cells of a face stands on its side.
 constexpr double beside_cells = 4;
 
@@ -29,7 +33,8 @@ template <int dim>
 struct Faces {
   std::vector<Vector<dim>> vertices;
   std::vector<Simplex<dim>> simplices;
-  std::vector<std::size_t> surface;  // of each simplex
+  std::vector<std::size_t> surface;                        // of each simplex
+  std::vector<std::int32_t> first_simplex, num_simplices;  // of each surface
   std::vector<SimplexBounds<dim>> bounds;
 
   Vector<dim> closest(std::int32_t s, const Vector<dim>& x) const {
@@ -41,12 +46,15 @@ template <int dim>
 Faces<dim> faces_of(const std::vector<StartSurface<dim>>& surfaces) {
   Faces<dim> faces;
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    faces.first_simplex.push_back(static_cast<std::int32_t>(faces.simplices.size()));
+    faces.num_simplices.push_back(0);
     if (surfaces[k].settings.mode == ContactMode::fixed) continue;
     const auto first = static_cast<std::int32_t>(faces.vertices.size());
     for (Simplex<dim> simplex : simplices(surfaces[k].settings.surface)) {
       for (std::int32_t& vertex : simplex) vertex += first;
       faces.simplices.push_back(simplex);
       faces.surface.push_back(k);
+      ++faces.num_simplices.back();
     }
     const auto& vertices = surfaces[k].vertices;
     faces.vertices.insert(faces.vertices.end(), vertices.begin(), vertices.end());
@@ -55,27 +63,22 @@ Faces<dim> faces_of(const std::vector<StartSurface<dim>>& surfaces) {
   return faces;
 }
 
-/// Two simplices with a structure between them.
-struct Pair {
-  std::int32_t front, back;
-  double thickness;  // [m]
-};
-
-// Pairs thinner than a cell, seen from the centre of the front.
+// Pairs thinner than two cells, seen from the centre of the front.
 template <int dim>
-std::vector<Pair> thin_pairs(const Faces<dim>& faces, double cell_size) {
-  const FacetHash<dim> hash(faces.simplices, faces.vertices, cell_size);
-  std::vector<Pair> pairs;
+std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
+  const double limit = thin_cells * cell_size;
+  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit);
+  std::vector<FacePair> pairs;
   for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
     const SimplexBounds<dim>& front = faces.bounds[s];
     for (const std::int32_t t : hash.near(front.centre)) {
       const SimplexBounds<dim>& back = faces.bounds[t];
       if (front.normal.dot(back.normal) > -opposite_cosine) continue;
-      if (back.is_beyond(front.centre, cell_size)) continue;
+      if (back.is_beyond(front.centre, limit)) continue;
       const Vector<dim> through = front.centre - faces.closest(t, front.centre);
       const double thickness = through.norm();
       const bool behind = through.dot(front.normal) >= opposite_cosine * thickness;
-      if (behind && thickness < (1 - 1e-6) * cell_size) pairs.push_back({s, t, thickness});
+      if (behind && thickness < (1 - 1e-6) * limit) pairs.push_back({s, t, thickness});
     }
   }
   return pairs;
@@ -113,11 +116,11 @@ class SoilBefore {
     }
   }
 
-  /// Not zero: there is soil of some rank. @note Collective.
-  std::vector<double> marks(MPI_Comm comm) const {
-    std::vector<double> all = marks_;
-    sum_over_ranks(comm, std::span<double>(all));
-    return all;
+  /// 1 for the simplices of `which` with soil of this rank before them, else 0.
+  std::vector<double> marks() const {
+    std::vector<double> chosen;
+    for (const std::int32_t s : which_) chosen.push_back(marks_[s]);
+    return chosen;
   }
 
  private:
@@ -135,56 +138,110 @@ class SoilBefore {
   std::vector<double> marks_;
 };
 
-std::vector<std::int32_t> members(const std::vector<Pair>& pairs) {
+std::vector<std::int32_t> members(const std::vector<FacePair>& pairs) {
   std::vector<std::int32_t> all;
-  for (const Pair& pair : pairs) all.insert(all.end(), {pair.front, pair.back});
+  for (const FacePair& pair : pairs) all.insert(all.end(), {pair.front, pair.back});
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 
+std::int32_t place_in(const std::vector<std::int32_t>& sorted, std::int32_t value) {
+  return static_cast<std::int32_t>(std::ranges::lower_bound(sorted, value) - sorted.begin());
+}
+
 template <int dim>
-std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b, double thickness,
-                    double cell_size) {
+std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b,
+                    const std::string& when, double thickness, double cell_size) {
   const std::string names = a.name == b.name
                                 ? fmt::format("\"{}\"", a.name)
                                 : fmt::format("the wall between \"{}\" and \"{}\"", a.name, b.name);
   return fmt::format(
-      "{}: found soil on both sides of {}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
+      "{}: found soil on both sides of {}{}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
       "m: soil in cells that both sides share acts on itself through the structure, whose forces "
-      "are wrong; advised: cells smaller than the thickness",
-      a.where, names, thickness, thickness / cell_size, cell_size);
+      "are wrong; advised: cells of at most half the thickness",
+      a.where, names, when, thickness, thickness / cell_size, cell_size);
 }
 
 }  // namespace
 
 template <int dim>
-std::vector<std::string> thin_walls(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
-                                    const MaterialPoints<dim>& points, double cell_size) {
+ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size)
+    : cell_size_(cell_size) {
+  for (const auto& surface : surfaces) settings_.push_back(&surface.settings);
   const Faces<dim> faces = faces_of(surfaces);
-  const std::vector<Pair> pairs = thin_pairs(faces, cell_size);
-  if (pairs.empty()) return {};
-  SoilBefore<dim> soil(faces, members(pairs), cell_size);
+  pairs_ = thin_pairs(faces, cell_size);
+  which_ = members(pairs_);
+  for (const std::int32_t s : which_) {
+    const std::size_t surface = faces.surface[s];
+    std::vector<std::int32_t>& places = places_[surface];
+    places.resize(faces.num_simplices[surface], -1);
+    places[s - faces.first_simplex[surface]] = static_cast<std::int32_t>(surface_.size());
+    surface_.push_back(surface);
+  }
+  for (FacePair& pair : pairs_) {
+    pair.front = place_in(which_, pair.front);
+    pair.back = place_in(which_, pair.back);
+  }
+  marks_.assign(surface_.size(), 0);
+}
+
+template <int dim>
+std::vector<std::string> ThinWalls<dim>::at_start(MPI_Comm comm,
+                                                  const std::vector<StartSurface<dim>>& surfaces,
+                                                  const MaterialPoints<dim>& points) {
+  if (pairs_.empty()) return {};
+  const Faces<dim> faces = faces_of(surfaces);
+  SoilBefore<dim> soil(faces, which_, cell_size_);
   for (const Vector<dim>& x : points.x) soil.add(x);
-  const std::vector<double> marks = soil.marks(comm);
+  marks_ = soil.marks();
+  return found(comm, marks_, "");
+}
+
+template <int dim>
+std::vector<std::string> ThinWalls<dim>::after_step(MPI_Comm comm, const Surfaces<dim>& surfaces,
+                                                    double time) {
+  if (pairs_.empty()) return {};
+  bool any_new = false;
+  for (const auto& [surface, places] : places_) {
+    const CellType type = settings_[surface]->surface.facet_type;
+    const std::int32_t cuts = type == CellType::quad4 ? 2 : 1;
+    for (const ContactMark<dim>& mark : surfaces.marks(surface)) {
+      for (std::int32_t s = cuts * mark.facet; s < cuts * (mark.facet + 1); ++s) {
+        if (places[s] < 0 || marks_[places[s]] != 0) continue;
+        marks_[places[s]] = 1;
+        any_new = true;
+      }
+    }
+  }
+  if (max_over_ranks(comm, any_new ? 1 : 0) == 0) return {};
+  return found(comm, marks_, fmt::format(" at {:.6g} s", time));
+}
+
+// Texts of walls with marks of any rank on both sides, which are not told again.
+template <int dim>
+std::vector<std::string> ThinWalls<dim>::found(MPI_Comm comm, std::vector<double> marks,
+                                               const std::string& when) {
+  sum_over_ranks(comm, std::span<double>(marks));
   std::map<std::pair<std::size_t, std::size_t>, double> thinnest;
-  for (const Pair& pair : pairs) {
+  for (const FacePair& pair : pairs_) {
     if (marks[pair.front] == 0 || marks[pair.back] == 0) continue;
-    const auto ends = std::minmax(faces.surface[pair.front], faces.surface[pair.back]);
+    const auto ends = std::minmax(surface_[pair.front], surface_[pair.back]);
     const auto entry = thinnest.try_emplace(ends, pair.thickness).first;
     entry->second = std::min(entry->second, pair.thickness);
   }
   std::vector<std::string> texts;
   for (const auto& [ends, thickness] : thinnest) {
-    texts.push_back(text_of<dim>(surfaces[ends.first].settings, surfaces[ends.second].settings,
-                                 thickness, cell_size));
+    texts.push_back(
+        text_of<dim>(*settings_[ends.first], *settings_[ends.second], when, thickness, cell_size_));
   }
+  std::erase_if(pairs_, [&](const FacePair& pair) {
+    return thinnest.contains(std::minmax(surface_[pair.front], surface_[pair.back]));
+  });
   return texts;
 }
 
-template std::vector<std::string> thin_walls<2>(MPI_Comm, const std::vector<StartSurface<2>>&,
-                                                const MaterialPoints<2>&, double);
-template std::vector<std::string> thin_walls<3>(MPI_Comm, const std::vector<StartSurface<3>>&,
-                                                const MaterialPoints<3>&, double);
+template class ThinWalls<2>;
+template class ThinWalls<3>;
 
 }  // namespace gabion::mpm

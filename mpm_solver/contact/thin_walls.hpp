@@ -3,21 +3,51 @@
 
 #include <mpi.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "mpm_solver/contact/start_check.hpp"
+#include "mpm_solver/contact/surfaces.hpp"
 
 namespace gabion::mpm {
 
-/// What to say where a structure is thinner than a cell and has soil on both sides, within four
-/// cells at time 0: that soil shares nodes of the grid, so it acts on itself through the structure.
-/// A text for each two surfaces, which may be the same, that are the faces of such a place. Not for
-/// the mode `fixed`, which soil sticks to on all sides.
-/// @param cell_size  mean [m]
-/// @note Collective.
+/// Two simplices with a structure between them.
+struct FacePair {
+  std::int32_t front, back;
+  double thickness;  ///< [m]
+};
+
+/// Finds structures thinner than two cells that have soil on both sides: that soil shares nodes of
+/// the grid, so it acts on itself through the structure. Each two surfaces, which may be the same,
+/// that are the faces of such a place are told once. Not for the mode `fixed`, which soil sticks to
+/// on all sides. Refers to the settings of the surfaces.
 template <int dim>
-std::vector<std::string> thin_walls(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
-                                    const MaterialPoints<dim>& points, double cell_size);
+class ThinWalls {
+ public:
+  /// @param cell_size  mean [m]
+  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size);
+
+  // Both return what to say, and are collective.
+
+  /// Soil counts within four cells of a side.
+  /// @param surfaces  as the constructor got them
+  std::vector<std::string> at_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
+                                    const MaterialPoints<dim>& points);
+  /// Soil counts on a facet that it has touched since the start, or was beside then.
+  /// @param surfaces  the same ones, in the state that was accepted at this time [s]
+  std::vector<std::string> after_step(MPI_Comm comm, const Surfaces<dim>& surfaces, double time);
+
+ private:
+  std::vector<std::string> found(MPI_Comm comm, std::vector<double> marks, const std::string& when);
+
+  double cell_size_;
+  std::vector<const ContactSettings<dim>*> settings_;
+  std::vector<FacePair> pairs_;       // not told yet; of the simplices below
+  std::vector<std::int32_t> which_;   // simplices that are in pairs, of all, ascending
+  std::vector<std::size_t> surface_;  // of each of them
+  std::vector<double> marks_;         // of each of them: 1 where soil of this rank has been
+  std::map<std::size_t, std::vector<std::int32_t>> places_;  // in which_, by simplex of a surface
+};
 
 }  // namespace gabion::mpm

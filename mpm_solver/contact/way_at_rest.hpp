@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "common/mechanics/tensor.hpp"
@@ -14,6 +15,7 @@ struct RestingPlace {
   double gap = 0;                            ///< of the point's ball [m]
   double square = 0;                         ///< of the depth that bears the pressure alone [m^2]
   Vector<dim> pull = Vector<dim>::Zero();    ///< tangential force of the soil on the face [N]
+  std::int32_t owner = 0;                    ///< surface of the contact that has the face
 };
 
 /// The way u whose depths n_k . u give each face the traction that it has at rest, where WayOut

@@ -65,7 +65,7 @@ ContactOutput<dim>::ContactOutput(const SoilModel<dim>& model, const std::string
 template <int dim>
 void ContactOutput<dim>::write(double time, const SoilState<dim>& state) {
   if (!writes_) return;
-  for (std::size_t k = 0; k < state.surfaces.contacts().size(); ++k) {
+  for (std::size_t k = 0; k < state.surfaces.size(); ++k) {
     const auto fields = state.surfaces.fields(k, state.points, model_.cell_size);
     if (series_.empty()) continue;
     const ContactSurface<dim>& surface = state.surfaces.settings(k).surface;

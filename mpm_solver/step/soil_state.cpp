@@ -173,7 +173,7 @@ void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
 template <int dim>
 SoilState<dim>::SoilState(const SoilModel<dim>& model)
     : points(lay_all_points(model)),
-      surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls),
+      surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls, model.cell_size),
       ledger(model.comm),
       control(model.settings.step_control),
       gauges(model.comm, model.settings.gauges, model.cell_size),

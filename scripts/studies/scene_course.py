@@ -7,7 +7,7 @@ from studies.balances import arrival, front_speed, soil, times
 from studies.measures import Measured
 
 LONG = 0.1  # [s] that a blow ends within
-BARRIER_BACK = np.array([[49, 7], [52, 20], [50, 33]]) + [0.5, 0]  # of slide_on_terrain, corners x, y [m]
+BARRIER_BACK = np.array([[49, 7], [52, 20], [50, 33]]) + [1, 0]  # of slide_on_terrain, corners x, y [m]
 Quantity = list  # what with its unit, value
 
 

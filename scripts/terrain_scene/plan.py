@@ -142,6 +142,12 @@ def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     return default
 
 
+def say_thin(where: str, thickness: float, cell_size: float, notes: list[str]) -> None:
+    if thickness < 2 * (1 - 1e-6) * cell_size:
+        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: soil that comes over "
+                     "or round the barrier acts on soil before it; advised: at least two cells")
+
+
 def read_barrier(reader: Reader, maps: MapInputs, friction: float) -> Barrier:
     return Barrier(maps.line(reader, "line"), reader.number("height"), reader.number("thickness"),
                    material_of(reader, CONCRETE, maps.notes),
@@ -234,8 +240,12 @@ def plan_of(values: object, path: Path) -> Plan:
     interval = time.number("interval") if "interval" in time.values else time.number("end") / FRAMES
     slide = read_slide(reader.child("slide", SLIDE), maps, slope)
     gauges, probes = read_gauges(reader, maps), read_probes(reader, maps)
-    plan = Plan(slope, maps.projection, read_gaps(reader), reader.number("cell_size"), corners[0], corners[1], reader.number("clear_height"),
-                friction, slide, barrier, time.number("end"), time.number("dt"), interval, gauges, probes, maps.notes)
+    cell_size = reader.number("cell_size")
+    if barrier:
+        say_thin(f"{reader.where}/barrier", barrier.thickness, cell_size, maps.notes)
+    plan = Plan(slope, maps.projection, read_gaps(reader), cell_size, corners[0], corners[1],
+                reader.number("clear_height"), friction, slide, barrier, time.number("end"), time.number("dt"), interval,
+                gauges, probes, maps.notes)
     require_all_in_area(plan, str(path))
     return plan
 

@@ -263,6 +263,7 @@ class Scenes(TerrainCase):
         said = self.make()
         self.assertIn("72 m^3 in the plan, 72 m^3 (+0.00 %)", said)
         self.assertIn("material: not given, taken", said)
+        self.assertIn("barrier/thickness: found 0.5 m, 0.5 cells", said)
         self.assertTrue((self.folder / "scene" / "scene.png").exists())
         soil = json.loads((self.folder / "scene" / "mpm.json").read_text())
         self.assertEqual(soil["origin"][:2], [WEST + 2, SOUTH + 2])

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "coupler/mapping/interface_map.hpp"
 #include "coupler/mapping/mapping.hpp"
@@ -155,6 +156,29 @@ TEST(Mapping, matching_meshes_are_mapped_by_the_identity) {
 TEST(Mapping, vertices_that_get_no_force_are_counted) {
   const Mapping mapping(polyline({0, 0.25, 0.5, 0.75, 1}), polyline({0, 0.3}), projection);
   EXPECT_EQ(mapping.report().unused_vertices, 2);  // at 0.75 and 1
+}
+
+/// Soil vertices on every second vertex of a structure, turned, scaled and far from the origin:
+/// weights of 1e-16 of the vertices beside them count for nothing.
+TEST(Mapping, the_count_of_unused_vertices_does_not_follow_round_off) {
+  Values fine, coarse;
+  for (int k = 0; k <= 40; ++k) (k % 2 == 0 ? coarse : fine).push_back(k / 40.0);
+  for (const double s : coarse) fine.push_back(s);
+  std::sort(fine.begin(), fine.end());
+  for (const double unit : {1.0, 1e-3, 1e3}) {
+    for (const double angle : {0.0, 0.3, 1.1, 2.0}) {
+      const Eigen::Rotation2Dd turn(angle);
+      const auto place = [&](double s) {
+        const Eigen::Vector2d x =
+            unit * (turn * Eigen::Vector2d(s, 0.7 * s) + Eigen::Vector2d(3.3, -17.1));
+        return std::pair(x[0], x[1]);
+      };
+      const Mapping mapping(test::line_mesh(fine, place, true),
+                            test::line_mesh(coarse, place, true),
+                            {"nearest_projection", 1e-6 * unit});
+      EXPECT_EQ(mapping.report().unused_vertices, 20) << unit << " " << angle;
+    }
+  }
 }
 
 TEST(Mapping, finds_the_closest_facet_even_if_none_of_its_vertices_is_close) {

@@ -105,7 +105,7 @@ TEST(Migration, moved_points_keep_all_fields) {
   const mpm::BackgroundGrid<2> grid = mpm_settings<2>(json).grid;
   const std::vector<mpm::ContactSettings<2>> no_interfaces;
   const std::vector<mpm::RigidWallSettings<2>> no_walls;
-  mpm::Surfaces<2> surfaces(comm(), no_interfaces, no_walls);
+  mpm::Surfaces<2> surfaces(comm(), no_interfaces, no_walls, 1);
   for (const double shift : {0.3, -1.0}) {
     std::vector<AxisPlane> planes;
     for (int k = 1; k < size(); ++k) planes.push_back({0, shift < 0 ? 10 : shift * k});

@@ -385,6 +385,22 @@ TEST(MpmConfig, surfaces_with_too_many_parts) {
   expect_refused(json, {"/rigid_walls/0/surface/spacing", "500000000 segments"});
 }
 
+/// 0.44 m by 0.02 m is 22 wherever the origin is.
+TEST(MpmConfig, segments_of_a_polyline_far_from_the_origin) {
+  for (const double far : {0.0, 1048576.0, -3.7e6}) {
+    Json json = valid();
+    json["grid"]["box"]["low"] = {0, far};
+    json["grid"]["box"]["high"] = {2, far + 1};
+    json["bodies"][0]["mesh"]["box"]["low"] = {0, far};
+    json["bodies"][0]["mesh"]["box"]["high"] = {1, far + 0.5};
+    Json& surface = json["interfaces"][0]["surface"];
+    surface["spacing"] = 0.02;
+    surface["polyline"] = {
+        {1.5, far + 0.52}, {1.5, far + 0.38}, {1.5, far + 0.22}, {1.5, far + 0.08}};
+    EXPECT_EQ(mpm_settings<2>(json).interfaces[0].surface.facets.size(), 2 * 22u) << far;
+  }
+}
+
 TEST(MpmConfig, polyline_with_a_repeated_point) {
   Json json = valid();
   json["interfaces"][0]["surface"]["polyline"] = {{1.5, 0.5}, {1.5, 0.2}, {1.5, 0.2}, {1.5, 0}};

@@ -117,6 +117,33 @@ TEST(RestOnFacets, a_restart_goes_on) {
   EXPECT_EQ(second->probes(), straight->probes());
 }
 
+/// The same with a surface for the wall and two for the floor, which are one contact. The seam
+/// between them moves off the soil that lies on it.
+TEST(RestOnFacets, surfaces_that_meet_bear_their_soil_and_go_on) {
+  Json json = in_a_corner("gimp", "contact");
+  Json wall = json["rigid_walls"][0], far = wall, near = wall;
+  const Json line = wall["surface"]["polyline"];
+  const Json seam = {0.53, line[1][1]};
+  wall["surface"]["polyline"] = {line[0], line[1]};
+  near["name"] = "near";
+  near["surface"]["polyline"] = {line[1], seam};
+  far["name"] = "far";
+  far["surface"]["polyline"] = {seam, line[2]};
+  far["motion"] = {{"velocity", {0.05, 0}}};
+  json["rigid_walls"] = {wall, near, far};
+  json["linear_solver"] = {{"method", "gmres"}};
+  const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+             second = mpm_solver<2>(json);
+  const double weight = g * probe(*straight, "mass");
+  EXPECT_NEAR(probe(*straight, "far.fy") + probe(*straight, "near.fy"), -weight, 1e-9 * weight);
+  run_steps(*straight, 0.002, 10);
+  run_steps(*first, 0.002, 4);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  run_steps(*second, 0.002, 6, 5);
+  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+  EXPECT_EQ(second->probes(), straight->probes());
+}
+
 /// A wall that goes away loses its force step by step, without a jump, and keeps none.
 TEST(RestOnFacets, a_wall_that_goes_away_loses_its_force_smoothly) {
   Json json = in_a_corner("gimp", "slip");
