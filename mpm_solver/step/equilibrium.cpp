@@ -35,11 +35,13 @@ constexpr double share_of_stopping = 1e-3;
 template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
+      context_{.dt = parts.dt},
       internal_({.bodies = parts.bodies,
                  .points = parts.points,
                  .weights = parts.weights,
                  .nodes = parts.nodes,
-                 .trial = parts.trial},
+                 .trial = parts.trial,
+                 .context = &context_},
                 parts.cell_size, parts.same_strain, parts.average_volumes, parts.repeats),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
@@ -289,7 +291,7 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     const std::int32_t p = weights.point[worst.entry];
     StressUpdate<dim> stress;
     const bool admissible =
-        update(parts_.bodies[group->body].material.law,
+        update(LawInStep<MaterialLaw<dim>, dim>{parts_.bodies[group->body].material.law, context_},
                displacement_gradient(weights, worst.entry, of_group.data()),
                parts_.points.history[p], stress, static_cast<Tangent<dim>*>(nullptr));
     own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,

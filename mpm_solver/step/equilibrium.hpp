@@ -113,6 +113,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation assess(Sums sums, std::int32_t worst);
 
   Parts parts_;
+  PointContext context_;  // of the step, for internal_
   InternalForces<dim> internal_;
   bool first_evaluation_ = true;       // of a solution
   bool supported_ = false;             // K holds a little stiffness everywhere

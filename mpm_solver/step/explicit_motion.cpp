@@ -31,6 +31,7 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
 template <int dim>
 const StressParts<dim>& ExplicitMotion<dim>::with_path() {
   parts_.stress.path = &path_;
+  parts_.stress.context = &context_;
   return parts_.stress;
 }
 
@@ -161,6 +162,7 @@ bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
   result_.du.assign(n, 0.0);
   result_.v = v_start_;
   raw_.assign(n, 0.0);
+  context_.dt = dt;
   begin_path(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
   Forces before = start_;

@@ -84,6 +84,7 @@ class ExplicitMotion {
   void finish(const Forces& last);
 
   Parts parts_;
+  PointContext context_;                  // of the substeps
   std::vector<MaterialState<dim>> path_;  // StressParts::path; empty: nothing depends on it
   std::vector<Symmetric<dim>> tau_;       // at the start of the current substep [Pa]
   PointInertia<dim> inertia_;

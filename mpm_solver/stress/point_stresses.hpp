@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/materials/point_batch.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/stress/point_gradient.hpp"
@@ -123,7 +124,7 @@ class PointStresses {
         batch.state_n[l] = &state_of(parts, parts.weights.point[entry(b, l)]);
       }
       batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
-      const int refused = update(law, batch, n, with_A);
+      const int refused = update(parts, law, batch, n, with_A);
       if (refused < n) {
         worst = parts.weights.point[entry(b, refused)];
         return false;
@@ -176,7 +177,8 @@ class PointStresses {
 
   // @returns the number in the batch of a point that makes the state inadmissible, or n
   template <class Law>
-  static int update(const Law& law, Batch& batch, int n, bool with_A) {
+  static int update(const StressParts<dim>& parts, const Law& law, Batch& batch, int n,
+                    bool with_A) {
     if constexpr (requires { law.batch_return()->update(batch, with_A); }) {
       if (law.batch_return() && law.batch_return()->update(batch, with_A)) {
         if (!any(load_lanes(batch.out.J) < min_J_ratio)) return n;
@@ -185,11 +187,16 @@ class PointStresses {
             batch.out.J);
       }
     }
+    LawInStep<Law, dim> in_step{law, {}};
+    if constexpr (ContextualLaw<Law, dim>) {
+      require(parts.context != nullptr, "mpm_solver: a law that depends on time without a step");
+      in_step.context = *parts.context;
+    }
     StressUpdate<dim> found;
     Tangent<dim> A;
     for (int l = 0; l < n; ++l) {
       const bool admissible =
-          law.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr);
+          in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr);
       if (!admissible || found.J < min_J_ratio) return l;
       batch.set(l, found, with_A ? &A : nullptr);
     }

@@ -22,6 +22,8 @@ inline constexpr double min_J_ratio = 0.1;
 /// substep, brought back to the configuration at the start of the step. Every evaluation then
 /// begins there, and replaces it by what it found. Without (null or empty), all begin at
 /// points.history.
+///
+/// `context` is that of the step or substep under way; needed by bodies of a ContextualLaw only.
 template <int dim>
 struct StressParts {
   const std::vector<Body<dim>>& bodies;
@@ -30,6 +32,7 @@ struct StressParts {
   const GridNodes<dim>& nodes;
   TrialPoints<dim>& trial;
   std::vector<MaterialState<dim>>* path = nullptr;
+  const PointContext* context = nullptr;
 
   bool has_path() const { return path && !path->empty(); }
 };

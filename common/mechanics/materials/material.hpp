@@ -8,6 +8,7 @@
 
 #include "common/mechanics/materials/drucker_prager.hpp"
 #include "common/mechanics/materials/elastic.hpp"
+#include "common/mechanics/materials/herschel_bulkley.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
 #include "common/mechanics/materials/tresca.hpp"
 #include "common/settings/config_reader.hpp"
@@ -23,7 +24,9 @@ concept ConstitutiveLaw = std::copyable<Law> &&
     requires(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,
              StressUpdate<dim>& out, Tangent<dim>* A) {
   // Fills out and, unless it is null, A with the exact consistent dP/dH.
-  // False when det(1 + H) <= 0; out is then undefined.
+  // False when det(1 + H) <= 0, or when an equation of the law was not solved: the step has to be
+  // shorter. out is then undefined. A law that depends on time is a ContextualLaw too, and answers
+  // here at once, dt = 0.
   { law.update(H, state_n, out, A) } -> std::same_as<bool>;
   // A(iJ, kL) == A(kL, iJ) for every state.
   { law.symmetric_tangent() } -> std::same_as<bool>;
@@ -35,8 +38,9 @@ concept ConstitutiveLaw = std::copyable<Law> &&
 };
 
 template <int dim>
-using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
-                                 MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>>;
+using MaterialLaw =
+    std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, MohrCoulomb<dim>,
+                 Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {
@@ -57,11 +61,22 @@ bool is_elastic(const MaterialLaw<dim>& law) {
   return std::visit([](const auto& model) { return model.is_elastic; }, law);
 }
 
-/// Stress update of whichever law it is; loops over many points dispatch once and call the law.
+/// Stress update of whichever law it is, without a step: see ConstitutiveLaw.
 template <int dim>
 bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,
             StressUpdate<dim>& out, Tangent<dim>* A) {
   return std::visit([&](const auto& model) { return model.update(H, state_n, out, A); }, law);
+}
+
+/// The same in a step; loops over many points dispatch once and call the law.
+template <int dim>
+bool update(const LawInStep<MaterialLaw<dim>, dim>& material, const Matrix<dim>& H,
+            const MaterialState<dim>& state_n, StressUpdate<dim>& out, Tangent<dim>* A) {
+  return std::visit(
+      [&]<class Law>(const Law& law) {
+        return LawInStep<Law, dim>{law, material.context}.update(H, state_n, out, A);
+      },
+      material.law);
 }
 
 /// Names of all laws, and of those for which is_elastic() holds.

@@ -53,6 +53,23 @@ std::vector<Key> strength_keys() {
               .when("law", {"tresca"})};
 }
 
+std::vector<Key> flow_keys() {
+  const std::vector<std::string> fluid = {"herschel_bulkley"};
+  return {
+      key::number("yield_stress", "Pa", "Shear stress above which it flows.")
+          .in(non_negative())
+          .when("law", fluid),
+      key::number("consistency", "Pa s^n",
+                  "Shear stress beyond `yield_stress` at a shear rate of 1/s; with `flow_index` "
+                  "1 the viscosity.")
+          .in(positive())
+          .when("law", fluid),
+      key::number("flow_index", "", "Power n of the shear rate; 1: Bingham.")
+          .in(between(0.1, 2))
+          .or_else(1)
+          .when("law", fluid)};
+}
+
 std::vector<Key> apex_keys() {
   const std::vector<std::string> words = {"gap", "forget"};
   return {key::choice("apex_volume", words,
@@ -157,16 +174,26 @@ Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
                       .apex_volume = cutoff == no_cutoff ? ApexVolume::gap : read_apex_volume(in)});
 }
 
+template <int dim>
+HerschelBulkley<dim> read_herschel_bulkley(ConfigReader& in, const LameConstants& elastic) {
+  return HerschelBulkley<dim>({.lambda = elastic.lambda,
+                               .mu = elastic.mu,
+                               .yield_stress = in.number("yield_stress"),
+                               .consistency = in.number("consistency"),
+                               .flow_index = in.number("flow_index")});
+}
+
 }  // namespace
 
 const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
-const std::vector<std::string> material_laws = {"linear_elastic", "neo_hookean", "hencky_elastic",
-                                                "mohr_coulomb",   "tresca",      "drucker_prager"};
+const std::vector<std::string> material_laws = {"linear_elastic",  "neo_hookean", "hencky_elastic",
+                                                "mohr_coulomb",    "tresca",      "drucker_prager",
+                                                "herschel_bulkley"};
 
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group : {elasticity_keys(), strength_keys(), apex_keys()}) {
+  for (const auto& group : {elasticity_keys(), strength_keys(), flow_keys(), apex_keys()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }
@@ -189,6 +216,8 @@ Material<dim> read_material(ConfigReader in) {
     material.law = read_tresca<dim>(in, elastic);
   } else if (material.law_name == "drucker_prager") {
     material.law = read_drucker_prager<dim>(in, elastic);
+  } else if (material.law_name == "herschel_bulkley") {
+    material.law = read_herschel_bulkley<dim>(in, elastic);
   } else {
     material.law = read_mohr_coulomb<dim>(in, elastic);
   }

@@ -62,4 +62,31 @@ struct StressUpdate {
   bool plastic() const { return region != YieldRegion::elastic; }
 };
 
+/// What a law may know of the step besides the strain.
+struct PointContext {
+  double dt = 0;  ///< step, or substep, in which the strain comes about [s]
+};
+
+/// Laws whose stress depends on the context, besides `update` without one.
+template <class Law, int dim>
+concept ContextualLaw = requires(const Law& law, StressUpdate<dim>& out, Tangent<dim>* A) {
+  law.update(PointContext{}, Matrix<dim>{}, MaterialState<dim>{}, out, A);
+};
+
+/// A law in a step: its stress update takes the context if the law has a use for it.
+template <class Law, int dim>
+struct LawInStep {
+  const Law& law;
+  PointContext context;
+
+  bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
+              Tangent<dim>* A) const {
+    if constexpr (ContextualLaw<Law, dim>) {
+      return law.update(context, H, state_n, out, A);
+    } else {
+      return law.update(H, state_n, out, A);
+    }
+  }
+};
+
 }  // namespace gabion

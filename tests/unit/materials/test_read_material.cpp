@@ -90,6 +90,33 @@ TEST(ReadMaterial, drucker_prager) {
   expect_refused(json, {"/friction_angle", "tresca"});
 }
 
+TEST(ReadMaterial, herschel_bulkley) {
+  Json json = {{"law", "herschel_bulkley"}, {"density", 1800},   {"young_modulus", 1e6},
+               {"poisson_ratio", 0.49},     {"yield_stress", 0}, {"consistency", 20}};
+  const auto read = [&] {
+    return std::get<HerschelBulkley<2>>(
+               read_material<2>(ConfigReader(json, "f", material_keys(material_laws))).law)
+        .parameters();
+  };
+  EXPECT_EQ(read().flow_index, 1);
+  EXPECT_EQ(read().yield_stress, 0);
+  json["flow_index"] = 0.4;
+  EXPECT_EQ(read().flow_index, 0.4);
+  EXPECT_EQ(read().consistency, 20);
+  const Json good = json;
+  for (const auto& [name, bad] : {std::pair{"flow_index", 0.05},
+                                  {"flow_index", 2.1},
+                                  {"consistency", 0.0},
+                                  {"yield_stress", -1.0}}) {
+    json = good;
+    json[name] = bad;
+    expect_refused(json, {std::string("/") + name});
+  }
+  json = good;
+  json["cohesion"] = 1;
+  expect_refused(json, {"/cohesion", "unknown"});
+}
+
 TEST(ReadMaterial, apex_volume) {
   for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
     Json json = soil();
