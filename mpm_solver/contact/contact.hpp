@@ -109,6 +109,9 @@ class Contact {
   // motion since the start of the step, add_substep; at last add_forces with the motion of the
   // whole step. Forces on the structure and their resultant are then means over the substeps.
 
+  /// Add the force that has lasted up to the accepted state, to which substeps look ahead: at rest
+  /// that of the contact [N].
+  virtual void add_lasting_forces(std::span<double>) const {}
   virtual void begin_substeps() {}
   /// Where the surfaces are at this share of the step, on its way to set_displacement's place.
   virtual void set_share(double) {}

@@ -335,21 +335,6 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
 }
 
 template <int dim>
-void FacetContact<dim>::add_old_forces(std::int32_t owner, double share,
-                                       std::span<double> field) const {
-  std::vector<double> w;
-  for (const Candidate& c : candidates_) {
-    if (!c.memory) continue;
-    w.resize(c.num_values);
-    for (const Memory& memory : *c.memory) {
-      if (memory.owner != owner) continue;
-      surface_weights(c, memory.normal, w.data());
-      scatter(c, w.data(), share * memory.force, field);
-    }
-  }
-}
-
-template <int dim>
 void FacetContact<dim>::add_step_force_change(std::span<double> f) const {
   for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
     for (const std::int32_t k : touches_of(owner)) {

@@ -58,6 +58,7 @@ class FacetContact final : public Contact<dim> {
   void add_step_force_change(std::span<double> f) const override;
   Vector<dim> step_force_on(std::span<const std::int64_t> ids) const override;
 
+  void add_lasting_forces(std::span<double> f) const override;
   void begin_substeps() override;
   void set_share(double share) override;
   void add_substep(std::span<const double> move, double share) override;
@@ -89,6 +90,8 @@ class FacetContact final : public Contact<dim> {
  private:
   /// A touch goes on in the next step where its normal turned by less than 60 degrees.
   static constexpr double same_normal = 0.5;
+  /// What an explicit step adds to the force that lasts, of its own force over that.
+  static constexpr double lasting_share = 0.2;
   /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
   static constexpr double touching_share = 0.01;
   /// where the side is turned against the surface by no more than the angle of this cosine.
@@ -101,6 +104,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> force = Vector<dim>::Zero();  // of the last step, on the soil [N]
     Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
     double part = 1;                         // of the tangential stiffness, in which the slip is
+    Vector<dim> lasting = Vector<dim>::Zero();  // part of the force that has lasted [N]
 
     double begun() const { return -normal.dot(slip); }
     Vector<dim> tangential() const { return slip + begun() * normal; }
@@ -216,6 +220,8 @@ class FacetContact final : public Contact<dim> {
   Vector<dim> surface_motion(const SurfaceFeature<dim>& feature) const;
   ContactMark<dim> mark_of(const Touch& touch) const;
   void add_old_forces(std::int32_t owner, double share, std::span<double> field) const;
+  void add_remembered(std::int32_t owner, Vector<dim> Memory::*force, double share,
+                      std::span<double> field) const;
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
   void find_touches(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
@@ -229,6 +235,7 @@ class FacetContact final : public Contact<dim> {
   void remember_shear(const Touch& touch, std::span<const RestingPlace<dim>> places);
   void remember_touches();
   Memory memory_of(const Touch& touch) const;
+  Vector<dim> lasting_force(const Touch& touch) const;
   double stored_in_slip(const Touch& touch, const Memory& memory) const;
   double stored_in_depth(const Touch& touch) const;
   Vector<dim> offset_of(std::int64_t id) const;

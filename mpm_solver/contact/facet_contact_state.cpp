@@ -134,7 +134,8 @@ typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& tou
                 .normal = n,
                 .force = touch.force,
                 .slip = -touch.begun * n,
-                .part = touch.part};
+                .part = touch.part,
+                .lasting = lasting_force(touch)};
   const ContactLaw law = law_of(candidates_[touch.candidate], touch.owner, touch.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
@@ -187,7 +188,7 @@ void FacetContact<dim>::accept_touches(std::size_t owner) {
 
 template <int dim>
 void FacetContact<dim>::accept() {
-  memory_.clear();
+  const auto before = std::exchange(memory_, {});  // candidates refer to it
   deepest_ = 0;
   for (std::size_t owner = 0; owner < members_.size(); ++owner) accept_touches(owner);
   deepest_ = max_over_ranks(comm_, deepest_);
@@ -201,9 +202,32 @@ void FacetContact<dim>::accept() {
     if (member.motion > 0) member.bounds_known = false;
     member.last_motion = member.motion;
   }
-  candidates_.clear();  // they refer to the memory before
+  candidates_.clear();
   touches_.clear();
   order_touches();
+}
+
+// What is remembered of the touches of all candidates, at the place where they are as the step
+// starts.
+template <int dim>
+void FacetContact<dim>::add_remembered(std::int32_t owner, Vector<dim> Memory::*force, double share,
+                                       std::span<double> field) const {
+  std::vector<double> w;
+  for (const Candidate& c : candidates_) {
+    if (!c.memory) continue;
+    w.resize(c.num_values);
+    for (const Memory& memory : *c.memory) {
+      if (memory.owner != owner) continue;
+      surface_weights(c, memory.normal, w.data());
+      scatter(c, w.data(), share * memory.*force, field);
+    }
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::add_old_forces(std::int32_t owner, double share,
+                                       std::span<double> field) const {
+  add_remembered(owner, &Memory::force, share, field);
 }
 
 template <int dim>
@@ -226,7 +250,9 @@ void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) 
     for (const Memory& memory : touches) {
       packet.put(memory.owner);
       packet.put(memory.part);
-      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) packet.put(v);
+      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip, memory.lasting}) {
+        packet.put(v);
+      }
     }
   };
   give_by_id<std::vector<Memory>>(ids, memory_, put_memory, packet);
@@ -243,7 +269,7 @@ void FacetContact<dim>::take(Packet& packet) {
     for (Memory& memory : touches) {
       memory.owner = packet.take<std::int32_t>();
       memory.part = packet.take<double>();
-      for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip}) {
+      for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip, &memory.lasting}) {
         *v = packet.take<Vector<dim>>();
       }
     }
@@ -263,7 +289,7 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
       ids.push_back(id);
       owners.push_back(memory.owner);
       parts.push_back(memory.part);
-      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip}) {
+      for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip, memory.lasting}) {
         values.insert(values.end(), v.begin(), v.end());
       }
     }
@@ -279,17 +305,18 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
             members_.size() - 1);
   }
   require_values_each(prefix + "touch_parts", parts.size(), ids.size(), 1);
-  require_values_each(prefix + "touches", values.size(), ids.size(), 3 * dim);
+  require_values_each(prefix + "touches", values.size(), ids.size(), 4 * dim);
   memory_.clear();
   const auto vector = [&](std::size_t k) {
     return Vector<dim>(Eigen::Map<const Vector<dim>>(values.data() + k * dim));
   };
   for (std::size_t k = 0; k < ids.size(); ++k) {
     memory_[ids[k]].push_back({.owner = static_cast<std::int32_t>(owners[k]),
-                               .normal = vector(3 * k),
-                               .force = vector(3 * k + 1),
-                               .slip = vector(3 * k + 2),
-                               .part = parts[k]});
+                               .normal = vector(4 * k),
+                               .force = vector(4 * k + 1),
+                               .slip = vector(4 * k + 2),
+                               .part = parts[k],
+                               .lasting = vector(4 * k + 3)});
   }
 }
 

@@ -8,6 +8,26 @@
 namespace gabion::mpm {
 
 template <int dim>
+void FacetContact<dim>::add_lasting_forces(std::span<double> f) const {
+  for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
+    add_remembered(owner, &Memory::lasting, 1, f);
+  }
+}
+
+// At the end of the step, of a touch that began with a depth; of others nothing lasts. An implicit
+// step, and the start of the run, is at its own force.
+template <int dim>
+Vector<dim> FacetContact<dim>::lasting_force(const Touch& touch) const {
+  Vector<dim> before = Vector<dim>::Zero();
+  if (touch.begun == 0) return before;
+  if (!has_substeps_) return touch.force;
+  const Memory* memory =
+      remembered(candidates_[touch.candidate], touch.feature.normal, touch.owner);
+  if (memory) before = memory->lasting;
+  return before + lasting_share * (touch.force - before);
+}
+
+template <int dim>
 void FacetContact<dim>::begin_substeps() {
   has_substeps_ = true;
   substep_forces_.assign(start_.size() * dim, 0.0);

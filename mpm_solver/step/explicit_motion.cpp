@@ -26,6 +26,7 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
   set_acceleration(start_);
   F_.resize(v_start_.size());
   A_F_.resize(v_start_.size());
+  if (may_touch_) find_lasting();
 }
 
 template <int dim>
@@ -52,7 +53,19 @@ void ExplicitMotion<dim>::set_acceleration(Forces& forces) const {
   respond(f, forces.A);
 }
 
-// The contacts at u, the end of a substep as it would be without them; sets F, A(F), touches_.
+template <int dim>
+void ExplicitMotion<dim>::find_lasting() {
+  const SharedNodes& shared = parts_.stress.nodes.shared;
+  std::vector<double> lasting(v_start_.size(), 0.0);
+  for (const auto& contact : parts_.surfaces.contacts()) contact->add_lasting_forces(lasting);
+  const bool own = std::any_of(lasting.begin(), lasting.end(), [](double f) { return f != 0; });
+  if (shared.all(!own)) return;
+  shared.sum(lasting, dim);
+  respond(lasting, A_lasting_);
+}
+
+// The contacts at u, the end of a substep as it would be with the force that lasts alone; sets F,
+// A(F), touches_.
 // @returns false: too stiff for dt
 template <int dim>
 bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, double dt,
@@ -166,14 +179,18 @@ bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
   begin_path(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
   Forces before = start_;
-  std::vector<double> star(n), move(n);
+  std::vector<double> star(n), move(n), foreseen;
   for (int k = 1; k <= count; ++k) {
     const double share = static_cast<double>(k) / count;
     for (std::size_t i = 0; i < n; ++i) {
       star[i] = result_.du[i] + dt * (result_.v[i] + 0.5 * dt * before.A[i]);
     }
+    if (!A_lasting_.empty()) foreseen = star;
+    for (std::size_t i = 0; i < A_lasting_.size(); ++i) {
+      foreseen[i] += 0.5 * dt * dt * A_lasting_[i];
+    }
     touches_ = false;
-    if (!add_contact(star, share, dt, soil_dt)) return false;
+    if (!add_contact(A_lasting_.empty() ? star : foreseen, share, dt, soil_dt)) return false;
     for (std::size_t i = 0; i < n; ++i) {
       const double end = touches_ ? star[i] + 0.5 * dt * dt * A_F_[i] : star[i];
       move[i] = end - result_.du[i];

@@ -74,6 +74,7 @@ class ExplicitMotion {
   };
   void respond(std::span<const double> f, std::vector<double>& A) const;
   void set_acceleration(Forces& forces) const;
+  void find_lasting();
   bool add_contact(std::span<const double> u, double share, double dt, double soil_dt);
   const StressParts<dim>& with_path();
   void begin_path(int count);
@@ -92,9 +93,10 @@ class ExplicitMotion {
   std::vector<double> v_start_;
   Forces start_;
   bool may_touch_ = false;
-  bool touches_ = false;         // in the current substep, on any rank
-  std::vector<double> F_, A_F_;  // of the contacts
-  std::vector<double> raw_;      // impulse of all forces but those of walls
+  bool touches_ = false;           // in the current substep, on any rank
+  std::vector<double> F_, A_F_;    // of the contacts
+  std::vector<double> A_lasting_;  // of their force that lasts; empty where none does
+  std::vector<double> raw_;        // impulse of all forces but those of walls
   Result result_;
 };
 

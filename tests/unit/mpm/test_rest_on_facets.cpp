@@ -36,6 +36,14 @@ Json in_a_corner(const std::string& basis, const std::string& mode) {
   return json;
 }
 
+/// The same in explicit steps.
+Json in_explicit_steps(Json json) {
+  json["time_integration"] = {{"scheme", "explicit"}};
+  json.erase("newton");
+  json.erase("linear_solver");
+  return json;
+}
+
 /// Of two faces that are turned against each other by an angle.
 std::vector<mpm::RestingPlace<2>> two_places(double angle, double first, double second) {
   std::vector<mpm::RestingPlace<2>> places(2);
@@ -86,8 +94,9 @@ TEST(RestOnFacets, faces_that_are_nearly_parallel_are_one) {
 }
 
 TEST(RestOnFacets, ranks_together_and_alone) {
-  for (const std::string basis : {"linear", "gimp", "bspline"}) {
-    const Json json = in_a_corner(basis, "contact");
+  for (const std::string basis : {"linear", "gimp", "bspline", "explicit"}) {
+    const Json json = basis == "explicit" ? in_explicit_steps(in_a_corner("gimp", "contact"))
+                                          : in_a_corner(basis, "contact");
     const auto together = make_mpm(json), alone = make_mpm(json, MPI_COMM_SELF);
     for (int n = 0; n <= 10; ++n) {
       if (n > 0) {
@@ -104,17 +113,20 @@ TEST(RestOnFacets, ranks_together_and_alone) {
 
 /// A run that goes on from a saved state does not begin at rest again.
 TEST(RestOnFacets, a_restart_goes_on) {
-  Json json = in_a_corner("gimp", "contact");
-  json["rigid_walls"][0]["motion"] = {{"velocity", {0.05, 0}}};
-  json["linear_solver"] = {{"method", "gmres"}};
-  const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
-             second = mpm_solver<2>(json);
-  run_steps(*straight, 0.002, 10);
-  run_steps(*first, 0.002, 4);
-  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
-  run_steps(*second, 0.002, 6, 5);
-  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
-  EXPECT_EQ(second->probes(), straight->probes());
+  for (const bool explicit_steps : {false, true}) {
+    Json json = in_a_corner("gimp", "contact");
+    json["rigid_walls"][0]["motion"] = {{"velocity", {0.05, 0}}};
+    json["linear_solver"] = {{"method", "gmres"}};
+    if (explicit_steps) json = in_explicit_steps(json);
+    const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+               second = mpm_solver<2>(json);
+    run_steps(*straight, 0.002, 10);
+    run_steps(*first, 0.002, 4);
+    load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+    run_steps(*second, 0.002, 6, 5);
+    EXPECT_TRUE(same_bits<2>(second->points(), straight->points())) << explicit_steps;
+    EXPECT_EQ(second->probes(), straight->probes()) << explicit_steps;
+  }
 }
 
 /// The same with a surface for the wall and two for the floor, which are one contact. The seam
