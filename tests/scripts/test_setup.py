@@ -28,6 +28,26 @@ class Setup(ScriptCase):
         self.assertEqual(self.sourced("missing_of b c a", "a", "x"), "b\nc\n")
         self.assertEqual(self.sourced("missing_of b a", "a", "b"), "")
 
+    def test_a_choice_is_missing_when_none_of_its_packages_is_installed(self) -> None:
+        self.assertEqual(self.sourced("missing_choices 'a|b' 'c|d' e", "b", "x"), "c|d\ne\n")
+        self.assertEqual(self.sourced("missing_choices 'a|b' c", "a", "c"), "")
+
+    def test_of_a_choice_the_first_that_the_release_has(self) -> None:
+        known = "is_available() { [[ $1 == b || $1 == d ]]; }; "
+        self.assertEqual(self.sourced(known + "chosen_of 'a|b|d' e 'f|g'"), "b\ne\nf\n")
+        self.assertEqual(self.sourced(known + "available_of a b"), "b\n")
+
+    def test_what_the_release_lacks_is_no_error(self) -> None:
+        every = ("is_available() { [[ $1 != calculix-ccx ]]; }; require_writable() { :; }; mkdir() { :; }; "
+                 "quietly() { printf '%s ' \"${@: -2}\"; }; ")
+        required = "missing_choices() { :; }; "
+        self.assertEqual(self.sourced(every + required + "install_packages"), "")  # nothing to do, nothing to say
+        said = self.sourced(every + "missing_choices() { echo 'a|b'; }; sudo() { :; }; install_packages")
+        self.assertIn("has no package calculix-ccx, which runs structures of CalculiX", said)
+        self.assertIn("Installing 1 packages and what they need: a\n", said)
+        self.assertEqual(self.sourced("say_not_run '  Test #1: participant.calculix'", "chromium"),
+                         "not run: participant.calculix; it needs the package calculix-ccx, which some releases lack\n")
+
     def test_tests_that_were_not_run(self) -> None:
         say = f"say_not_run '{LISTED}'"
         self.assertEqual(self.sourced(say, "chromium", "libdeal.ii-dev"), "")
@@ -52,6 +72,16 @@ class Setup(ScriptCase):
             folder, name = test.split(".")
             lists = (ROOT / "tests" / folder / "CMakeLists.txt").read_text()
             self.assertIn(f"{test} PROPERTIES SKIP_RETURN_CODE 77", lists)
+            self.assertIn("sys.exit(77)", (ROOT / "tests" / folder / f"test_{name}.py").read_text())
+
+    def test_tests_of_lacking_packages_exist_and_say_when_they_are_not_run(self) -> None:
+        named = re.search(r"tests_of_lacking=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]
+        tests = [test for group in re.findall(r'\]="([^"]+)"', named) for test in group.split()]
+        self.assertGreater(len(tests), 1)
+        for test in tests:
+            folder, name = test.split(".")
+            self.assertIn(f"{test} PROPERTIES SKIP_RETURN_CODE 77",
+                          (ROOT / "tests" / folder / "CMakeLists.txt").read_text())
             self.assertIn("sys.exit(77)", (ROOT / "tests" / folder / f"test_{name}.py").read_text())
 
     def test_named_tests_exist_and_say_when_they_are_not_run(self) -> None:
