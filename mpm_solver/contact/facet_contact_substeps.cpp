@@ -7,6 +7,10 @@
 
 namespace gabion::mpm {
 
+namespace {
+constexpr double rounding = 1e-9;  // share of a radius: less is no depth that a touch began with
+}
+
 template <int dim>
 void FacetContact<dim>::add_lasting_forces(std::span<double> f) const {
   for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
@@ -19,7 +23,7 @@ void FacetContact<dim>::add_lasting_forces(std::span<double> f) const {
 template <int dim>
 Vector<dim> FacetContact<dim>::lasting_force(const Touch& touch) const {
   Vector<dim> before = Vector<dim>::Zero();
-  if (touch.begun == 0) return before;
+  if (touch.begun <= rounding * touch.radius) return before;  // the slip's part along n
   if (!has_substeps_) return touch.force;
   const Memory* memory =
       remembered(candidates_[touch.candidate], touch.feature.normal, touch.owner);
