@@ -60,7 +60,8 @@ bool is_of_checkpoint(const std::string& name) {
 bool is_of_script(const std::string& folder, const std::string& name) {
   static const Names pictures =
       names({R"((probes|residuals|iterations|energies|forces|wall_forces|moments|removed)\.png)",
-             R"((gauges|column|compare|contact_.+)\.png)", R"((scene|space)\.(png|gif))"});
+             R"((gauges|column|compare|contact_.+)\.png)", R"((scene|space)\.(png|gif))",
+             R"(envelope\.csv)"});
   static const Names rasters =
       names({R"((depth|opened|max_depth|max_speed)\.asc)", R"(deposit\.(csv|png))"});
   static const Names maps =

@@ -155,7 +155,7 @@ class Soil(CheckCase):
         other["mesh"]["box"].update(low=[0.27, 0], high=[0.35, 0.06])
         files["mpm"]["bodies"].append(other)
         self.warned(files, "mpm.json: at /interfaces/0/surface", 'soil on both sides of "wall"', "0.01 m thick",
-                    "0.5 cells of 0.02 m", "advised: cells smaller")
+                    "0.5 cells of 0.02 m", "advised: cells of at most half the thickness")
 
     def test_soil_inside_the_structure(self) -> None:
         files = meeting()
