@@ -44,12 +44,16 @@ class Slope:
             raise TerrainError(f"{where}: found a part where the slope has no data, at ({x:.9g}, {y:.9g}) m from the south-west "
                                "corner of the area, allowed: places with data")
 
-    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """nan where a node that counts is unknown."""
+    def _in_cell(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Column and row of the cell that has a place, and the shares of a cell beyond its south-west corner."""
         rows, columns = self.z.shape
         s, t = np.asarray(x) / self.spacing, np.asarray(y) / self.spacing
         i, j = np.clip(np.floor(s), 0, columns - 2).astype(int), np.clip(np.floor(t), 0, rows - 2).astype(int)
-        a, b = s - i, t - j
+        return i, j, s - i, t - j
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """nan where a node that counts is unknown."""
+        i, j, a, b = self._in_cell(x, y)
         z = self.z
         parts = (((1 - a) * (1 - b), z[j, i]), (a * (1 - b), z[j, i + 1]), ((1 - a) * b, z[j + 1, i]), (a * b, z[j + 1, i + 1]))
         first, *rest = (np.where(weight == 0, 0, weight * value) for weight, value in parts)
@@ -57,10 +61,7 @@ class Slope:
 
     def stretch(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Area of the surface over that in the plan: upright depth over that across the slope."""
-        rows, columns = self.z.shape
-        s, t = np.asarray(x) / self.spacing, np.asarray(y) / self.spacing
-        i, j = np.clip(np.floor(s), 0, columns - 2).astype(int), np.clip(np.floor(t), 0, rows - 2).astype(int)
-        a, b = s - i, t - j
+        i, j, a, b = self._in_cell(x, y)
         z = self.z
         east = (1 - b) * (z[j, i + 1] - z[j, i]) + b * (z[j + 1, i + 1] - z[j + 1, i])
         north = (1 - a) * (z[j + 1, i] - z[j, i]) + a * (z[j + 1, i + 1] - z[j, i + 1])
