@@ -125,6 +125,16 @@ class Soil(CheckCase):
             files["mpm"]["bodies"][0]["material"][key] = value
             self.warned(files, f"mpm.json: at /bodies/0/material/{key}: found {value}", word)
 
+    def test_mud_in_other_units(self) -> None:
+        for key, value, words in (("yield_stress", 0.02, ("next to none", "in kPa it would be 20 Pa")),
+                                  ("yield_stress", 2e5, ("more than any mud has",)),
+                                  ("consistency", 2e7, ("thicker than any mud",))):
+            files = meeting()
+            mud = {"law": "herschel_bulkley", "density": 1800, "young_modulus": 1e6, "poisson_ratio": 0.45,
+                   "yield_stress": 100, "consistency": 20}
+            files["mpm"]["bodies"][0]["material"] = mud | {key: value}
+            self.warned(files, f"mpm.json: at /bodies/0/material/{key}: found {value}", *words)
+
     def test_initial_stress_of_a_body_that_is_held_nowhere(self) -> None:
         files = meeting()
         files["mpm"]["bodies"][0].update(velocity=[0, 0], initial_stress={"k0": 0.7, "surface": 0.12})
