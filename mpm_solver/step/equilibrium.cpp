@@ -41,7 +41,8 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
                  .weights = parts.weights,
                  .nodes = parts.nodes,
                  .trial = parts.trial,
-                 .context = &context_},
+                 .context = &context_,
+                 .held_normal = parts.walls.held_normal()},
                 parts.cell_size, parts.same_strain, parts.average_volumes, parts.repeats),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;

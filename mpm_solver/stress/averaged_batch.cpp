@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/stress/averaged_batch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/mechanics/materials/lane_tensors.hpp"
@@ -9,10 +10,10 @@ namespace gabion::mpm {
 
 namespace {
 
-// (1 + x)^(1/dim) - 1 to rounding for every size of x.
-template <int dim>
+// (1 + x)^(1/axes) - 1 to rounding for every size of x.
+template <int axes>
 Lanes root_minus_one(const Lanes& x) {
-  if constexpr (dim == 2) {
+  if constexpr (axes == 2) {
     return x / (1 + sqrt(1 + x));
   } else {
     const Lanes root = each([](double y) { return std::cbrt(y); }, 1 + x);
@@ -29,8 +30,41 @@ Lanes dot(const Lanes* a, const Lanes* b) {
 
 }  // namespace
 
+// x <- M x, of the first index.
 template <int dim>
-void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V) {
+void AveragedBatch<dim>::keep_in_plane(Lanes* x) const {
+  const Vector<dim>& normal = *normal_;
+  for (int J = 0; J < dim; ++J) {
+    Lanes along = normal[0] * x[J];
+    for (int a = 1; a < dim; ++a) along += normal[a] * x[a * dim + J];
+    for (int a = 0; a < dim; ++a) x[a * dim + J] -= normal[a] * along;
+  }
+}
+
+// x <- (1 + (s - 1) M) x, of the first index.
+template <int dim>
+void AveragedBatch<dim>::stretch_in_plane(Lanes* x) const {
+  Lanes in_plane[n];
+  std::copy_n(x, n, in_plane);
+  keep_in_plane(in_plane);
+  for (int k = 0; k < n; ++k) x[k] += stretch_ * in_plane[k];
+}
+
+// The same of both spatial indices of the tangent.
+template <int dim>
+void AveragedBatch<dim>::stretch_in_plane(PointBatch<dim>& batch) const {
+  Lanes column[n];
+  for (int bL = 0; bL < n; ++bL) {
+    for (int aJ = 0; aJ < n; ++aJ) column[aJ] = batch.A[aJ * n + bL];
+    stretch_in_plane(column);
+    for (int aJ = 0; aJ < n; ++aJ) batch.A[aJ * n + bL] = column[aJ];
+  }
+  for (int aJ = 0; aJ < n; ++aJ) stretch_in_plane(&batch.A[aJ * n]);
+}
+
+template <int dim>
+void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V, const Vector<dim>* held_normal) {
+  normal_ = dim == 3 ? held_normal : nullptr;
   for (int k = 0; k < n; ++k) F_[k] = k % (dim + 1) == 0 ? 1 + H[k] : H[k];
   J_change_ = determinant_minus_one<dim>(H);
   V_ = V;
@@ -39,23 +73,42 @@ void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V) {
 
 template <int dim>
 void AveragedBatch<dim>::average(const Lanes& mean_change, Lanes* H_bar) {
-  stretch_ = root_minus_one<dim>((mean_change - J_change_) / (1 + J_change_));
+  const Lanes J_ratio_change = (mean_change - J_change_) / (1 + J_change_);
+  if (normal_) {
+    stretch_ = root_minus_one<2>(J_ratio_change);
+    Lanes in_plane[n];
+    std::copy_n(F_, n, in_plane);
+    keep_in_plane(in_plane);
+    for (int k = 0; k < n; ++k) H_bar[k] += stretch_ * in_plane[k];
+    return;
+  }
+  stretch_ = root_minus_one<dim>(J_ratio_change);
   for (int k = 0; k < n; ++k) H_bar[k] += stretch_ * F_[k];
 }
 
 template <int dim>
 void AveragedBatch<dim>::set_stress(const Lanes& V0, PointBatch<dim>& batch, bool with_A) {
-  const Lanes s = 1 + stretch_, V0_s = V0 * s;
+  const Lanes s = 1 + stretch_, V0_s = normal_ ? V0 : V0 * s;
+  const double share = normal_ ? 0.5 : 1.0 / dim;
   Lanes mean_F[n];
-  for (int k = 0; k < n; ++k) mean_F[k] = F_[k] * (1.0 / dim);
+  for (int k = 0; k < n; ++k) mean_F[k] = F_[k] * share;
   invert_transposed<dim>(F_, J(), G_);
   for (int k = 0; k < n; ++k) Q_[k] = V0_s * batch.P[k];
+  if (normal_) {
+    keep_in_plane(mean_F);
+    stretch_in_plane(Q_);
+  }
   p_ = dot<n>(Q_, mean_F);
   if (!with_A) return;
-  // The variation of H_bar is s dH + F_bar (d ln J_bar - G : dH) / dim.
-  const Lanes factor = V0_s * s;
+  // The variation of H_bar is (1 + (s - 1) M) dH + s M F (d ln J_bar - G : dH) / d.
+  const Lanes factor = normal_ ? V0 : V0_s * s;
   Lanes y[n], z[n];
-  for (int k = 0; k < n; ++k) y[k] = z[k] = Q_[k] * (1.0 / dim);
+  for (int k = 0; k < n; ++k) y[k] = Q_[k] * share;
+  if (normal_) {
+    keep_in_plane(y);
+    stretch_in_plane(batch);
+  }
+  std::copy_n(y, n, z);
   for (int aJ = 0; aJ < n; ++aJ) {
     for (int bL = 0; bL < n; ++bL) {
       Lanes& A = batch.A[aJ * n + bL];

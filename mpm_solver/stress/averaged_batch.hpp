@@ -28,6 +28,14 @@ struct GroupSums {
 ///
 ///     f = sum_p [Q_p + (v_p sum_q p_q - p_p) G_p] grad N
 ///
+/// Soil whose nodes are all held along one direction n deforms in a plane. There F-bar averages the
+/// volume change in that plane alone, as in two dimensions: with M = 1 - n (x) n and d = tr M = 2,
+///
+///     1 + H_bar_p = (1 + (s_p - 1) M) (1 + H_p) ,  s_p = (J_bar / J_p)^(1/d) ,
+///     Q_p = V0_p (1 + (s_p - 1) M) P_p ,  p_p = Q_p : M F_p / d .
+///
+/// Otherwise M = 1 and d = dim.
+///
 /// Evaluated in three passes over the points; tensors stand row by row.
 /// @see de Souza Neto, Peric, Dutko, Owen (1996) for F-bar; Moran, Ortiz, Shih (1990) for the
 ///      variational form; Coombs, Charlton, Cortis, Augarde (2018) for material points
@@ -39,8 +47,10 @@ class AveragedBatch {
   enum Field { force, volume, left, right, num_fields };
   using Terms = PointTerms<dim, num_fields>;
 
-  /// First pass. @param V  volumes at the start of the step [m^3]
-  void start(const Lanes* H, const Lanes& V);
+  /// First pass.
+  /// @param V            volumes at the start of the step [m^3]
+  /// @param held_normal  n, in three dimensions; null: none. It outlives the batch.
+  void start(const Lanes* H, const Lanes& V, const Vector<dim>* held_normal = nullptr);
   Lanes J() const { return 1 + J_change_; }
   double V(int lane) const { return V_[lane]; }
   double V_change(int lane) const { return V_change_[lane]; }
@@ -61,16 +71,20 @@ class AveragedBatch {
   void share_all(const Lanes& share, const Lanes& mean_pressure, Lanes* A, Terms* to) const;
 
  private:
+  void keep_in_plane(Lanes* x) const;
+  void stretch_in_plane(Lanes* x) const;
+  void stretch_in_plane(PointBatch<dim>& batch) const;
   void find_forces(const Lanes& mean_pressure, Lanes* P) const;
   void add_to_tangent(const Lanes& mean_pressure, Lanes* A) const;
 
+  const Vector<dim>* normal_ = nullptr;
   Lanes F_[n];
   Lanes J_change_;  // J - 1
   Lanes V_, V_change_;
   Lanes stretch_;   // s - 1
   Lanes G_[n];      // F^-T
   Lanes Q_[n];      // V0 s P_bar
-  Lanes p_;         // Q : F / dim
+  Lanes p_;         // Q : M F / d
   Lanes q_;         // derivative of p by ln J_bar
   Lanes left_[n];   // of Q - p G by ln J_bar
   Lanes right_[n];  // of p by H

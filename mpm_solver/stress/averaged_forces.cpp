@@ -38,7 +38,7 @@ void AveragedForces<dim>::set_volumes() {
   for (std::size_t b = 0; b < averages_.size(); ++b) {
     const Lanes V = stresses_.of_points(
         b, [&](std::int32_t e) { return weights.volume[e] * points.J[weights.point[e]]; });
-    averages_[b].start(stresses_.batches()[b].H, V);
+    averages_[b].start(stresses_.batches()[b].H, V, parts_.held_normal);
     for (int l = 0; l < stresses_.points_of(b); ++l) {
       GroupSums& sums = sums_[group_of_[b * batch_size + l]];
       sums.before += averages_[b].V(l);

@@ -23,6 +23,8 @@ inline constexpr double min_J_ratio = 0.1;
 /// begins there, and replaces it by what it found. Without (null or empty), all begin at
 /// points.history.
 ///
+/// `held_normal` is WallConditions::held_normal, null where there is none.
+///
 /// `context` is that of the step or substep under way; needed by bodies of a ContextualLaw only.
 template <int dim>
 struct StressParts {
@@ -33,6 +35,7 @@ struct StressParts {
   TrialPoints<dim>& trial;
   std::vector<MaterialState<dim>>* path = nullptr;
   const PointContext* context = nullptr;
+  const Vector<dim>* held_normal = nullptr;
 
   bool has_path() const { return path && !path->empty(); }
 };

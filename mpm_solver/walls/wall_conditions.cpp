@@ -60,6 +60,20 @@ WallConditions<dim>::WallConditions(const BackgroundGrid<dim>& grid,
   add_fixed_walls(grid);
   add_slip_walls(grid);
   for (Node& node : nodes_) set_shares(node);
+  find_held_normal(grid.num_nodes_total());
+}
+
+template <int dim>
+void WallConditions<dim>::find_held_normal(std::int32_t num_grid_nodes) {
+  if (nodes_.size() != static_cast<std::size_t>(num_grid_nodes)) return;
+  const auto single = std::find_if(nodes_.begin(), nodes_.end(),
+                                   [](const Node& node) { return node.num_holds == 1; });
+  if (single == nodes_.end()) return;
+  const Vector<dim>& n = single->holds[0].n;
+  static const double flush = std::sin(radians(flush_angle));
+  const bool everywhere = std::all_of(
+      nodes_.begin(), nodes_.end(), [&](const Node& node) { return (node.Q * n).norm() <= flush; });
+  if (everywhere) held_normal_ = n;
 }
 
 template <int dim>

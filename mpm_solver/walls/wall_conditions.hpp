@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,6 +46,11 @@ class WallConditions {
 
   /// Whether a wall holds this node of the grid.
   bool holds(std::int32_t grid_node) const;
+
+  /// The one direction along which the walls hold every node of the grid, within flush_angle: soil
+  /// then deforms in the plane across it, as in a slice of one cell between slip walls. Null if
+  /// there is none, or a second one, as in a column of one cell.
+  const Vector<dim>* held_normal() const { return held_normal_ ? &*held_normal_ : nullptr; }
 
   /// Take the motion of the walls from time to time + dt.
   void begin_step(double time, double dt);
@@ -109,11 +115,13 @@ class WallConditions {
   void move_nodes();
   void require_agreement(const Repetition& repetition, double tolerance, double time) const;
   static void set_shares(Node& node);
+  void find_held_normal(std::int32_t num_grid_nodes);
 
   std::vector<WallSettings> walls_;
   std::vector<Node> nodes_;  // ascending grid nodes
   std::vector<Repetition> repetitions_;
   std::vector<Corner> corners_;
+  std::optional<Vector<dim>> held_normal_;  // unit
   bool move_ = false;
   std::vector<Vector<dim>> steps_;     // displacement of each wall in the step
   std::vector<std::size_t> selected_;  // active ones of nodes_

@@ -19,13 +19,16 @@ using Eigen::VectorXd;
 template <int dim>
 struct AveragedSoil {
   SoilPatch<dim> soil;
+  const Vector<dim>* held_normal = nullptr;
   mpm::TrialPoints<dim> trial;
   std::optional<mpm::InternalForces<dim>> internal;
   BlockMatrix<dim> K;
 
   /// @param squeeze  elastic b = 1 - squeeze at the start, give or take a fifth
-  AveragedSoil(CellType type, const MaterialLaw<dim>& law, double squeeze, bool averaged = true)
-      : soil(type, 2) {
+  /// @param normal  see StressParts::held_normal
+  AveragedSoil(CellType type, const MaterialLaw<dim>& law, double squeeze, bool averaged = true,
+               const Vector<dim>* normal = nullptr)
+      : soil(type, 2), held_normal(normal) {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
     prepare(type, law, squeeze, averaged);
   }
@@ -53,7 +56,8 @@ struct AveragedSoil {
                                       .points = points,
                                       .weights = soil.weights,
                                       .nodes = soil.nodes,
-                                      .trial = trial};
+                                      .trial = trial,
+                                      .held_normal = held_normal};
     internal.emplace(parts, 0.5, 0, averaged);
     std::vector<std::int32_t> offsets = {0}, nodes;
     for (const auto& group : soil.weights.groups) {
@@ -144,6 +148,25 @@ TEST(AveragedForces, elastic_forces_are_the_derivative_of_the_energy) {
     const VectorXd f = averaged.forces(du);
     EXPECT_LT((slope.row(0).transpose() - f).norm(), 1e-9 * f.norm()) << name(type);
   });
+}
+
+/// The same of soil that walls hold in a plane, along an axis or not.
+TEST(AveragedForces, forces_and_tangent_in_a_held_plane_are_exact) {
+  for (const Vector<3>& axis : {Vector<3>(0, 0, 1), Vector<3>(0.36, -0.48, 0.8)}) {
+    for (const CellType type : {CellType::hex8, CellType::tet4}) {
+      AveragedSoil<3> elastic(type, HenckyElastic<3>{4e3, 3e3}, 0.05, true, &axis);
+      const VectorXd du = elastic.random_du(0.03);
+      EXPECT_LT(elastic.tangent_error_at(du, 1e-4), 1e-8) << name(type);
+      const Eigen::MatrixXd K = elastic.matrix(du);
+      EXPECT_LT((K - K.transpose()).norm(), 1e-13 * K.norm()) << name(type);
+      const Eigen::MatrixXd slope = difference_tangent(
+          [&](const VectorXd& x) { return VectorXd::Constant(1, elastic.energy(x)); }, du, 1e-4);
+      const VectorXd f = elastic.forces(du);
+      EXPECT_LT((slope.row(0).transpose() - f).norm(), 1e-9 * f.norm()) << name(type);
+      AveragedSoil<3> sand(type, MohrCoulomb<3>{4e3, 3e3, 0.3, 0.1, 0.0}, 0.05, true, &axis);
+      EXPECT_LT(sand.tangent_error_at(0.5 * du, 1e-6), 1e-7) << name(type);
+    }
+  }
 }
 
 /// Soil that ends amid the grid: each of the middle cells, 2^dim, has all its halves as groups.

@@ -211,6 +211,33 @@ TEST(WallPieces, a_fold_in_space) {
 }
 
 /// Between cells the facets of a group may look to either side.
+/// A slice of one cell along z, turned about x, with both its sides and `others` held.
+Held<3> held_slice(double turn, std::vector<int> count, const std::vector<std::string>& others) {
+  Mesh<3> mesh = box_mesh<3>({0, 0, 0}, {2, 2, 1}, {count[0], count[1], count[2]}, CellType::hex8);
+  const Eigen::AngleAxisd rotation(turn * degree, Vector<3>::UnitX());
+  for (auto& x : mesh.nodes) x = rotation * x;
+  // bottom and top are the sides along z, the last axis of space
+  std::vector<mpm::WallSettings> walls = {slip("bottom"), slip("top")};
+  for (const std::string& group : others) walls.push_back(slip(group));
+  return {mesh, walls};
+}
+
+TEST(WallPieces, a_slice_between_slip_walls_is_held_in_a_plane) {
+  for (const double turn : {0.0, 0.01, 30.0}) {
+    for (const auto& others :
+         std::vector<std::vector<std::string>>{{}, {"left"}, {"left", "front"}}) {
+      const Held<3> slice = held_slice(turn, {3, 2, 1}, others);
+      const Vector<3>* n = slice.walls.held_normal();
+      ASSERT_NE(n, nullptr) << turn;
+      const Vector<3> z(0, -std::sin(turn * degree), std::cos(turn * degree));
+      EXPECT_LT(n->cross(z).norm(), 1e-12);
+    }
+    EXPECT_EQ(held_slice(turn, {3, 2, 2}, {}).walls.held_normal(), nullptr);  // two cells
+    // a column of one cell is held along two directions, neither of which is the one
+    EXPECT_EQ(held_slice(turn, {1, 3, 1}, {"left", "right"}).walls.held_normal(), nullptr);
+  }
+}
+
 TEST(WallPieces, facets_between_cells_in_any_sense) {
   for (const CellType type : {CellType::hex8, CellType::tet4}) {
     Mesh<3> mesh = over<3>([](const Vector<3>& x) { return 0.2 * x[0] * x[0]; }, type, 4);
