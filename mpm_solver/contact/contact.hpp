@@ -36,7 +36,11 @@ struct SoilSurface {
   double step_force_weight = 1;      ///< of NewmarkBossak; quasi-static: 1
   std::span<const char> elastic{};   ///< 1 for bodies that never yield
   std::span<const double> moduli{};  ///< of P waves, of the bodies [Pa]
-  MPI_Comm comm = MPI_COMM_SELF;     ///< of the ranks that share the soil
+  /// Soil takes its weight in the step: it is quasi-static, or gravity grows. New touches are then
+  /// as stiff as the pressures of that weight ask for.
+  bool takes_weight = false;
+  std::span<const double> weights_of{};  ///< pressure under each body by its own weight [Pa]
+  MPI_Comm comm = MPI_COMM_SELF;         ///< of the ranks that share the soil
 };
 
 /// How a contact stands after the last add_forces.

@@ -48,6 +48,7 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode) {
   }
   FacetSettings facets;
   facets.penalty_factor = in.number_or("penalty_factor", facets.penalty_factor);
+  facets.resting_factor = in.number("resting_factor");
   facets.tangential_factor = in.number("tangential_factor");
   return facets;
 }

@@ -8,6 +8,22 @@ namespace gabion::mpm {
 
 namespace {
 
+Key resting_factor_key() {
+  return key::number(
+             "resting_factor", "",
+             "Of touches that begin while soil takes its weight, in quasi-static steps or while a "
+             "`gravity_ramp` runs: the least stiffness at the pressure under the body by its own "
+             "weight, "
+             "times the mean cell size over the P-wave modulus. It holds as long as the touch "
+             "lasts. With "
+             "`penalty_factor` alone stiff soil that spreads as it takes its weight would find "
+             "little "
+             "thrust.")
+      .in(positive())
+      .or_else(12)
+      .when("method", {"facets"});
+}
+
 std::vector<Key> boundary_keys() {
   return {
       key::object("surface", surface_keys(), "Where the boundary points lie."),
@@ -42,6 +58,7 @@ std::vector<Key> boundary_keys() {
           .in(positive())
           .or_computed("10; 0.5 with `boundary_points`")
           .without("penalty"),
+      resting_factor_key(),
       key::number(
           "friction", "",
           "Coefficient of friction; none: it sticks, `facets` with a coefficient of 100, so "

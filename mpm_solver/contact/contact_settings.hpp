@@ -38,7 +38,10 @@ struct BoundaryPointSettings {
 /// Of the method `facets`, over the P-wave modulus M of the body that touches, h the mean cell
 /// size.
 struct FacetSettings {
-  double penalty_factor = 10;       ///< traction at a depth d: penalty_factor M (d / h)^2
+  double penalty_factor = 10;  ///< traction at a depth d: penalty_factor M (d / h)^2
+  /// Of touches that begin while soil takes its weight: the stiffness at the pressure p_0 under the
+  /// body is at least resting_factor M / h, its traction resting_factor^2 M^2 / (4 p_0) (d / h)^2.
+  double resting_factor = 12;
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };
 

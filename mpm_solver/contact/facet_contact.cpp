@@ -35,9 +35,14 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
   const Member& member = members_[owner];
   const FacetSettings& method = member.method;
   const double M = c.modulus, h = cell_size_;
+  double factor = method.penalty_factor;
+  if (c.took_weight) {
+    const double k = method.resting_factor;
+    factor = std::max(factor, k * k * M / (4 * c.weight));
+  }
   return {.mode = member.mode,
           .friction = member.friction,
-          .penalty = method.penalty_factor * M / (h * h),
+          .penalty = factor * M / (h * h),
           .tangential_penalty = part * method.tangential_factor * M / h,
           .normal = NormalLaw::quadratic};
 }

@@ -105,6 +105,7 @@ class FacetContact final : public Contact<dim> {
     Vector<dim> slip = Vector<dim>::Zero();  // elastic; along -normal what the touch began with [m]
     double part = 1;                         // of the tangential stiffness, in which the slip is
     Vector<dim> lasting = Vector<dim>::Zero();  // part of the force that has lasted [N]
+    bool took_weight = false;                   // as Candidate
 
     double begun() const { return -normal.dot(slip); }
     Vector<dim> tangential() const { return slip + begun() * normal; }
@@ -118,8 +119,10 @@ class FacetContact final : public Contact<dim> {
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
     double volume = 0;
     double modulus = 0;
-    bool deforms = false;  // the ball is strained like the soil; else it is rigid
-    double distance = 0;   // to the nearest facet at the start, 0 behind one
+    bool took_weight = false;  // it began to touch in a step in which soil took its weight
+    double weight = 0;         // SoilSurface::weights_of, of its body [Pa]
+    bool deforms = false;      // the ball is strained like the soil; else it is rigid
+    double distance = 0;       // to the nearest facet at the start, 0 behind one
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
     std::int32_t first_near = 0, num_near = 0;

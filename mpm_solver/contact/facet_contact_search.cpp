@@ -133,6 +133,8 @@ void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil,
       c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
       c.shape = shape_of(c.id, soil.points.depth[p]);
       if (memory != memory_.end()) c.memory = &memory->second;
+      c.took_weight = c.memory ? c.memory->front().took_weight : soil.takes_weight;
+      if (c.took_weight) c.weight = soil.weights_of[group.body];
       if (soil.grid.basis != Basis::linear) {
         c.surface.emplace(soil.grid, soil.points, p);
       }

@@ -135,7 +135,8 @@ typename FacetContact<dim>::Memory FacetContact<dim>::memory_of(const Touch& tou
                 .force = touch.force,
                 .slip = -touch.begun * n,
                 .part = touch.part,
-                .lasting = lasting_force(touch)};
+                .lasting = lasting_force(touch),
+                .took_weight = candidates_[touch.candidate].took_weight};
   const ContactLaw law = law_of(candidates_[touch.candidate], touch.owner, touch.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
@@ -250,6 +251,7 @@ void FacetContact<dim>::give(std::span<const std::int64_t> ids, Packet& packet) 
     for (const Memory& memory : touches) {
       packet.put(memory.owner);
       packet.put(memory.part);
+      packet.put(memory.took_weight);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip, memory.lasting}) {
         packet.put(v);
       }
@@ -269,6 +271,7 @@ void FacetContact<dim>::take(Packet& packet) {
     for (Memory& memory : touches) {
       memory.owner = packet.take<std::int32_t>();
       memory.part = packet.take<double>();
+      memory.took_weight = packet.take<bool>();
       for (Vector<dim>* v : {&memory.normal, &memory.force, &memory.slip, &memory.lasting}) {
         *v = packet.take<Vector<dim>>();
       }
@@ -282,13 +285,14 @@ void FacetContact<dim>::take(Packet& packet) {
 
 template <int dim>
 void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& prefix) {
-  std::vector<std::int64_t> ids, owners;
+  std::vector<std::int64_t> ids, owners, took_weight;
   std::vector<double> values, parts;
   for (const auto& [id, touches] : memory_) {
     for (const Memory& memory : touches) {
       ids.push_back(id);
       owners.push_back(memory.owner);
       parts.push_back(memory.part);
+      took_weight.push_back(memory.took_weight ? 1 : 0);
       for (const Vector<dim>& v : {memory.normal, memory.force, memory.slip, memory.lasting}) {
         values.insert(values.end(), v.begin(), v.end());
       }
@@ -297,6 +301,7 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
   visitor.list(prefix + "touch_ids", ids);
   visitor.list(prefix + "touch_owners", owners);
   visitor.list(prefix + "touch_parts", parts);
+  visitor.list(prefix + "touch_took_weight", took_weight);
   visitor.list(prefix + "touches", values);
   require_values_each(prefix + "touch_owners", owners.size(), ids.size(), 1);
   for (const std::int64_t owner : owners) {
@@ -305,6 +310,7 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
             members_.size() - 1);
   }
   require_values_each(prefix + "touch_parts", parts.size(), ids.size(), 1);
+  require_values_each(prefix + "touch_took_weight", took_weight.size(), ids.size(), 1);
   require_values_each(prefix + "touches", values.size(), ids.size(), 4 * dim);
   memory_.clear();
   const auto vector = [&](std::size_t k) {
@@ -316,7 +322,8 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
                                .force = vector(4 * k + 1),
                                .slip = vector(4 * k + 2),
                                .part = parts[k],
-                               .lasting = vector(4 * k + 3)});
+                               .lasting = vector(4 * k + 3),
+                               .took_weight = took_weight[k] != 0});
   }
 }
 

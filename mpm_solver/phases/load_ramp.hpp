@@ -23,6 +23,8 @@ struct LoadRamp {
     const double s = std::clamp((time - start) / duration, 0.0, 1.0);
     return from + (to - from) * (smooth ? s * s * (3 - 2 * s) : s);
   }
+  /// Whether it changes right after this time.
+  bool runs(double time) const { return from != to && time >= start && time < start + duration; }
 };
 
 }  // namespace gabion::mpm

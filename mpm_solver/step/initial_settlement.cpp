@@ -54,6 +54,7 @@ void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
   map_soil(1);
   if (state_.surfaces.contacts().empty()) return;
+  takes_weight_ = false;  // soil at rest has the depths of its stress
   state_.surfaces.begin_step(surface_of_soil(1));
   state_.surfaces.receive({});
   state_.surfaces.move_walls(0);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "mpm_solver/checks/soil_at_rest.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -39,8 +41,10 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     grid.patches = join_cells(grid.stored->mesh, grid.stored->locator);
   }
   grid.splits_border = settings.locking.average_volumes && grid.basis == Basis::bspline;
-  for (const auto& body : settings.bodies) {
-    const auto& material = body.material;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const auto& material = settings.bodies[b].material;
+    const WeightedColumn column = column_of(settings, b);
+    weights.push_back(column.density * column.gravity * column.height);
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);

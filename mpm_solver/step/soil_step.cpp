@@ -84,6 +84,12 @@ void SoilStep<dim>::enter_phase(double time) {
   scheme_ = as_ever ? phase().scheme : starting_scheme;
 }
 
+template <int dim>
+bool SoilStep<dim>::takes_weight(double time) const {
+  if (model_.settings.gravity.isZero(0)) return false;
+  return !phase().dynamic || phase().gravity_ramp.runs(time);
+}
+
 // Everything of a step that does not depend on the interface values.
 template <int dim>
 void SoilStep<dim>::begin(const StepRequest& request) {
@@ -92,6 +98,7 @@ void SoilStep<dim>::begin(const StepRequest& request) {
   require_within(phase(), request.time, request.dt);
   soil_.walls(phase_).begin_step(request.time, request.dt);
   dt_ = request.dt;
+  takes_weight_ = takes_weight(request.time);
   map_soil(request.dt);
   f_body_ = soil_.body_forces(end);
   f_body_start_.clear();
@@ -143,6 +150,8 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
           .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
           .elastic = model_.elastic,
           .moduli = model_.moduli,
+          .takes_weight = takes_weight_,
+          .weights_of = model_.weights,
           .comm = model_.comm};
 }
 

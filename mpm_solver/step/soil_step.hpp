@@ -72,6 +72,7 @@ class SoilStep {
   void begin_explicit(const StepRequest& request);
   void enter_phase(double time);
   void begin_at_rest(const Vector<dim>& gravity);
+  bool takes_weight(double time) const;
   SoilSurface<dim> surface_of_soil(double dt) const;
   void map_soil(double dt);
   void make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity, double dt);
@@ -102,7 +103,8 @@ class SoilStep {
   int first_iterations_ = 0;  // of Newton's method, of the first solution
   std::size_t phase_ = 0;
   bool with_inertia_ = true;
-  bool forces_jump_ = false;  // at the start of the step: no acceleration is known
+  bool takes_weight_ = false;  // SoilSurface::takes_weight
+  bool forces_jump_ = false;   // at the start of the step: no acceleration is known
   NewmarkBossak scheme_;
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks

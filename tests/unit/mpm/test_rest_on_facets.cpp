@@ -44,6 +44,13 @@ Json in_explicit_steps(Json json) {
   return json;
 }
 
+/// The same without stress at the start: gravity grows over three steps.
+Json under_a_ramp(Json json) {
+  json["bodies"][0].erase("initial_stress");
+  json["gravity_ramp"] = {{"duration", 0.006}};
+  return json;
+}
+
 /// Of two faces that are turned against each other by an angle.
 std::vector<mpm::RestingPlace<2>> two_places(double angle, double first, double second) {
   std::vector<mpm::RestingPlace<2>> places(2);
@@ -94,8 +101,9 @@ TEST(RestOnFacets, faces_that_are_nearly_parallel_are_one) {
 }
 
 TEST(RestOnFacets, ranks_together_and_alone) {
-  for (const std::string basis : {"linear", "gimp", "bspline", "explicit"}) {
+  for (const std::string basis : {"linear", "gimp", "bspline", "explicit", "ramp"}) {
     const Json json = basis == "explicit" ? in_explicit_steps(in_a_corner("gimp", "contact"))
+                      : basis == "ramp"   ? under_a_ramp(in_a_corner("gimp", "contact"))
                                           : in_a_corner(basis, "contact");
     const auto together = make_mpm(json), alone = make_mpm(json, MPI_COMM_SELF);
     for (int n = 0; n <= 10; ++n) {
@@ -127,6 +135,23 @@ TEST(RestOnFacets, a_restart_goes_on) {
     EXPECT_TRUE(same_bits<2>(second->points(), straight->points())) << explicit_steps;
     EXPECT_EQ(second->probes(), straight->probes()) << explicit_steps;
   }
+}
+
+/// A touch that began while gravity grew keeps its stiffness after the ramp, also over a restart.
+TEST(RestOnFacets, a_touch_that_took_weight_keeps_its_stiffness) {
+  Json stiff = under_a_ramp(in_a_corner("gimp", "slip")), soft = stiff;
+  stiff["linear_solver"] = {{"method", "gmres"}};
+  soft["rigid_walls"][0]["resting_factor"] = 1e-6;
+  const auto straight = mpm_solver<2>(stiff), first = mpm_solver<2>(stiff),
+             second = mpm_solver<2>(stiff), lax = mpm_solver<2>(soft);
+  run_steps(*straight, 0.002, 10);
+  run_steps(*first, 0.002, 4);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  run_steps(*second, 0.002, 6, 5);
+  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+  EXPECT_EQ(second->probes(), straight->probes());
+  run_steps(*lax, 0.002, 10);
+  EXPECT_GT(std::abs(probe(*straight, "corner.fy")), 1.5 * std::abs(probe(*lax, "corner.fy")));
 }
 
 /// The same with a surface for the wall and two for the floor, which are one contact. The seam
