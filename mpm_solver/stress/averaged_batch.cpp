@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/mechanics/materials/lane_tensors.hpp"
+#include "common/mechanics/simd/lane_tensors.hpp"
 
 namespace gabion::mpm {
 
