@@ -11,7 +11,7 @@
 #include "mpm_solver/step/implicit_step.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
 #include "mpm_solver/step/soil_state.hpp"
-#include "mpm_solver/step/step_sizes.hpp"
+#include "mpm_solver/step_sizes/step_sizes.hpp"
 
 namespace gabion::mpm {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "common/mechanics/petsc/block_ilu.hpp"
-#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 
 namespace gabion {
 
