@@ -16,7 +16,7 @@
 #include "common/settings/scene.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
-#include "fem_solver/supports/time_function.hpp"
+#include "fem_solver/time/time_function.hpp"
 
 namespace gabion::fem {
 

@@ -54,7 +54,14 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
 template <int dim>
 StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
-  const StepReport report = step_.solve(request, received);
+  StepReport report;
+  try {
+    if (request.iteration == 0) step_.begin(request);
+    report = step_.solve(request, received);
+  } catch (const ConvergenceError& error) {
+    step_.note_failure(error, request.dt);
+    throw;
+  }
   sent = state_.surfaces.forces_on_structure();
   return report;
 }

@@ -264,17 +264,13 @@ Participant::Answer Participant::solve_step(const StepRequest& step, InterfaceVa
   return {};
 }
 
-Participant::Answer Participant::accept_step(const StepRequest&, bool solved,
-                                             std::optional<double> output_time) {
+Participant::Answer Participant::accept_step(const StepRequest&, bool solved) {
   const bool was_tried = std::exchange(awaits_verdict_, false);
   if (was_tried && !solved) {
     must_read_ = true;  // accepted as if it had not been asked: the accepted state stays
-  } else {
-    if (was_tried) {
-      accepted_probes_ = probes_;
-      must_write_ = window_complete_ = true;
-    }
-    if (output_time && output_) output_(*output_time);
+  } else if (was_tried) {
+    accepted_probes_ = probes_;
+    must_write_ = window_complete_ = true;
   }
   Message answer = accepted_of(accepted_probes_);
   if (!was_tried) return answer;

@@ -126,8 +126,7 @@ class Participant : private RequestHandler {
   // pending.
   Answer set_force_kinds(const ForceKinds& kinds) override;
   Answer solve_step(const StepRequest& step, InterfaceValues received) override;
-  Answer accept_step(const StepRequest& step, bool solved,
-                     std::optional<double> output_time) override;
+  Answer accept_step(const StepRequest& step, bool solved) override;
   Answer reject_step() override;
   Answer write_output(double time) override;
   Answer save_state(const std::string& file) override;

@@ -32,10 +32,8 @@ class DrivenSolver final : public RequestHandler {
     }
   }
 
-  Answer accept_step(const StepRequest& step, bool solved,
-                     std::optional<double> output_time) override {
+  Answer accept_step(const StepRequest& step, bool solved) override {
     const AcceptReport report = solver_.accept_step(step, solved);
-    if (output_time) solver_.write_output(*output_time);
     Message reply = new_message("accepted");
     put(reply, report);
     return reply;

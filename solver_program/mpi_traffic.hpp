@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 namespace gabion {
 
@@ -18,9 +19,8 @@ struct MpiTraffic {
 };
 MpiTraffic operator-(MpiTraffic a, const MpiTraffic& b);
 
-/// Since the start of the process. Counted by the profiling interface of the MPI standard (4.0,
-/// chapter 15): mpi_traffic.cpp holds functions of MPI under their own names, which call those of
-/// the library by theirs with a P.
-MpiTraffic mpi_traffic();
+/// Since the start of the process. Empty where nobody counts: the library gabion_mpi_counter has to
+/// be loaded before that of MPI (LD_PRELOAD).
+std::optional<MpiTraffic> mpi_traffic();
 
 }  // namespace gabion

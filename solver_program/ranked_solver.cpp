@@ -78,9 +78,9 @@ void RankedSolver::together(const std::function<void()>& work) const {
 }
 
 void RankedSolver::step_together(const std::function<void()>& work) {
-  const MpiTraffic before = mpi_traffic();
+  const auto before = mpi_traffic();
   together(work);
-  traffic_ += mpi_traffic() - before;
+  if (before) traffic_ += *mpi_traffic() - *before;
 }
 
 /// Largest and sum of a number of each rank.
@@ -128,7 +128,7 @@ Json RankedSolver::summary() const {
   together([&] { result = inner_.summary(); });
   result["peak_memory"] = over_ranks(peak_memory());
   result["cpu_seconds"] = over_ranks(cpu_seconds());
-  if (size_ > 1) {
+  if (size_ > 1 && mpi_traffic()) {
     result["mpi"] = {{"messages", over_ranks(traffic_.messages)},
                      {"message_bytes", over_ranks(traffic_.message_bytes)},
                      {"collectives", over_ranks(traffic_.collectives)},

@@ -31,8 +31,8 @@ class RankedSolver final : public Solver {
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override;
-  /// With `peak_memory` [bytes] and `cpu_seconds` of the programs and, on several ranks, what the
-  /// steps made them send, `mpi` (MpiTraffic): `largest_rank`, `all_ranks`.
+  /// With `peak_memory` [bytes] and `cpu_seconds` of the programs and, on several ranks where
+  /// mpi_traffic() is counted, what the steps made them send, `mpi`: `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).
@@ -52,7 +52,7 @@ class RankedSolver final : public Solver {
   MPI_Comm comm_;
   int size_ = 1;
   Solver& inner_;
-  MpiTraffic traffic_;  // of the steps
+  MpiTraffic traffic_;  // of the steps, where it is counted
 };
 
 }  // namespace gabion

@@ -9,13 +9,6 @@
 
 namespace gabion {
 
-/// [m] The longest side of the box around a surface.
-double extent(const InterfaceMesh& mesh);
-
-/// When one surface is 1000 times as large as the other, within 5 %: words that say so and name
-/// the likely cause, millimetres on one side. Else empty.
-std::string unit_hint(const InterfaceMesh& structure, const InterfaceMesh& soil);
-
 /// Tolerances of coupler.json that are below the rounding of positions x = X + u on these surfaces,
 /// 4 eps max|X|.
 /// @param file    coupler.json, for the messages

@@ -9,7 +9,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "coupler/checks/surface_check.hpp"
+#include "coupler/mapping/surface_extent.hpp"
 #include "coupler/state_vectors.hpp"
 
 namespace gabion {

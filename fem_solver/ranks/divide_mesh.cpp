@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/partition.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"

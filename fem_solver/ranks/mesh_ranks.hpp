@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/mechanics/mesh/mesh_part.hpp"
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 namespace gabion::fem {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/base/log.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::fem {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/run/state.hpp"
 #include "mpm_solver/contact/contact_fields.hpp"
 #include "mpm_solver/contact/contact_settings.hpp"

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/sparse_list.hpp"
 

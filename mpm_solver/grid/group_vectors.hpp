@@ -6,7 +6,7 @@
 #include <span>
 #include <type_traits>
 
-#include "common/mechanics/materials/lanes.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 #include "mpm_solver/grid/entry_values.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 

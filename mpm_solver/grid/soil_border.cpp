@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {

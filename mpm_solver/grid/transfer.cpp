@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "common/mechanics/materials/lanes.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 #include "mpm_solver/grid/group_vectors.hpp"
 #include "mpm_solver/points/flat.hpp"
 

@@ -13,6 +13,9 @@
 
 namespace gabion::mpm {
 
+/// What becomes of a material point that leaves the background grid.
+enum class Outside { error, remove };
+
 /// A facet group of the grid through which soil leaves: nothing supports it there, and material
 /// points that pass it are taken out.
 struct OutflowSide {

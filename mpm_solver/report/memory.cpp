@@ -55,7 +55,7 @@ template <int dim>
 void Memory<dim>::look(const SoilState<dim>& state, const SoilStep<dim>& step) {
   const PointWeights<dim>& weights = step.soil().weights();
   const GridNodes<dim>& nodes = step.soil().nodes();
-  const BlockMatrix<dim>& K = step.stiffness();
+  const BlockMatrix<dim>& K = step.implicit_steps().stiffness();
   const std::array<double, names_.size()> bytes = {
       bytes_of(state.points),
       bytes_of(weights),
@@ -63,7 +63,7 @@ void Memory<dim>::look(const SoilState<dim>& state, const SoilStep<dim>& step) {
       bytes_of(nodes),
       bytes_of_stiffness(K, nodes.shared.alone()),
       static_cast<double>(K.pattern_bytes()),
-      step.linear_solver().preconditioner_bytes()};
+      step.implicit_steps().linear_solver().preconditioner_bytes()};
   for (std::size_t k = 0; k < bytes.size(); ++k) largest_[k] = std::max(largest_[k], bytes[k]);
 }
 

@@ -185,12 +185,12 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                               static_cast<double>(state.points.size())};
   sum_over_ranks(model_.comm, std::span<double>(sums));
   const auto num_points = static_cast<std::int64_t>(sums[1]);
-  const LinearSolver<dim>& linear = step.linear_solver();
+  const LinearSolver<dim>& linear = step.implicit_steps().linear_solver();
   const NewtonCounts& newton = step.newton_counts();
   if (any_implicit(settings.phases)) log::info("{}", newton.text());
   if (any_explicit(settings.phases)) {
-    log::info("explicit: {} substeps in {} solutions", step.substep_counts().substeps,
-              step.substep_counts().solutions);
+    log::info("explicit: {} substeps in {} solutions", step.explicit_steps().counts().substeps,
+              step.explicit_steps().counts().solutions);
   }
   Json summary = {{"basis", basis_name(model_.grid.basis)},
                   {"quadrature", quadrature_name(settings.quadrature)},
@@ -213,8 +213,8 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"solutions", newton.solutions()},
                   {"newton_iterations", newton.iterations()},
                   {"newton", newton.json()},
-                  {"explicit", explicit_json(step.substep_counts())},
-                  {"linear_iterations", step.linear_iterations()},
+                  {"explicit", explicit_json(step.explicit_steps().counts())},
+                  {"linear_iterations", step.implicit_steps().linear_iterations()},
                   {"memory", memory_.json(model_.comm)},
                   {"wall_seconds", times.seconds()}};
   append_ends(model_, state, summary);

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {

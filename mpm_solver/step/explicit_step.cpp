@@ -39,34 +39,34 @@ std::vector<double> body_forces(const GridNodes<dim>& nodes, const Vector<dim>& 
 }  // namespace
 
 template <int dim>
-void ExplicitStep<dim>::begin(const StepRequest& request, const Start& start) {
-  const ScopedTimer timer(times_, "substeps");
-  nodes_ = &start.soil.nodes();
-  walls_ = &start.walls;
-  dt_ = request.dt;
-  courant_ = *start.phase.courant;
-  const LoadRamp ramp = start.phase.gravity_ramp;
-  const auto gravity = [this, ramp, request](double share) -> Vector<dim> {
-    return ramp.at(request.time + share * request.dt) * model_.settings.gravity;
+void ExplicitStep<dim>::begin(const StepStart& start) {
+  start_ = start;
+  f_body_start_ = parts_.soil.body_forces(start.time);
+  f_body_ = parts_.soil.body_forces(start.time + start.dt);
+  const ScopedTimer timer(parts_.times, "substeps");
+  const SoilModel<dim>& model = parts_.model;
+  const Phase& phase = model.settings.phases[start.phase];
+  courant_ = *phase.courant;
+  const auto body_force = [this, &model, ramp = phase.gravity_ramp](double share) {
+    const Vector<dim> gravity = ramp.at(start_.time + share * start_.dt) * model.settings.gravity;
+    return body_forces<dim>(nodes(), gravity, f_body_start_, f_body_, share);
   };
-  motion_.emplace(typename ExplicitMotion<dim>::Parts{
-      .stress = {.bodies = model_.settings.bodies,
-                 .points = state_.points,
-                 .weights = start.soil.weights(),
-                 .nodes = *nodes_,
-                 .trial = start.trial,
-                 .held_normal = walls_->held_normal()},
-      .walls = *walls_,
-      .surfaces = state_.surfaces,
-      .cell_size = model_.cell_size,
-      .dt = dt_,
-      .average_volumes = model_.settings.locking.average_volumes,
-      .largest_courant = std::max(1.0, courant_),
-      .body_force = [this, gravity, start](double share) {
-        return body_forces<dim>(*nodes_, gravity(share), start.f_body_start, start.f_body, share);
-      }});
-  soil_dt_ = stable_.of_soil(state_.points);
-  count_ = first_count_ = count_for(dt_, state_.contact_rate);
+  motion_.emplace(
+      typename ExplicitMotion<dim>::Parts{.stress = {.bodies = model.settings.bodies,
+                                                     .points = parts_.state.points,
+                                                     .weights = parts_.soil.weights(),
+                                                     .nodes = nodes(),
+                                                     .trial = parts_.trial,
+                                                     .held_normal = walls().held_normal()},
+                                          .walls = walls(),
+                                          .surfaces = parts_.state.surfaces,
+                                          .cell_size = model.cell_size,
+                                          .dt = start.dt,
+                                          .average_volumes = model.settings.locking.average_volumes,
+                                          .largest_courant = std::max(1.0, courant_),
+                                          .body_force = body_force});
+  soil_dt_ = stable_.of_soil(parts_.state.points);
+  count_ = count_for(start.dt, parts_.state.contact_rate);
 }
 
 template <int dim>
@@ -82,24 +82,24 @@ int ExplicitStep<dim>::count_for(double dt, double contact_rate) const {
 }
 
 template <int dim>
-void ExplicitStep<dim>::solve(const StepRequest& request) {
-  const ScopedTimer timer(times_, "substeps");
-  if (request.iteration == 0) count_ = first_count_;
+StepReport ExplicitStep<dim>::solve(const StepRequest& request) {
+  const ScopedTimer timer(parts_.times, "substeps");
   while (!motion_->solve(count_, soil_dt_)) {
     counts_.substeps += count_;
-    count_ = std::max(count_ + 1, count_for(dt_, motion_->result().contact_rate));
+    count_ = std::max(count_ + 1, count_for(start_.dt, motion_->result().contact_rate));
   }
   ++counts_.solutions;
   counts_.substeps += count_;
   counts_.largest = std::max(counts_.largest, count_);
-  const double dt = dt_ / count_;
+  const double dt = start_.dt / count_;
   if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;
   log_count(request);
+  return {};
 }
 
 template <int dim>
 void ExplicitStep<dim>::log_count(const StepRequest& request) {
-  const double dt = dt_ / count_;
+  const double dt = start_.dt / count_;
   if (std::abs(dt - logged_dt_) <= notable_change * logged_dt_) return;
   logged_dt_ = dt;
   log::info("{:.6g} s: explicit: {} {} of {:.3g} s", request.time, count_,
@@ -111,14 +111,14 @@ NodalMotion<dim> ExplicitStep<dim>::nodal_motion() const {
   const auto& found = motion_->result();
   const auto& v_start = motion_->start_velocity();
   NodalMotion<dim> motion;
-  for (std::int32_t i = 0; i < nodes_->size(); ++i) {
+  for (std::int32_t i = 0; i < nodes().size(); ++i) {
     const auto at = [i](const std::vector<double>& field) {
       return Vector<dim>(Eigen::Map<const Vector<dim>>(field.data() + std::ptrdiff_t{i} * dim));
     };
     motion.du.push_back(at(found.du));
     motion.v_new.push_back(motion_->inertia().is_weightless(i)
                                ? at(found.v)
-                               : Vector<dim>(at(v_start) + at(found.impulse) / nodes_->m[i]));
+                               : Vector<dim>(at(v_start) + at(found.impulse) / nodes().m[i]));
     motion.a_new.push_back(at(found.a));
   }
   return motion;
@@ -132,19 +132,19 @@ StepBalance<dim> ExplicitStep<dim>::balance() const {
   const auto& v_start = motion_->start_velocity();
   StepBalance<dim> step;
   std::vector<double> held = found.wall_force, free = found.wall_force;
-  walls_->project(free);
+  walls().project(free);
   std::vector<double> stop(v_start.size()), mapped(v_start.size());  // M d, S d
   for (std::size_t k = 0; k < stop.size(); ++k) {
-    stop[k] = nodes_->m[k / dim] * (v_start[k] - nodes_->v[k / dim][k % dim]);
+    stop[k] = nodes().m[k / dim] * (v_start[k] - nodes().v[k / dim][k % dim]);
   }
   motion_->inertia().apply(stop, mapped);
   double gained = 0;
-  for (std::int32_t i = 0; i < nodes_->size(); ++i) {
-    if (!nodes_->shared.owns(i)) continue;
+  for (std::int32_t i = 0; i < nodes().size(); ++i) {
+    if (!nodes().shared.owns(i)) continue;
     for (int d = 0; d < dim; ++d) {
       const std::size_t k = static_cast<std::size_t>(i) * dim + d;
-      const double v = nodes_->v[i][d], d_v = v_start[k] - v;
-      step.kinetic_before += 0.5 * nodes_->m[i] * v * v;
+      const double v = nodes().v[i][d], d_v = v_start[k] - v;
+      step.kinetic_before += 0.5 * nodes().m[i] * v * v;
       step.wall_loss += found.impulse[k] * (d_v - mapped[k]) - stop[k] * (v + 0.5 * mapped[k]);
       gained += found.impulse[k] * 0.5 * (v_start[k] + found.v[k]);
       step.wall_kick[d] += stop[k];
@@ -155,23 +155,38 @@ StepBalance<dim> ExplicitStep<dim>::balance() const {
   step.body_work = found.body_work;
   step.boundary_work = found.contact_work + found.wall_work;
   step.time_damping = found.body_work + step.boundary_work - found.internal_work - gained;
-  step.body_force = found.body_impulse / dt_;
-  step.step_force = found.contact_impulse / dt_;
-  sum_parts(model_.comm, step);
+  step.body_force = found.body_impulse / start_.dt;
+  step.step_force = found.contact_impulse / start_.dt;
+  sum_parts(parts_.model.comm, step);
   return step;
 }
 
 template <int dim>
+StepEnd<dim> ExplicitStep<dim>::end() {
+  StepEnd<dim> end;
+  end.motion = nodal_motion();
+  end.balance = balance();
+  end.plastic_work = motion_->result().plastic_work;
+  return end;
+}
+
+template <int dim>
 std::vector<Vector<dim>> ExplicitStep<dim>::wall_forces() const {
-  std::vector<Vector<dim>> forces = walls_->forces(motion_->result().wall_force, nodes_->shared);
-  nodes_->shared.total(flat(forces));
+  std::vector<Vector<dim>> forces = walls().forces(motion_->result().wall_force, nodes().shared);
+  nodes().shared.total(flat(forces));
   return forces;
 }
 
 template <int dim>
 void ExplicitStep<dim>::finish_points(MaterialPoints<dim>& points) const {
-  motion_->inertia().kick_from_weightless(motion_->result().impulse, 1 - model_.settings.pic_share,
-                                          points);
+  motion_->inertia().kick_from_weightless(motion_->result().impulse,
+                                          1 - parts_.model.settings.pic_share, points);
+}
+
+template <int dim>
+void ExplicitStep<dim>::remember(SoilState<dim>& state) const {
+  state.nearly_linear = false;
+  state.contact_rate = motion_->result().contact_rate;
 }
 
 template class ExplicitStep<2>;

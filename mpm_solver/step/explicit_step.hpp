@@ -6,12 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "common/base/timer.hpp"
-#include "common/run/solver.hpp"
 #include "mpm_solver/step/explicit_motion.hpp"
-#include "mpm_solver/step/soil_on_grid.hpp"
-#include "mpm_solver/step/soil_state.hpp"
 #include "mpm_solver/step/stable_step.hpp"
+#include "mpm_solver/step/step_method.hpp"
 
 namespace gabion::mpm {
 
@@ -23,61 +20,46 @@ struct SubstepCounts {
   double smallest = 0;  ///< [s], 0: none
 };
 
-/// Steps of explicit phases: how many substeps, and what the end of the step needs of them. Refers
-/// to its arguments. Functions are collective.
+/// Steps of explicit phases: equal substeps of central differences, as many as are stable.
+/// Iterations after the first one take at least the number of substeps of the one before.
 template <int dim>
-class ExplicitStep {
+class ExplicitStep final : public StepMethod<dim> {
  public:
-  ExplicitStep(const SoilModel<dim>& model, SoilState<dim>& state, PhaseTimes& times)
-      : model_(model), state_(state), times_(times), stable_(model) {}
+  using Parts = typename StepMethod<dim>::Parts;
+  explicit ExplicitStep(const Parts& parts) : parts_(parts), stable_(parts.model) {}
 
-  /// What a step starts from.
-  struct Start {
-    const Phase& phase;
-    SoilOnGrid<dim>& soil;  ///< mapped
-    const WallConditions<dim>& walls;
-    TrialPoints<dim>& trial;
-    std::span<const double> f_body_start, f_body;  ///< besides gravity, at both ends; empty: none
-  };
-  void begin(const StepRequest& request, const Start& start);
-  /// Solve for the present place of the surfaces; iterations after the first one keep at least the
-  /// number of substeps of the one before. @throws ConvergenceError
-  void solve(const StepRequest& request);
-
-  // Displacement and motion of the last solution.
-  const std::vector<double>& du() const { return motion_->result().du; }
-  NodalMotion<dim> nodal_motion() const;
-  StepBalance<dim> balance() const;
-  /// Mean force of the soil on each wall of the phase [N].
-  std::vector<Vector<dim>> wall_forces() const;
-  /// What grid_to_points leaves out.
-  void finish_points(MaterialPoints<dim>& points) const;
-  /// Plastic work of this rank's points [J].
-  double plastic_work() const { return motion_->result().plastic_work; }
-  double contact_rate() const { return motion_->result().contact_rate; }
+  NewmarkBossak scheme(const Phase&, bool) const override { return starting_scheme; }
+  void begin(const StepStart& start) override;
+  StepReport solve(const StepRequest& request) override;
+  std::span<const double> du() const override { return motion_->result().du; }
+  std::vector<Vector<dim>> wall_forces() const override;
+  StepEnd<dim> end() override;
+  void finish_points(MaterialPoints<dim>& points) const override;
+  void remember(SoilState<dim>& state) const override;
+  void release() override { motion_.reset(); }
 
   const SubstepCounts& counts() const { return counts_; }
 
  private:
   int count_for(double dt, double contact_rate) const;
   void log_count(const StepRequest& request);
+  NodalMotion<dim> nodal_motion() const;
+  StepBalance<dim> balance() const;
+  const GridNodes<dim>& nodes() const { return parts_.soil.nodes(); }
+  const WallConditions<dim>& walls() const { return parts_.soil.walls(start_.phase); }
 
-  const SoilModel<dim>& model_;
-  SoilState<dim>& state_;
-  PhaseTimes& times_;
+  Parts parts_;
   StableStep<dim> stable_;
   SubstepCounts counts_;
   double logged_dt_ = 0;  // of the last line in the log [s]
 
   // the current step
+  StepStart start_;
+  std::vector<double> f_body_start_, f_body_;  // besides gravity, at both ends; empty: none
   std::optional<ExplicitMotion<dim>> motion_;
-  const GridNodes<dim>* nodes_ = nullptr;
-  const WallConditions<dim>* walls_ = nullptr;
   double courant_ = 1;
   double soil_dt_ = 0;
-  double dt_ = 0;
-  int first_count_ = 0;  // of substeps, that follows from the accepted state
-  int count_ = 0;        // of the last solution
+  int count_ = 0;  // of substeps, of the last solution
 };
 
 }  // namespace gabion::mpm

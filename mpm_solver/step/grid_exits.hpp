@@ -11,9 +11,6 @@
 
 namespace gabion::mpm {
 
-/// What becomes of a material point that leaves the background grid.
-enum class Outside { error, remove };
-
 /// Looks out for material points that a step carries out of the background grid.
 template <int dim>
 class GridExits {

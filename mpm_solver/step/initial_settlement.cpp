@@ -15,21 +15,6 @@ namespace gabion::mpm {
 
 namespace {
 
-// K du = r of the soil at rest. K is singular when a part of the soil can move freely.
-template <int dim>
-void solve_at_rest(LinearSystem<dim>& system, std::span<const double> r, std::span<double> du,
-                   const std::string& where) {
-  try {
-    system.solve(r, du);
-  } catch (const ConvergenceError& error) {
-    throw ConfigError(fmt::format(
-        "{}: found no equilibrium of the soil under its initial stress: some of it is held "
-        "nowhere, or not against every rigid motion; allowed: bodies that rest on \"walls\" of the "
-        "grid, or on what \"walls\" hold ({})",
-        where, error.what()));
-  }
-}
-
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const std::vector<std::int64_t>& first_ids) {
@@ -52,10 +37,9 @@ SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>
 template <int dim>
 void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
-  map_soil(1);
+  map_soil();
   if (state_.surfaces.contacts().empty()) return;
-  takes_weight_ = false;  // soil at rest has the depths of its stress
-  state_.surfaces.begin_step(surface_of_soil(1));
+  begin_surfaces();
   state_.surfaces.receive({});
   state_.surfaces.move_walls(0);
   state_.surfaces.begin_at_rest(
@@ -72,16 +56,13 @@ void SoilStep<dim>::check_initial_stress() {
     }
   }
   if (!strictest) return;
-  with_inertia_ = false;
+  start_ = {.dt = 1, .with_inertia = false};
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
   begin_at_rest(gravity);
-  make_equilibrium(gravity, gravity, 1);
-  const std::size_t n = static_cast<std::size_t>(soil_.nodes().size()) * dim;
-  std::vector<double> du(n, 0.0), r(n);
-  equilibrium_->evaluate(du, r, &system_.K());
-  state_.wall_forces = forces_on_walls();
+  begin_surfaces();
+  const std::vector<double> du = implicit_.settlement(start_, gravity, strictest->where);
+  state_.wall_forces = forces_on_walls(implicit_);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
-  solve_at_rest<dim>(system_, r, du, strictest->where);
   const double largest = max_over_ranks(
       model_.comm,
       largest_displacement(soil_.weights(), soil_.nodes(), std::span<const double>(du)));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mpm_solver/mpm_config.hpp"
+#include "mpm_solver/step/grid_exits.hpp"
 
 namespace gabion::mpm {
 

@@ -9,7 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/grid/soil_border.hpp"

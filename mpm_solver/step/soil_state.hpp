@@ -12,7 +12,7 @@
 #include "mpm_solver/ranks/point_ranks.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
-#include "mpm_solver/step/step_control.hpp"
+#include "mpm_solver/step_sizes/step_control.hpp"
 
 namespace gabion::mpm {
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/soil_step.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,29 +11,12 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
-#include "mpm_solver/step/end_of_step.hpp"
-#include "mpm_solver/step/first_guess.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 #include "mpm_solver/stress/shared_volumes.hpp"
 
 namespace gabion::mpm {
 
 namespace {
-
-// Share of Newton's tolerance that holds from the second iteration of a coupled step on: the error
-// of a solution must not look like a change of the interface.
-constexpr double coupled_share = 0.01;
-
-// Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
-// it can leave out (second order; first order across the yield surface) stays below that tolerance,
-// and below its coupled share.
-constexpr double same_strain_share = 0.01 * coupled_share;
-
-// Newmark's method with these parameters asks for no acceleration at the start of a step:
-// du = dt v + dt^2 a' / 2, v' = v + dt a'. For a first step whose forces are not those before it;
-// and for the ledger of explicit steps and of those without inertia: the impulse of a force is dt
-// F.
-constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
 
 // Over all ranks [m].
 template <int dim>
@@ -44,6 +25,12 @@ double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
   for (const double volume : points.V0) sums[0] += volume;
   sum_over_ranks(comm, std::span<double>(sums));
   return cube_side<dim>(sums[0] / sums[1]);
+}
+
+template <int dim>
+bool takes_weight(const Vector<dim>& gravity, const Phase& phase, double time) {
+  if (gravity.isZero(0)) return false;
+  return !phase.dynamic || phase.gravity_ramp.runs(time);
 }
 
 }  // namespace
@@ -55,90 +42,65 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
       times_(times),
       soil_(model, state, times),
       sizes_(state.control),
-      system_(model.comm, model.settings.linear_solver),
       rotations_(model.comm, model.settings.bodies),
-      explicit_(model, state, times) {
+      implicit_({model, state, soil_, trial_, sizes_, times}),
+      explicit_({model, state, soil_, trial_, sizes_, times}) {
   if (!state_.surfaces.contacts().empty()) {
     reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
   }
   soil_.weigh();
 }
 
+template <int dim>
+StepMethod<dim>& SoilStep<dim>::method_of(const Phase& phase) {
+  if (phase.is_explicit()) return explicit_;
+  return implicit_;
+}
+
 // Which phase it is, and how its step goes.
 template <int dim>
-void SoilStep<dim>::enter_phase(double time) {
+void SoilStep<dim>::enter_phase(const StepRequest& request) {
   const auto& phases = model_.settings.phases;
-  const std::size_t before = phase_;
-  phase_ = phase_at(phases, time);
-  if (phase_ != before) {
-    const char* kind = phase().is_explicit() ? "explicit"
-                       : phase().dynamic     ? "dynamic"
-                                             : "quasi-static";
-    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, phase_ + 1, phases.size(), kind,
-              phase().walls.size());
+  const double time = request.time;
+  const std::size_t number = phase_at(phases, time);
+  const Phase& phase = phases[number];
+  if (number != start_.phase) {
+    const char* kind = phase.is_explicit() ? "explicit"
+                       : phase.dynamic     ? "dynamic"
+                                           : "quasi-static";
+    log::info("{:.6g} s: phase {} of {}, {}, {} walls", time, number + 1, phases.size(), kind,
+              phase.walls.size());
   }
-  if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
-  with_inertia_ = phase().dynamic;
-  forces_jump_ = begins(phase(), time) && (phase_ > 0 || model_.stressed);
-  const bool as_ever = with_inertia_ && !forces_jump_ && !phase().is_explicit();
-  scheme_ = as_ever ? phase().scheme : starting_scheme;
+  if (phase.rigid_walls) state_.surfaces.keep_walls(*phase.rigid_walls);
+  StepMethod<dim>* const before = std::exchange(method_, &method_of(phase));
+  if (before != nullptr && before != method_) before->release();
+  const bool forces_jump = begins(phase, time) && (number > 0 || model_.stressed);
+  start_ = {.time = time,
+            .dt = request.dt,
+            .phase = number,
+            .with_inertia = phase.dynamic,
+            .forces_jump = forces_jump,
+            .takes_weight = takes_weight(model_.settings.gravity, phase, time),
+            .scheme = method_->scheme(phase, forces_jump)};
 }
 
-template <int dim>
-bool SoilStep<dim>::takes_weight(double time) const {
-  if (model_.settings.gravity.isZero(0)) return false;
-  return !phase().dynamic || phase().gravity_ramp.runs(time);
-}
-
-// Everything of a step that does not depend on the interface values.
 template <int dim>
 void SoilStep<dim>::begin(const StepRequest& request) {
-  const double end = request.time + request.dt;
-  enter_phase(request.time);
+  under_way_ = false;
+  sizes_.begin(request);
+  enter_phase(request);
   require_within(phase(), request.time, request.dt);
-  soil_.walls(phase_).begin_step(request.time, request.dt);
-  dt_ = request.dt;
-  takes_weight_ = takes_weight(request.time);
-  map_soil(request.dt);
-  f_body_ = soil_.body_forces(end);
-  f_body_start_.clear();
-  if (scheme_.force_memory() != 0 || phase().is_explicit()) {
-    f_body_start_ = soil_.body_forces(request.time);
+  if (!state_.is_empty()) {
+    soil_.walls(start_.phase).begin_step(request.time, request.dt);
+    map_soil();
+    begin_surfaces();
+    method_->begin(start_);
   }
-  if (phase().is_explicit()) {
-    begin_explicit(request);
-    return;
-  }
-  const LoadRamp& ramp = phase().gravity_ramp;
-  const Vector<dim>& gravity = model_.settings.gravity;
-  make_equilibrium(ramp.at(request.time) * gravity, ramp.at(end) * gravity, request.dt);
+  under_way_ = true;
 }
 
 template <int dim>
-void SoilStep<dim>::begin_explicit(const StepRequest& request) {
-  equilibrium_.reset();
-  if (!state_.surfaces.contacts().empty()) {
-    state_.surfaces.begin_step(surface_of_soil(request.dt));
-  }
-  explicit_.begin(request, {.phase = phase(),
-                            .soil = soil_,
-                            .walls = soil_.walls(phase_),
-                            .trial = trial_,
-                            .f_body_start = f_body_start_,
-                            .f_body = f_body_});
-}
-
-template <int dim>
-LinearRegime SoilStep<dim>::regime() const {
-  const bool symmetric = model_.symmetric_laws && state_.surfaces.symmetric();
-  const double courant = model_.wave_speed * dt_ / model_.cell_size;
-  return {.symmetric = symmetric,
-          .courant = with_inertia_ ? courant : std::numeric_limits<double>::infinity(),
-          .wide = dim == 3 && model_.grid.basis != Basis::linear};
-}
-
-template <int dim>
-SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
+SoilSurface<dim> SoilStep<dim>::surface_of_soil() const {
   return {.grid = model_.grid,
           .nodes = soil_.nodes(),
           .points = state_.points,
@@ -146,180 +108,91 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil(double dt) const {
           .occupied = &occupied_,
           .reach = reach_,
           .cell_size = model_.cell_size,
-          .dt = dt,
-          .step_force_weight = with_inertia_ ? scheme_.step_force_weight() : 1,
+          .dt = start_.dt,
+          .step_force_weight = start_.with_inertia ? start_.scheme.step_force_weight() : 1,
           .elastic = model_.elastic,
           .moduli = model_.moduli,
-          .takes_weight = takes_weight_,
+          .takes_weight = start_.takes_weight,
           .weights_of = model_.weights,
           .comm = model_.comm};
 }
 
 template <int dim>
-void SoilStep<dim>::map_soil(double dt) {
+void SoilStep<dim>::map_soil() {
   std::vector<std::int32_t> other_nodes;
   if (state_.surfaces.asks_for_cells()) {
     occupied_ = soil_.occupied_cells();
-    if (num_ranks(model_.comm) > 1) other_nodes = state_.surfaces.find_nodes(surface_of_soil(dt));
+    if (num_ranks(model_.comm) > 1) other_nodes = state_.surfaces.find_nodes(surface_of_soil());
   }
-  soil_.map({.phase = phase_,
-             .dt = dt,
-             .with_inertia = with_inertia_,
+  soil_.map({.phase = start_.phase,
+             .dt = start_.dt,
+             .with_inertia = start_.with_inertia,
              .other_nodes = std::move(other_nodes)});
 }
 
-/// @param gravity_n, gravity  at the start and at the end of the step
 template <int dim>
-void SoilStep<dim>::make_equilibrium(const Vector<dim>& gravity_n, const Vector<dim>& gravity,
-                                     double dt) {
-  const ScopedTimer timer(times_, "pattern");
-  if (!state_.surfaces.contacts().empty()) state_.surfaces.begin_step(surface_of_soil(dt));
-  equilibrium_.emplace(typename Equilibrium<dim>::Parts{
-      .comm = model_.comm,
-      .grid = model_.grid,
-      .bodies = model_.settings.bodies,
-      .points = state_.points,
-      .weights = soil_.weights(),
-      .nodes = soil_.nodes(),
-      .walls = soil_.walls(phase_),
-      .contacts = state_.surfaces.contacts(),
-      .trial = trial_,
-      .scheme = scheme_,
-      .gravity = gravity,
-      .gravity_start = gravity_n,
-      .cell_size = model_.cell_size,
-      .same_strain = same_strain_share * model_.settings.newton.residual_tolerance,
-      .dt = dt,
-      .with_inertia = with_inertia_,
-      .repeats = !model_.settings.interfaces.empty(),
-      .nearly_linear = state_.nearly_linear,
-      .f_body = f_body_,
-      .f_body_start = f_body_start_,
-      .average_volumes = model_.settings.locking.average_volumes,
-      .ghost = soil_.ghost()});
-  system_.begin(*equilibrium_, regime(), state_.pause);
-}
-
-template <int dim>
-NewtonReport SoilStep<dim>::solve_balance(const StepRequest& request, bool begins) {
-  const bool first = begins || request.iteration == 0;
-  if (first) {
-    equilibrium_->internal_forces().forget();
-    FirstGuess guess = first_guess(*equilibrium_, system_, model_.wave_speed, times_);
-    du_ = std::move(guess.du);
-    linear_iterations_ += guess.linear_iterations;
-  }
-  equilibrium_->begin_solution();
-  NewtonSettings settings = model_.settings.newton;
-  if (!with_inertia_) settings.max_iterations = model_.settings.iterations_without_inertia;
-  double& tolerance = settings.residual_tolerance;
-  if (request.iteration > 0) {
-    tolerance = std::min(tolerance, std::max(coupled_share * tolerance, likely_round_off));
-  }
-  const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, times_);
-  linear_iterations_ += newton.linear_iterations;
-  if (first) first_iterations_ = newton.iterations;
-  sizes_.add_solution(newton.iterations);
-  log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
-             request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
-  return newton;
-}
-
-template <int dim>
-StepReport SoilStep<dim>::solve_implicit(const StepRequest& request, bool begins) {
-  const NewtonReport newton = solve_balance(request, begins);
-  StepReport report;
-  report.newton_iterations = newton.iterations;
-  report.linear_iterations = newton.linear_iterations;
-  return report;
-}
-
-template <int dim>
-StepReport SoilStep<dim>::solve_explicit(const StepRequest& request) {
-  explicit_.solve(request);
-  du_ = explicit_.du();
-  return {};
+void SoilStep<dim>::begin_surfaces() {
+  if (state_.surfaces.contacts().empty()) return;
+  const ScopedTimer timer(times_, "contact search");
+  state_.surfaces.begin_step(surface_of_soil());
 }
 
 template <int dim>
 StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValues& received) {
-  try {
-    if (state_.is_empty()) return solve_without_soil(request, received);
-    const bool begins = dt_ != request.dt;
-    if (begins) {
-      sizes_.begin(request);
-      begin(request);
-    }
-    state_.surfaces.receive(received);
-    state_.surfaces.move_walls(request.time + request.dt);
-    StepReport report =
-        phase().is_explicit() ? solve_explicit(request) : solve_implicit(request, begins);
-    if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), du_);
-    if (state_.surfaces.look_ahead()) {
-      state_.surfaces.refuse_misses(largest_surplus_way(
-          state_.points, soil_.weights(), soil_.nodes(), std::span<const double>(du_), request.dt));
-    }
-    state_.surfaces.report(report);
-    return report;
-  } catch (const ConvergenceError& error) {
-    sizes_.add_failure(error, request.dt);
-    throw;
+  require(under_way_ && start_.time == request.time && start_.dt == request.dt,
+          "mpm_solver: iteration {} of step {}, from {} s with dt {} s, was asked for before its "
+          "iteration 0",
+          request.iteration, request.step, request.time, request.dt);
+  state_.surfaces.receive(received);
+  state_.surfaces.move_walls(request.time + request.dt);
+  StepReport report;
+  if (!state_.is_empty()) {
+    report = method_->solve(request);
+    if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), method_->du());
+    check_surfaces();
   }
+  state_.surfaces.report(report);
+  return report;
+}
+
+// No contact was missed that the solution leads to.
+template <int dim>
+void SoilStep<dim>::check_surfaces() {
+  if (!state_.surfaces.look_ahead()) return;
+  state_.surfaces.refuse_misses(
+      largest_surplus_way(state_.points, soil_.weights(), soil_.nodes(), method_->du(), start_.dt));
 }
 
 template <int dim>
 AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
-  require(solved && dt_ == request.dt, "mpm_solver: a step was accepted that was not solved");
-  if (state_.is_empty()) return accept_without_soil(request);
+  require(solved && under_way_ && start_.dt == request.dt,
+          "mpm_solver: a step was accepted that was not solved");
+  const double time = request.time + request.dt;
+  if (state_.is_empty()) return accept_without_soil(time);
   const ScopedTimer timer(times_, "grid to points");
   MaterialPoints<dim>& points = state_.points;
-  state_.wall_forces = forces_on_walls();
+  state_.wall_forces = forces_on_walls(*method_);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
-  const bool implicit = equilibrium_.has_value();
-  if (implicit) equilibrium_->internal_forces().finish(du_);
-  const double time = request.time + request.dt;
-  const auto& phases = model_.settings.phases;
-  const NodalMotion<dim> motion =
-      implicit ? nodal_motion<dim>(*equilibrium_, du_) : explicit_.nodal_motion();
-  sizes_.accept(measure(motion), largest_step(phases[phase_at(phases, time)], time));
-  StepBalance<dim> balance = implicit
-                                 ? step_balance(*equilibrium_, std::span<const double>(du_), motion)
-                                 : explicit_.balance();
-  add_stop<dim>(soil_.stop().totals(), model_.settings.pic_share, balance);
-  deform_points<dim>(soil_.nodes(), du_, soil_.weights(), points);
-  capped_domains_ += soil_.weights().num_capped;
+  StepEnd<dim> end = method_->end();
+  sizes_.accept(measure(end), largest_step_from(time));
+  add_stop<dim>(soil_.stop().totals(), model_.settings.pic_share, end.balance);
   std::vector<Vector<dim>> x_n;
   if (model_.lets_out || !model_.settings.gauges.empty()) x_n = points.x;
-  soil_.stop().kick(soil_.weights(), points);
-  grid_to_points(soil_.nodes(), motion, soil_.weights(), model_.settings.pic_share, points);
-  if (!implicit) explicit_.finish_points(points);
-  if (with_inertia_) {
-    const NoiseDamping rate{model_.settings.noise_damping, dt_, model_.cell_size};
-    if (rate.damping > 0) damp_noise<dim>(soil_.weights(), soil_.nodes(), rate, points);
-  } else {
-    std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
-    std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
-  }
-  const double dissipated = implicit
-                                ? plastic_work<dim>(soil_.weights(), trial_, points, points.tau)
-                                : explicit_.plastic_work();
-  balance.quadrature_loss = unstored_work(soil_.weights(), trial_, points);
+  move_points(end);
+  end.balance.quadrature_loss = unstored_work(soil_.weights(), trial_, points);
   accept_stresses(soil_.weights(), trial_, points);
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
+    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
   }
-  state_.gauges.add_step(x_n, points, dt_);
-  state_.ledger.add_step(balance, with_inertia_ ? scheme_ : starting_scheme, dt_, dissipated,
-                         points);
+  state_.gauges.add_step(x_n, points, start_.dt);
+  state_.ledger.add_step(end.balance, start_.scheme, start_.dt, end.plastic_work, points);
   rotations_.look(points);
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
-  state_.nearly_linear = implicit && first_iterations_ <= 1;
-  state_.contact_rate = implicit ? 0 : explicit_.contact_rate();
-  state_.pause = system_.solver().pause();
-  dt_ = 0;
+  method_->remember(state_);
+  under_way_ = false;
   AcceptReport report;
   report.details = details(cell_n);
   report.proposed_dt = sizes_.proposal().dt;
@@ -328,23 +201,55 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   return report;
 }
 
+// G2P: position, velocity and acceleration of the points, and their domains.
+template <int dim>
+void SoilStep<dim>::move_points(const StepEnd<dim>& end) {
+  MaterialPoints<dim>& points = state_.points;
+  deform_points<dim>(soil_.nodes(), method_->du(), soil_.weights(), points);
+  capped_domains_ += soil_.weights().num_capped;
+  soil_.stop().kick(soil_.weights(), points);
+  grid_to_points(soil_.nodes(), end.motion, soil_.weights(), model_.settings.pic_share, points);
+  method_->finish_points(points);
+  if (start_.with_inertia) {
+    const NoiseDamping rate{model_.settings.noise_damping, start_.dt, model_.cell_size};
+    if (rate.damping > 0) damp_noise<dim>(soil_.weights(), soil_.nodes(), rate, points);
+  } else {
+    std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
+    std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
+  }
+}
+
 template <int dim>
 void SoilStep<dim>::reject() {
-  dt_ = 0;
+  under_way_ = false;
   sizes_.reject();
 }
 
 template <int dim>
-StepMeasures SoilStep<dim>::measure(const NodalMotion<dim>& motion) const {
+void SoilStep<dim>::release() {
+  if (under_way_) return;
+  implicit_.release();
+  explicit_.release();
+  trial_ = {};
+  soil_.release();
+}
+
+template <int dim>
+double SoilStep<dim>::largest_step_from(double time) const {
+  const auto& phases = model_.settings.phases;
+  return largest_step(phases[phase_at(phases, time)], time);
+}
+
+template <int dim>
+StepMeasures SoilStep<dim>::measure(const StepEnd<dim>& end) const {
   const StepControlSettings& limits = sizes_.limits();
-  const std::span<const double> du(du_);
+  const std::span<const double> du = method_->du();
   StepMeasures step;
-  step.dt = dt_;
-  if (limits.time_error && with_inertia_ && !forces_jump_ && equilibrium_) {
-    const StepError error = step_error(*equilibrium_, motion);
-    step.error = error.displacement;
+  step.dt = start_.dt;
+  if (end.error) {
+    step.error = end.error->displacement;
     const double fall = std::sqrt(model_.settings.gravity.norm() * model_.cell_size);
-    step.speed = std::max(error.speed, fall);
+    step.speed = std::max(end.error->speed, fall);
   }
   if (limits.advective) {
     const double largest =
@@ -356,17 +261,18 @@ StepMeasures SoilStep<dim>::measure(const NodalMotion<dim>& motion) const {
         max_over_ranks(model_.comm, most_strained(soil_.weights(), soil_.nodes(), du).strain);
   }
   if (limits.approach && !state_.surfaces.contacts().empty()) {
-    step.approach_dt = state_.surfaces.approach_step(dt_, *limits.approach * model_.cell_size);
+    step.approach_dt =
+        state_.surfaces.approach_step(start_.dt, *limits.approach * model_.cell_size);
   }
   return step;
 }
 
 template <int dim>
-std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls() const {
+std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls(const StepMethod<dim>& method) const {
   const auto& groups = model_.wall_groups;
   std::vector<Vector<dim>> sums(groups.size(), Vector<dim>::Zero());
-  auto forces = equilibrium_ ? equilibrium_->wall_forces() : explicit_.wall_forces();
-  soil_.add_stopping_forces(phase_, dt_, forces);
+  auto forces = method.wall_forces();
+  soil_.add_stopping_forces(start_.phase, start_.dt, forces);
   for (std::size_t w = 0; w < forces.size(); ++w) {
     const auto place = std::find(groups.begin(), groups.end(), phase().walls[w].group);
     sums[static_cast<std::size_t>(place - groups.begin())] += forces[w];

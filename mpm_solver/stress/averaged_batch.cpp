@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/mechanics/materials/lane_tensors.hpp"
+#include "common/mechanics/simd/lane_tensors.hpp"
 
 namespace gabion::mpm {
 

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstring>
 
-#include "common/mechanics/materials/lanes.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/node_block.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 #include "common/mechanics/tensor.hpp"
 
 namespace gabion::mpm {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "common/mechanics/materials/lanes.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/stress/block_rows.hpp"
 

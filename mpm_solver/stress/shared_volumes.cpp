@@ -11,7 +11,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/materials/spectral.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/grid/soil_border.hpp"

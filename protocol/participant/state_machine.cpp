@@ -69,10 +69,11 @@ StateMachine::Answer StateMachine::solve(Message request) {
 StateMachine::Answer StateMachine::accept(Message request) {
   const StepRequest step = read_step_request(request);
   const bool with_solution = request.boolean("solved");
+  require<ProtocolError>(
+      !request.fields.contains("write_output") || !request.boolean("write_output"),
+      "the coupler asks for output by \"accept_step\", allowed: by \"write_output\"");
   order_.accept(step, with_solution);
-  std::optional<double> output_time;
-  if (request.boolean("write_output")) output_time = request.number("output_time");
-  Answer answer = handler_.accept_step(step, with_solution, output_time);
+  Answer answer = handler_.accept_step(step, with_solution);
   proposed_dt_ = answer ? answer->number("proposed_dt") : 0;  // one that follows later has none
   return answer;
 }

@@ -19,9 +19,7 @@ class RequestHandler {
 
   virtual Answer set_force_kinds(const ForceKinds& kinds) = 0;
   virtual Answer solve_step(const StepRequest& step, InterfaceValues received) = 0;
-  /// @param output_time  [s] of the state that is accepted, when it shall be written
-  virtual Answer accept_step(const StepRequest& step, bool solved,
-                             std::optional<double> output_time) = 0;
+  virtual Answer accept_step(const StepRequest& step, bool solved) = 0;
   virtual Answer reject_step() = 0;
   virtual Answer write_output(double time) = 0;
   /// @param file  where the state may be written instead; empty: nowhere

@@ -78,16 +78,10 @@ StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
 }
 
 void RemoteSolver::start_accept(const StepRequest& request, bool solved) {
-  ask_to_accept(request, solved, std::nullopt);
-}
-
-void RemoteSolver::ask_to_accept(const StepRequest& request, bool solved,
-                                 std::optional<double> output_time) {
   Message message = new_message("accept_step");
   put(message, request);
   message.fields["solved"] = solved;
-  message.fields["write_output"] = output_time.has_value();
-  if (output_time) message.fields["output_time"] = *output_time;
+  message.fields["write_output"] = false;  // participants up to 1.3 read it
   start(std::move(message));
 }
 
@@ -107,12 +101,6 @@ AcceptReport RemoteSolver::finish_accept() {
 
 AcceptReport RemoteSolver::accept_step(const StepRequest& request, bool solved) {
   start_accept(request, solved);
-  return finish_accept();
-}
-
-AcceptReport RemoteSolver::accept_and_write(const StepRequest& request, bool solved,
-                                            double output_time) {
-  ask_to_accept(request, solved, output_time);
   return finish_accept();
 }
 

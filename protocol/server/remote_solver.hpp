@@ -46,9 +46,6 @@ class RemoteSolver : public AsynchronousSolver {
   void load_state(const State& state) override;
   std::optional<double> last_busy_seconds() const override { return last_call_.busy_seconds; }
 
-  /// Accept, then write the accepted state at this time, in one message.
-  AcceptReport accept_and_write(const StepRequest& request, bool solved, double output_time);
-
   void start_solve(const StepRequest& request, const InterfaceValues& received) override;
   StepReport finish_solve(InterfaceValues& sent) override;
   void start_accept(const StepRequest& request, bool solved) override;
@@ -63,7 +60,6 @@ class RemoteSolver : public AsynchronousSolver {
 
  private:
   Message solve_request(const StepRequest& request, const InterfaceValues& received) const;
-  void ask_to_accept(const StepRequest& request, bool solved, std::optional<double> output_time);
   void start(Message request) const;
   void send(Message request) const;
   Message finish(const std::vector<std::string>& allowed) const;

@@ -11,6 +11,7 @@ from studies.runner import Runner, folder_of
 from studies.size import read, refined
 
 RANKS = (1, 2, 4, 8)
+COUNTER = SOLVER.parent / "libgabion_mpi_counter.so"  # counts what ranks send
 REPEATS = 3  # of 1 and 2 ranks in turn: the fastest of each counts
 STEPS = 10
 
@@ -81,7 +82,7 @@ def mpirun(ranks: int) -> list[str]:
 
 def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
     """Run on so many ranks, from the last checkpoint of other results if given; returns the results."""
-    command = [*mpirun(ranks), SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
+    command = [*mpirun(ranks), "-x", f"LD_PRELOAD={COUNTER}", SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
     solve(folder, settings, command, THREADS)
     return folder / "out"
 

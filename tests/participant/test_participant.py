@@ -152,8 +152,9 @@ class OwnLoop(ParticipantCase):
         self.assertEqual(coupler.ask("reject_step").type, "rejected")
         self.assertEqual(coupler.ask("write_output", time=0.0).type, "written")  # the accepted state, u = 0
         self.assertEqual(self.displacement(coupler.solve(1, 8.0, dt=0.05)), 0.1)
-        accepted = coupler.accept(1, write_output=True, output_time=0.05)
+        accepted = coupler.accept(1)
         self.assertEqual((accepted.type, accepted.arrays["probes"][0]), ("accepted", 0.1))
+        self.assertEqual(coupler.ask("write_output", time=0.05).type, "written")
         self.assertEqual(coupler.ask("reject_step").type, "rejected")  # nothing to forget
         self.assertAlmostEqual(self.displacement(coupler.solve(2, 4.0)), 0.2, delta=1e-16)
         self.assertEqual(coupler.ask("summarize").fields["summary"], {"method": "Euler"})
@@ -162,7 +163,7 @@ class OwnLoop(ParticipantCase):
         self.assertEqual(coupler.ask("finish").type, "finished")
         self.assertEqual(self.end(), "")
         self.assertEqual(loop.calls, ["write 0 u 0", "save 0", "restore 0", "restore 0", "restore 0", "write 0 u 0",
-                                      "write 0.05 u 0.1", "complete", "save 0.1", "complete"])
+                                      "complete", "write 0.05 u 0.1", "save 0.1", "complete"])
 
     def test_save_and_load_between_steps(self) -> None:
         loop, coupler = self.begin(keeps=True), self.coupler

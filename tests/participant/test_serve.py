@@ -163,7 +163,8 @@ class Serve(ParticipantCase):
         self.assertGreaterEqual(reply.fields["busy_seconds"], 0)
         self.assertEqual(coupler.ask("reject_step").type, "rejected")
         self.assertEqual(coupler.solve(1, 2.0, dt=0.05).type, "solved")
-        reply = coupler.accept(1, write_output=True, output_time=0.05)
+        reply = coupler.accept(1)
+        self.assertEqual(coupler.ask("write_output", time=0.05).type, "written")
         self.assertEqual((reply.type, reply.arrays["probes"][0], reply.fields["proposed_dt"]), ("accepted", 0.05, 0.25))
         np.testing.assert_array_equal(coupler.solve(2, None).arrays["displacement:wall"], np.full((3, 2), 0.05))
         self.assertTrue(coupler.accept(2, solved=False).fields["at_rest"])
@@ -316,6 +317,8 @@ class Serve(ParticipantCase):
                 ("solve_step", force, step | {"dt": 0.0}, "a number > 0"),
                 ("solve_step", force, {"step": 1}, '"iteration"'),
                 ("accept_step", {}, step | {"solved": True, "write_output": False}, "step 1, which has no solution"),
+                ("accept_step", {}, step | {"solved": False, "write_output": True, "output_time": 0.1},
+                 'asks for output by "accept_step", allowed: by "write_output"'),
                 ("dance", {}, {}, 'asked for "dance"')):
             with self.subTest(words):
                 self.problem = None

@@ -52,6 +52,29 @@ class CheckStructure(ScriptCase):
         self.assertEqual(self.breaches(), [])
         self.expect_breach("mpm_solver/grid/a.cpp", SPDX + '#include "mpm_solver/step/step.hpp"\n', "step.cpp")
 
+    def test_no_way_leads_back_to_a_room(self) -> None:
+        self.write("mpm_solver/grid/a.hpp", HEADER + '#include "mpm_solver/walls/a.hpp"\n')
+        self.write("mpm_solver/walls/a.hpp", HEADER + '#include "mpm_solver/step/a.hpp"\n')
+        self.assertEqual(self.breaches(), [])
+        self.write("mpm_solver/step/a.hpp", HEADER + '#include "mpm_solver/grid/a.hpp"\n')
+        lines = self.breaches()
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("grid → walls → step → grid", lines[0])
+
+    def test_no_way_leads_back_through_a_door(self) -> None:
+        self.write("mpm_solver/step/a.cpp", SPDX + '#include "mpm_solver/mpm_config.hpp"\n')
+        self.write("mpm_solver/mpm_config.cpp", SPDX + '#include "mpm_solver/step/a.hpp"\n')
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("mpm_solver/mpm_config.hpp", HEADER + '#include "mpm_solver/step/a.hpp"\n',
+                           "mpm_config.hpp → step → mpm_config.hpp", "mpm_solver/step/a.cpp")
+
+    def test_rooms_use_doors(self) -> None:
+        self.expect_breach("mpm_solver/grid/a.cpp", SPDX + '#include "mpm_solver/mpm_solver.hpp"\n',
+                           "mpm_solver/mpm_solver.hpp", "config_checks.hpp, mpm_config.hpp")
+
+    def test_exchange_between_ranks_works_without_petsc(self) -> None:
+        self.expect_breach("common/mechanics/ranks/a.cpp", SPDX + "#include <petscsf.h>\n", "PETSc")
+
     def test_functions(self) -> None:
         self.expect_breach("coupler/a.cpp", SPDX + "void f() {\n" + "  g();\n" * 59 + "}\n", "61 lines")
         self.expect_breach("coupler/a.cpp", SPDX + "template <class A, class B>\nint A<B>::f(int a, B<int, int> b, "

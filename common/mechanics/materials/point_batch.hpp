@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/materials/lanes.hpp"
 #include "common/mechanics/materials/stress_update.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 
 namespace gabion {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/mechanics/materials/lane_tensors.hpp"
 #include "common/mechanics/materials/principal_update.hpp"
+#include "common/mechanics/simd/lane_tensors.hpp"
 
 namespace gabion {
 

@@ -352,13 +352,9 @@ NewtonReport solve_newton(NewtonProblem<block_size>& problem, NewtonMatrix<block
   return Newton<block_size>(problem, matrix, settings, du, times).run();
 }
 
-template NewtonReport solve_newton<1>(NewtonProblem<1>&, NewtonMatrix<1>&, const NewtonSettings&,
-                                      std::span<double>, PhaseTimes&);
 template NewtonReport solve_newton<2>(NewtonProblem<2>&, NewtonMatrix<2>&, const NewtonSettings&,
                                       std::span<double>, PhaseTimes&);
 template NewtonReport solve_newton<3>(NewtonProblem<3>&, NewtonMatrix<3>&, const NewtonSettings&,
-                                      std::span<double>, PhaseTimes&);
-template NewtonReport solve_newton<6>(NewtonProblem<6>&, NewtonMatrix<6>&, const NewtonSettings&,
                                       std::span<double>, PhaseTimes&);
 
 }  // namespace gabion

@@ -11,7 +11,7 @@
 #include "common/mechanics/newton/newton_settings.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 namespace gabion {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "common/hdf5/array_file.hpp"
-#include "common/mechanics/petsc/packet.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion {

@@ -64,9 +64,7 @@ void BlockIlu<block_size>::solve(std::span<double> x) const {
   }
 }
 
-template class BlockIlu<1>;
 template class BlockIlu<2>;
 template class BlockIlu<3>;
-template class BlockIlu<6>;
 
 }  // namespace gabion

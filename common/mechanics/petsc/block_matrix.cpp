@@ -264,9 +264,7 @@ void BlockMatrix<block_size>::multiply(std::span<const double> x, std::span<doub
                               x.data(), y.data());
 }
 
-template class BlockMatrix<1>;
 template class BlockMatrix<2>;
 template class BlockMatrix<3>;
-template class BlockMatrix<6>;
 
 }  // namespace gabion

@@ -19,18 +19,8 @@ struct BlockRows {
 
 /// y_i = sum_s A_s x_(column of s) of one row, from block `begin` to block `end`.
 template <int block_size>
-inline void multiply_row(const BlockRows& A, std::int32_t begin, std::int32_t end, const double* x,
-                         double* y) {
-  double sum[block_size] = {};
-  for (std::int32_t s = begin; s < end; ++s) {
-    const double* a = A.values + static_cast<std::ptrdiff_t>(s) * block_size * block_size;
-    const double* x_j = x + static_cast<std::ptrdiff_t>(A.columns[s]) * block_size;
-    for (int c = 0; c < block_size; ++c) {
-      for (int r = 0; r < block_size; ++r) sum[r] += a[c * block_size + r] * x_j[c];
-    }
-  }
-  for (int r = 0; r < block_size; ++r) y[r] = sum[r];
-}
+void multiply_row(const BlockRows& A, std::int32_t begin, std::int32_t end, const double* x,
+                  double* y);
 
 /// Two columns side by side in one vector.
 template <>

@@ -278,9 +278,7 @@ double LinearSolver<block_size>::preconditioner_bytes() const {
   return impl_->main.factor_bytes() + impl_->rescue.factor_bytes();
 }
 
-template class LinearSolver<1>;
 template class LinearSolver<2>;
 template class LinearSolver<3>;
-template class LinearSolver<6>;
 
 }  // namespace gabion

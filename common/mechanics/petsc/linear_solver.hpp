@@ -13,7 +13,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/krylov_pause.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 namespace gabion {
 

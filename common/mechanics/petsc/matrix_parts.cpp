@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "common/mechanics/petsc/block_ilu.hpp"
-#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 
 namespace gabion {
 
@@ -236,9 +236,7 @@ std::unique_ptr<PartsPreconditioner> MatrixParts<block_size>::make_ilu(bool over
       shared_, overlapping, BlockIlu<block_size>(K_, std::move(values)), K_.num_nodes());
 }
 
-template class MatrixParts<1>;
 template class MatrixParts<2>;
 template class MatrixParts<3>;
-template class MatrixParts<6>;
 
 }  // namespace gabion

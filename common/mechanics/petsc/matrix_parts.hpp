@@ -8,7 +8,7 @@
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/petsc/parts_preconditioner.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 namespace gabion {
 

@@ -11,55 +11,10 @@ namespace gabion {
 template <int block_size>
 using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
 
-/// The entries of a NodeBlock as one vector of the machine where it has such: sums of blocks are
-/// most of an assembly.
+/// The entries of a NodeBlock as one vector of the machine: sums of blocks are most of an assembly.
+/// Of x, the entry (a, b) of rows() is x_a, that of columns() x_b; products are entry by entry.
 template <int block_size>
-class BlockVector {
- public:
-  static constexpr int num_entries = block_size * block_size;
-
-  void load(const double* entries) {
-    for (int c = 0; c < num_entries; ++c) v_[c] = entries[c];
-  }
-  void store(double* entries) const {
-    for (int c = 0; c < num_entries; ++c) entries[c] = v_[c];
-  }
-  static BlockVector zero() {
-    BlockVector r;
-    for (int c = 0; c < num_entries; ++c) r.v_[c] = 0;
-    return r;
-  }
-  /// Entry (a, b) is x_a.
-  static BlockVector rows(const double* x) {
-    BlockVector r;
-    for (int c = 0; c < num_entries; ++c) r.v_[c] = x[c % block_size];
-    return r;
-  }
-  /// Entry (a, b) is x_b.
-  static BlockVector columns(const double* x) {
-    BlockVector r;
-    for (int c = 0; c < num_entries; ++c) r.v_[c] = x[c / block_size];
-    return r;
-  }
-  BlockVector operator*(double s) const {
-    BlockVector r;
-    for (int c = 0; c < num_entries; ++c) r.v_[c] = v_[c] * s;
-    return r;
-  }
-  /// Entry by entry.
-  BlockVector operator*(const BlockVector& y) const {
-    BlockVector r;
-    for (int c = 0; c < num_entries; ++c) r.v_[c] = v_[c] * y.v_[c];
-    return r;
-  }
-  BlockVector& operator+=(const BlockVector& y) {
-    for (int c = 0; c < num_entries; ++c) v_[c] += y.v_[c];
-    return *this;
-  }
-
- private:
-  double v_[num_entries];
-};
+class BlockVector;
 
 /// Four doubles, which the compiler spreads over what registers there are.
 template <>

@@ -164,11 +164,9 @@ void PetscMatrix<block_size>::create_alone(const BlockMatrix<block_size>& K) {
   std::vector<PetscInt> columns(K.columns().begin(), K.columns().end());  // PETSc copies them
   check_petsc(MatSeqBAIJSetColumnIndices(matrix_.get(), columns.data()),
               "MatSeqBAIJSetColumnIndices");
-  if constexpr (block_size == 2 || block_size == 3) {
-    check_petsc(MatSetOperation(matrix_.get(), MATOP_MULT,
-                                reinterpret_cast<void (*)(void)>(&multiply_alone<block_size>)),
-                "MatSetOperation");
-  }
+  check_petsc(MatSetOperation(matrix_.get(), MATOP_MULT,
+                              reinterpret_cast<void (*)(void)>(&multiply_alone<block_size>)),
+              "MatSetOperation");
 }
 
 // Blocks in each row whose column belongs to the rank of the row, and in other columns. An upper
@@ -319,9 +317,7 @@ void PetscMatrix<block_size>::take_solution(std::span<double> x) const {
   check_petsc(VecRestoreArrayRead(x_.get(), &values), "VecRestoreArrayRead");
 }
 
-template class PetscMatrix<1>;
 template class PetscMatrix<2>;
 template class PetscMatrix<3>;
-template class PetscMatrix<6>;
 
 }  // namespace gabion

@@ -8,10 +8,10 @@
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "common/mechanics/petsc/matrix_parts.hpp"
-#include "common/mechanics/petsc/packet.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
 #include "common/mechanics/petsc/petsc_operator.hpp"
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/packet.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 namespace gabion {
 

@@ -56,16 +56,13 @@ class OwnLoop(RequestHandler):
         """The open solve_step is answered."""
         self.request, self.remaining, self.awaits_verdict = None, 0.0, True
 
-    def accept_step(self, _step: StepRequest, was_solved: bool, output_time: float | None) -> Message | None:
+    def accept_step(self, _step: StepRequest, was_solved: bool) -> Message | None:
         had_trial = self._had_trial()
         if had_trial and not was_solved:
             self.must_read = True  # accepted as if it had not been asked: the accepted state stays
-        else:
-            if had_trial:
-                self.accepted_probes = list(self.probes.values())
-                self.must_write = self.window_complete = True
-            if output_time is not None and self.output:
-                self.output(output_time)
+        elif had_trial:
+            self.accepted_probes = list(self.probes.values())
+            self.must_write = self.window_complete = True
         return self._now_or_pending(accepted(AcceptReport(), self.accepted_probes), had_trial)
 
     def reject_step(self) -> Message | None:

@@ -89,10 +89,8 @@ class Service(RequestHandler):
         put_values(reply, self._settings.sends, self._interfaces, values)
         return reply
 
-    def accept_step(self, step: StepRequest, was_solved: bool, output_time: float | None) -> Message:
+    def accept_step(self, step: StepRequest, was_solved: bool) -> Message:
         report = checked_report(self._call("accept_step", step, was_solved))
-        if output_time is not None:
-            self._call("write_output", output_time)
         return accepted(report, self._call("probes"))
 
     def reject_step(self) -> Message:

@@ -23,8 +23,8 @@ class RequestHandler(ABC):
         """Solve from the accepted state."""
 
     @abstractmethod
-    def accept_step(self, step: StepRequest, was_solved: bool, output_time: float | None) -> Message | None:
-        """`output_time` [s] of the state that is accepted, when it shall be written."""
+    def accept_step(self, step: StepRequest, was_solved: bool) -> Message | None:
+        """Make the last solution the accepted state; not `was_solved`: only time advances."""
 
     @abstractmethod
     def reject_step(self) -> Message | None:
@@ -107,9 +107,10 @@ class StateMachine:
 
     def _accept(self, request: Message) -> Message | None:
         step, was_solved = read_step_request(request), request.boolean("solved")
+        if "write_output" in request.fields and request.boolean("write_output"):
+            raise ProtocolError('the coupler asks for output by "accept_step", allowed: by "write_output"')
         self._order.accept(step, was_solved)
-        output_time = request.number("output_time") if request.boolean("write_output") else None
-        answer = self._handler.accept_step(step, was_solved, output_time)
+        answer = self._handler.accept_step(step, was_solved)
         self._proposed_dt = answer.number("proposed_dt") if answer else 0.0  # one that follows later has none
         return answer
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "coupler/checks/surface_check.hpp"
+#include "coupler/mapping/surface_extent.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace gabion {

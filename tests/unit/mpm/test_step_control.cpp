@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "common/run/time_steps.hpp"
-#include "mpm_solver/step/newton_counts.hpp"
-#include "mpm_solver/step/step_control.hpp"
+#include "mpm_solver/step_sizes/newton_counts.hpp"
+#include "mpm_solver/step_sizes/step_control.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
 namespace gabion::test {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -18,8 +19,9 @@ namespace {
 ///
 ///     r(u) = -weight - light u - support min(u, 0) ,   u = -weight / (light + support)
 ///
-/// Loose (u > 0) its stiffness is `light` alone, and a Newton step leads 1 / light away.
-class LooseNode : public NewtonProblem<1> {
+/// Loose (u > 0) its stiffness is `light` alone, and a Newton step leads 1 / light away. It may
+/// move along u alone: its second unknown has a stiffness and no force.
+class LooseNode : public NewtonProblem<2> {
  public:
   double weight = 1e-3, light = 1e-6, support = 1;
   bool can_brace = true;
@@ -30,8 +32,9 @@ class LooseNode : public NewtonProblem<1> {
     share_ = share;
     return can_brace;
   }
-  Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<1>* K) override {
+  Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<2>* K) override {
     r[0] = -weight - light * u[0] - support * std::min(u[0], 0.0);
+    r[1] = 0;
     if (K) {
       K->set_zero();
       const double slope = light + (u[0] < 0 ? support : 0) + share_ * support;
@@ -46,13 +49,17 @@ class LooseNode : public NewtonProblem<1> {
   double share_ = 0;
 };
 
-NewtonReport solve(NewtonProblem<1>& problem, double& u, const NewtonSettings& settings) {
-  BlockMatrix<1> K;
+NewtonReport solve(NewtonProblem<2>& problem, double& u, const NewtonSettings& settings) {
+  BlockMatrix<2> K;
   K.set_pattern(1, std::vector<std::int32_t>{0, 1}, std::vector<std::int32_t>{0});
-  LinearSolver<1> linear(test::comm(), 2, {.method = "lu"});
-  NewtonMatrix<1> matrix{K, linear};
+  LinearSolver<2> linear(test::comm(), 2, {.method = "lu"});
+  NewtonMatrix<2> matrix{K, linear};
   PhaseTimes times;
-  return solve_newton<1>(problem, matrix, settings, std::span<double>(&u, 1), times);
+  std::array<double, 2> both = {u, 0};
+  const NewtonReport report = solve_newton<2>(problem, matrix, settings, both, times);
+  u = both[0];
+  EXPECT_EQ(both[1], 0);
+  return report;
 }
 
 NewtonReport solve(LooseNode& node, double& u, bool reuse_matrix = false) {
@@ -110,12 +117,13 @@ TEST(LooseNode, brace_and_kept_matrix_go_together) {
 }
 
 /// At u = 0 within the limit of |r|, with a small step to go; beyond, |r| jumps out of the limit.
-class EdgeOfRest : public NewtonProblem<1> {
+class EdgeOfRest : public NewtonProblem<2> {
  public:
   double increment_scale() const override { return 1; }
-  Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<1>* K) override {
+  Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<2>* K) override {
     last_u = u[0];
     r[0] = u[0] < -0.5 ? -u[0] : u[0] > 0 ? 2e-5 : 5e-6 - u[0];
+    r[1] = 0;
     if (K) {
       K->set_zero();
       if (test::rank() == 0) K->add_diagonal(0, 1);

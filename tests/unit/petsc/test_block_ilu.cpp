@@ -72,10 +72,8 @@ void expect_factors_of_the_pattern() {
 }
 
 TEST(BlockIlu, factors_have_the_pattern_of_the_matrix) {
-  expect_factors_of_the_pattern<1>();
   expect_factors_of_the_pattern<2>();
   expect_factors_of_the_pattern<3>();
-  expect_factors_of_the_pattern<6>();
 }
 
 /// Where elimination makes no fill the factors are those of the matrix itself.

@@ -115,8 +115,7 @@ TEST_F(LastWords, a_solution_counts) {
 }
 
 TEST_F(LastWords, an_accepted_step_counts) {
-  expect_answered_then_dead(accepted(),
-                            [&](RemoteSolver& soil) { soil.accept_and_write(step_, true, 0.1); });
+  expect_answered_then_dead(accepted(), [&](RemoteSolver& soil) { soil.accept_step(step_, true); });
 }
 
 TEST_F(LastWords, output_that_was_written_counts) {

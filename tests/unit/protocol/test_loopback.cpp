@@ -47,8 +47,8 @@ TEST(Loopback, two_solvers_solve_accept_skip_and_write) {
   EXPECT_EQ(sent["wall"], std::vector<double>(6, 1.0));
 
   structure.reject_step();
-  const AcceptReport accepted =
-      static_cast<RemoteSolver&>(soil).accept_and_write(request, true, 0.1);
+  const AcceptReport accepted = soil.accept_step(request, true);
+  soil.write_output(0.1);
   EXPECT_EQ(accepted.probes, std::vector<double>{1.1});
   EXPECT_EQ(soil.probes(), std::vector<double>{1.1});
   EXPECT_FALSE(accepted.at_rest);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "solver_program/mpi_traffic.hpp"
@@ -15,9 +16,10 @@ namespace {
 
 template <class Work>
 MpiTraffic traffic_of(const Work& work) {
-  const MpiTraffic before = mpi_traffic();
+  const auto before = mpi_traffic();
   work();
-  return mpi_traffic() - before;
+  if (!before) throw Error("nobody counts: gabion_mpi_counter is not loaded before MPI");
+  return *mpi_traffic() - *before;
 }
 
 TEST(MpiTraffic, messages_and_their_bytes_are_counted) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/step/newton_counts.hpp"
+#include "mpm_solver/step_sizes/newton_counts.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/materials/lanes.hpp"
+#include "common/mechanics/simd/lanes.hpp"
 
 // Tensors of four points, row by row: dim x dim.
 namespace gabion {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fem_solver/supports/time_function.hpp"
+#include "fem_solver/time/time_function.hpp"
 
 #include <fmt/format.h>
 

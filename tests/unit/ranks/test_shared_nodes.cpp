@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/mechanics/petsc/shared_nodes.hpp"
+#include "common/mechanics/ranks/shared_nodes.hpp"
 #include "tests/support/mpi_main.hpp"
 
 namespace gabion {

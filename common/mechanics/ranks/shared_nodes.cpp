@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/mechanics/petsc/shared_nodes.hpp"
-
-#include <petscsf.h>
+#include "common/mechanics/ranks/shared_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "common/mechanics/norm.hpp"
-#include "common/mechanics/petsc/petsc_handle.hpp"
-#include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 
@@ -17,52 +15,52 @@ namespace gabion {
 
 namespace {
 
-using SfHandle = PetscHandle<PetscSF, PetscSFDestroy>;
-using LayoutHandle = PetscHandle<PetscLayout, PetscLayoutDestroy>;
-
 constexpr int message_tag = 7301;
 
-// Where nodes meet that several ranks hold: the ids are shared out among the ranks, whoever holds
-// them, `width` places for each.
-class Directory {
- public:
-  Directory(MPI_Comm comm, std::span<const std::int32_t> ids, std::int32_t num_ids, int width = 1) {
-    LayoutHandle layout;
-    check_petsc(
-        PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, num_ids * width, 1, layout.receive()),
-        "PetscLayoutCreateFromSizes");
-    PetscInt num_roots = 0;
-    check_petsc(PetscLayoutGetLocalSize(layout.get(), &num_roots), "PetscLayoutGetLocalSize");
-    roots_.resize(num_roots);
-    std::vector<PetscInt> places;
-    for (const std::int32_t id : ids) {
-      for (int k = 0; k < width; ++k) places.push_back(id * width + k);
-    }
-    check_petsc(PetscSFCreate(comm, forest_.receive()), "PetscSFCreate");
-    check_petsc(
-        PetscSFSetGraphLayout(forest_.get(), layout.get(), static_cast<PetscInt>(places.size()),
-                              nullptr, PETSC_OWN_POINTER, places.data()),
-        "PetscSFSetGraphLayout");
+// The ranks that hold each node of this rank, ascending, one node after the other.
+struct Holders {
+  std::vector<int> ranks;
+  std::vector<std::size_t> starts = {0};
+  std::span<const int> of(std::size_t node) const {
+    return std::span(ranks).subspan(starts[node], starts[node + 1] - starts[node]);
   }
-  /// The best value that a holder of each place has.
-  std::vector<PetscInt> best(std::vector<PetscInt> own, PetscInt worst, MPI_Op op) {
-    std::fill(roots_.begin(), roots_.end(), worst);
-    PetscSF forest = forest_.get();
-    check_petsc(PetscSFReduceBegin(forest, MPIU_INT, own.data(), roots_.data(), op),
-                "PetscSFReduceBegin");
-    check_petsc(PetscSFReduceEnd(forest, MPIU_INT, own.data(), roots_.data(), op),
-                "PetscSFReduceEnd");
-    check_petsc(PetscSFBcastBegin(forest, MPIU_INT, roots_.data(), own.data(), MPI_REPLACE),
-                "PetscSFBcastBegin");
-    check_petsc(PetscSFBcastEnd(forest, MPIU_INT, roots_.data(), own.data(), MPI_REPLACE),
-                "PetscSFBcastEnd");
-    return own;
-  }
-
- private:
-  SfHandle forest_;
-  std::vector<PetscInt> roots_;
 };
+
+// The ids are shared out among the ranks, whoever holds the nodes: this rank was asked for some of
+// its share and tells those who asked, of each id in their order, how many asked for it and who.
+Packets tell_holders(const Packets& asked) {
+  std::vector<std::pair<std::int32_t, int>> held;  // id and holder
+  for (const auto& [rank, packet] : asked) {
+    for (Packet ids = packet; !ids.empty();) held.emplace_back(ids.take<std::int32_t>(), rank);
+  }
+  std::ranges::sort(held);
+  Packets told;
+  for (const auto& [rank, packet] : asked) {
+    for (Packet ids = packet; !ids.empty();) {
+      const auto holders = std::ranges::equal_range(held, ids.take<std::int32_t>(), {},
+                                                    [](auto& h) { return h.first; });
+      told[rank].put(static_cast<int>(holders.size()));
+      for (const auto& [id, holder] : holders) told[rank].put(holder);
+    }
+  }
+  return told;
+}
+
+Holders find_holders(MPI_Comm comm, std::span<const std::int32_t> ids, std::int32_t num_ids) {
+  const std::int32_t share = num_ids / num_ranks(comm) + 1;
+  Packets asked;
+  for (const std::int32_t id : ids) asked[id / share].put(id);
+  Packets told = send_packets(comm, tell_holders(send_packets(comm, asked)));
+  Holders holders;
+  for (auto& [rank, packet] : told) {  // ids ascend with the ranks that were asked
+    while (!packet.empty()) {
+      const int count = packet.take<int>();
+      for (int k = 0; k < count; ++k) holders.ranks.push_back(packet.take<int>());
+      holders.starts.push_back(holders.ranks.size());
+    }
+  }
+  return holders;
+}
 
 // Another rank and the nodes that this rank exchanges with it, in the order of their ids.
 struct Neighbour {
@@ -81,44 +79,43 @@ struct SharedNodes::Graph {
       : comm(comm_), rank(rank_of(comm_)) {
     static std::int64_t last_id = 0;  // all ranks count alike
     id = ++last_id;
-    find_owners(ids, num_ids);
-    find_neighbours(ids, num_ids);
+    const Holders holders = find_holders(comm, ids, num_ids);
+    for (std::size_t i = 0; i < ids.size(); ++i) owners.push_back(holders.of(i).front());
+    find_neighbours(holders);
+    number_nodes();
   }
 
-  void find_owners(std::span<const std::int32_t> ids, std::int32_t num_ids) {
-    Directory directory(comm, ids, num_ids);
-    owners = directory.best(std::vector<PetscInt>(ids.size(), rank), num_ranks(comm), MPI_MIN);
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (owners[i] == rank) owned.push_back(static_cast<std::int32_t>(i));
-    }
-    const auto own = static_cast<std::int64_t>(owned.size());
-    std::int64_t end = 0;
-    MPI_Scan(&own, &end, 1, MPI_INT64_T, MPI_SUM, comm);
-    MPI_Allreduce(&own, &num_of_all, 1, MPI_INT64_T, MPI_SUM, comm);
-    numbers.assign(ids.size(), -1);
-    auto next = static_cast<PetscInt>(end - own);
-    for (const std::int32_t i : owned) numbers[i] = next++;
-    numbers = directory.best(std::move(numbers), -1, MPI_MAX);
-  }
-
-  // Each rank has a bit at each of its nodes.
-  void find_neighbours(std::span<const std::int32_t> ids, std::int32_t num_ids) {
-    constexpr int bits = 30;
-    const int width = (num_ranks(comm) + bits - 1) / bits;
-    std::vector<PetscInt> holders(ids.size() * width, 0);
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      holders[i * width + rank / bits] = 1 << rank % bits;
-    holders = Directory(comm, ids, num_ids, width).best(std::move(holders), 0, MPI_BOR);
-    for (int r = 0; r < num_ranks(comm); ++r) {
-      Neighbour neighbour{.rank = r};
-      for (std::size_t i = 0; i < ids.size() && r != rank; ++i) {
-        if ((holders[i * width + r / bits] & 1 << r % bits) == 0) continue;
-        const auto node = static_cast<std::int32_t>(i);
+  void find_neighbours(const Holders& holders) {
+    std::map<int, Neighbour> found;
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      const auto node = static_cast<std::int32_t>(i);
+      if (owners[i] == rank) owned.push_back(node);
+      for (const int r : holders.of(i)) {
+        if (r == rank) continue;
+        Neighbour& neighbour = found[r];
+        neighbour.rank = r;
         neighbour.shared.push_back(node);
         if (owners[i] == rank) neighbour.owned.push_back(node);
         if (owners[i] == r) neighbour.theirs.push_back(node);
       }
-      if (!neighbour.shared.empty()) neighbours.push_back(std::move(neighbour));
+    }
+    for (auto& [r, neighbour] : found) neighbours.push_back(std::move(neighbour));
+  }
+
+  void number_nodes() {
+    const auto own = static_cast<std::int64_t>(owned.size());
+    std::int64_t end = 0;
+    MPI_Scan(&own, &end, 1, MPI_INT64_T, MPI_SUM, comm);
+    MPI_Allreduce(&own, &num_of_all, 1, MPI_INT64_T, MPI_SUM, comm);
+    numbers.assign(owners.size(), -1);
+    auto next = static_cast<std::int32_t>(end - own);
+    for (const std::int32_t i : owned) numbers[i] = next++;
+    const std::vector<double> given(numbers.begin(), numbers.end());
+    const auto parts = exchange(given, 1, &Neighbour::owned, &Neighbour::theirs);
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+      for (std::size_t k = 0; k < parts[n].size(); ++k) {
+        numbers[neighbours[n].theirs[k]] = static_cast<std::int32_t>(parts[n][k]);
+      }
     }
   }
 
@@ -151,9 +148,9 @@ struct SharedNodes::Graph {
   MPI_Comm comm;
   int rank = 0;
   std::int64_t id = 0;
-  std::vector<PetscInt> owners;     // ranks
+  std::vector<int> owners;          // ranks
   std::vector<std::int32_t> owned;  // ascending
-  std::vector<PetscInt> numbers;
+  std::vector<std::int32_t> numbers;
   std::int64_t num_of_all = 0;
   std::vector<Neighbour> neighbours;  // ascending ranks
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/step/step_control.hpp"
+#include "mpm_solver/step_sizes/step_control.hpp"
 
 #include <algorithm>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "common/run/solver.hpp"
-#include "mpm_solver/step/newton_counts.hpp"
-#include "mpm_solver/step/step_control.hpp"
+#include "mpm_solver/step_sizes/newton_counts.hpp"
+#include "mpm_solver/step_sizes/step_control.hpp"
 
 namespace gabion::mpm {
 

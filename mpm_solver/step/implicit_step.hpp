@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mpm_solver/step/linear_system.hpp"
+#include "mpm_solver/step/step_method.hpp"
+
+namespace gabion::mpm {
+
+/// Steps of implicit phases: the balance of momentum at the end of the step, solved by Newton's
+/// method.
+template <int dim>
+class ImplicitStep final : public StepMethod<dim> {
+ public:
+  using Parts = typename StepMethod<dim>::Parts;
+  explicit ImplicitStep(const Parts& parts);
+
+  NewmarkBossak scheme(const Phase& phase, bool forces_jump) const override {
+    return phase.dynamic && !forces_jump ? phase.scheme : starting_scheme;
+  }
+  void begin(const StepStart& start) override;
+  StepReport solve(const StepRequest& request) override;
+  std::span<const double> du() const override { return du_; }
+  std::vector<Vector<dim>> wall_forces() const override { return equilibrium_->wall_forces(); }
+  StepEnd<dim> end() override;
+  void remember(SoilState<dim>& state) const override;
+  void release() override;
+
+  /// Displacement that would balance the stress of the accepted state with gravity, without
+  /// inertia, num_nodes x dim [m]; wall_forces() are then those of that state.
+  /// @param start  of a quasi-static step
+  /// @param where  of the initial stress, file and pointer, for the message
+  /// @throws ConfigError  there is none: some of the soil is held nowhere
+  std::vector<double> settlement(const StepStart& start, const Vector<dim>& gravity,
+                                 const std::string& where);
+
+  const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
+  const BlockMatrix<dim>& stiffness() const { return system_.K(); }
+  /// Of all solutions so far.
+  std::int64_t linear_iterations() const { return linear_iterations_; }
+
+ private:
+  /// Gravity at both ends of a step [m/s^2].
+  struct Gravity {
+    Vector<dim> start, end;
+  };
+  void make_equilibrium(const Gravity& gravity);
+  LinearRegime regime() const;
+  NewtonReport solve_balance(const StepRequest& request);
+
+  Parts parts_;
+  LinearSystem<dim> system_;
+  std::int64_t linear_iterations_ = 0;
+
+  // the current step
+  StepStart start_;
+  int first_iterations_ = 0;                   // of Newton's method, of the first solution
+  std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
+  std::optional<Equilibrium<dim>> equilibrium_;
+  std::vector<double> du_;
+};
+
+}  // namespace gabion::mpm
