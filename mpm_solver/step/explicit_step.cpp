@@ -55,6 +55,7 @@ void ExplicitStep<dim>::begin(const StepRequest& request, const Start& start) {
                  .weights = start.soil.weights(),
                  .nodes = *nodes_,
                  .trial = start.trial},
+      .grid = model_.grid,
       .walls = *walls_,
       .surfaces = state_.surfaces,
       .cell_size = model_.cell_size,

@@ -42,6 +42,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
   for (const auto& body : settings.bodies) {
     const auto& material = body.material;
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
+    remembers_internal |= gabion::remembers_internal<dim>(material.law);
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
     moduli.push_back(modulus);
