@@ -3,9 +3,16 @@
 
 namespace gabion::mpm {
 
+// Width of the band over the cell size for which a layer that is sheared along the rows of the grid,
+// filled with rows of points as bodies are laid, does the work of a surface that slips by five times
+// its softening slip.
+constexpr double narrowest_band(Basis basis) {
+  return basis == Basis::bspline ? 1.35 : 1;
+}
+
 template <int dim>
 double band_width(const BackgroundGrid<dim>& grid, std::int32_t cell) {
-  return shortest_edge(grid, cell);
+  return narrowest_band(grid.basis) * shortest_edge(grid, cell);
 }
 
 template <int dim>
