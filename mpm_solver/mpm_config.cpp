@@ -11,6 +11,7 @@
 #include "common/base/log.hpp"
 #include "common/settings/plausible.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
+#include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
@@ -325,6 +326,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
                                            body.material.law));
   }
+  require_no_snap_back(settings);
   const double penalty_unit = modulus / mean_cell_size(settings.grid);
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);

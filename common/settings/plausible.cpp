@@ -35,6 +35,7 @@ const std::vector<OtherUnit> viscosities = {{"mPa s^n", 1e-3}, {"kPa s^n", 1e3}}
 const std::vector<OtherUnit> densities = {
     {"t/m^3", 1e3}, {"kN/m^3", 1e3 / 9.81}, {"t/mm^3", 1e12}, {"kg/mm^3", 1e9}};
 const std::vector<OtherUnit> accelerations = {{"cm/s^2", 1e-2}, {"mm/s^2", 1e-3}};
+const std::vector<OtherUnit> lengths = {{"mm", 1e-3}};
 const std::vector<OtherUnit> speeds = {{"mm/s", 1e-3}};
 const std::vector<OtherUnit> angles = {{"radians", 180 / std::numbers::pi}};
 
@@ -53,6 +54,15 @@ const std::vector<PlausibleRange> of_soil = {
     {"material/friction_angle", 2, 60, "degrees", "less than any soil has",
      "more than any soil has", angles},
     {"material/cohesion", 20, 1e9, "Pa", "next to none", "more than any rock has", pressures},
+    {"softening/residual_friction_angle", 2, 60, "degrees", "less than any soil has",
+     "more than any soil has", angles},
+    {"softening/slip", 1e-4, 10, "m", "less than a grain", "more than soil softens over", lengths},
+    {"softening/remoulding_slip", 1e-3, 1e3, "m", "less than remoulds any clay",
+     "more than remoulds any clay", lengths},
+    {"softening/residual_cohesion", 20, 1e9, "Pa", "next to none", "more than any rock has",
+     pressures},
+    {"softening/remoulded_cohesion", 5, 1e6, "Pa", "next to none", "more than any clay has",
+     pressures},
     {"material/yield_stress", 0.1, 1e5, "Pa", "next to none", "more than any mud has", pressures},
     {"material/consistency", 1e-4, 1e6, "Pa s^n", "thinner than water", "thicker than any mud",
      viscosities},

@@ -53,11 +53,17 @@ double normally_consolidated(ConfigReader& in, const Material<dim>& material, do
 // Coefficients at rest that the law bears under the vertical stress -s, in words.
 template <int dim>
 std::string borne(const MaterialLaw<dim>& law, double s) {
-  const auto* soil = std::get_if<MohrCoulomb<dim>>(&law);
-  if (soil == nullptr) return "a stress that the law bears";
-  const PrincipalMohrCoulomb& surface = soil->principal();
-  const double k = surface.k, strength = surface.strength / s;
-  return fmt::format("k0 in [{:.6g}, {:.6g}]", (1 - strength) / k, k + strength);
+  return std::visit(
+      [s]<class Law>(const Law& soil) -> std::string {
+        if constexpr (requires { soil.principal(); }) {
+          const PrincipalMohrCoulomb& surface = soil.principal();
+          const double k = surface.k, strength = surface.strength / s;
+          return fmt::format("k0 in [{:.6g}, {:.6g}]", (1 - strength) / k, k + strength);
+        } else {
+          return "a stress that the law bears";
+        }
+      },
+      law);
 }
 
 /// State of one point at depth d.

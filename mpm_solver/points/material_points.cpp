@@ -188,6 +188,11 @@ void add_gradients(MaterialPoints<dim>& points) {
   points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
 }
 
+template <int dim>
+void add_internal(MaterialPoints<dim>& points) {
+  points.internal.assign(points.x.size(), InternalState::Zero());
+}
+
 namespace {
 
 // Close the gaps that the given places leave; fields that the points do not have are empty.
@@ -267,6 +272,8 @@ template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&
 template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
+template void add_internal<2>(MaterialPoints<2>&);
+template void add_internal<3>(MaterialPoints<3>&);
 template std::int64_t lay_points<2>(const PointLayout<2>&, double, const PointShare&,
                                     MaterialPoints<2>&);
 template std::int64_t lay_points<3>(const PointLayout<3>&, double, const PointShare&,

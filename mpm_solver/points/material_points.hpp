@@ -39,6 +39,7 @@ struct MaterialPoints {
   std::vector<double> energy;               ///< elastic energy / V0 [J/m^3]
   std::vector<Symmetric<dim>> tau;          ///< Kirchhoff stress [Pa]
   std::vector<MaterialState<dim>> history;  ///< of the material law
+  std::vector<InternalState> internal;      ///< the same; empty unless a law remembers it
   std::vector<std::int32_t> cell;           ///< of the background grid that holds x
   std::vector<std::int64_t> id;             ///< number in the whole run, from 0
   /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
@@ -70,6 +71,7 @@ constexpr void for_each_field(const Visit& visit) {
   visit("energy", &Points::energy);
   visit("tau", &Points::tau);
   visit("history", &Points::history);
+  visit("internal", &Points::internal);
   visit("cell", &Points::cell);
   visit("half_length", &Points::half_length);
 }
@@ -112,7 +114,8 @@ struct NewPoint {
   std::optional<Vector<dim>> half_length{};  ///< where the points have domains
 };
 
-/// Append a point; gradients are left to add_gradients, body_starts to the caller.
+/// Append a point; gradients and internal variables are left to add_gradients and add_internal,
+/// body_starts to the caller.
 template <int dim>
 void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points);
 
@@ -150,6 +153,10 @@ Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume);
 /// Give the points the gradients of velocity and acceleration that TPIC remembers, all zero.
 template <int dim>
 void add_gradients(MaterialPoints<dim>& points);
+
+/// Give the points the internal variables of laws, all zero.
+template <int dim>
+void add_internal(MaterialPoints<dim>& points);
 
 /// Append the points of one body: each cell of the body mesh gets the points of `point_rule`, with
 /// the volume of the cell shared by the rule's weights.

@@ -30,9 +30,9 @@ double bytes_of(const PointWeights<dim>& weights) {
 
 // Size of one entry of TrialPoints.
 template <int dim>
-constexpr double bytes_of_trial_point() {
-  return sizeof(MaterialState<dim>) + 2 * sizeof(Symmetric<dim>) + 2 * sizeof(double) +
-         sizeof(YieldRegion);
+double bytes_of_trial_point(bool with_internal) {
+  return (with_internal ? sizeof(InternalState) : 0) + sizeof(MaterialState<dim>) +
+         2 * sizeof(Symmetric<dim>) + 2 * sizeof(double) + sizeof(YieldRegion);
 }
 
 template <int dim>
@@ -59,7 +59,8 @@ void Memory<dim>::look(const SoilState<dim>& state, const SoilStep<dim>& step) {
   const std::array<double, names_.size()> bytes = {
       bytes_of(state.points),
       bytes_of(weights),
-      static_cast<double>(weights.point.size()) * bytes_of_trial_point<dim>(),
+      static_cast<double>(weights.point.size()) *
+          bytes_of_trial_point<dim>(!state.points.internal.empty()),
       bytes_of(nodes),
       bytes_of_stiffness(K, nodes.shared.alone()),
       static_cast<double>(K.pattern_bytes()),

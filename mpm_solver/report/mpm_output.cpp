@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/report/mpm_output.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <set>
 #include <utility>
+#include <variant>
 
 #include "common/mechanics/output/numbered_rows.hpp"
 #include "mpm_solver/points/flat.hpp"
@@ -13,9 +16,51 @@ namespace {
 
 using Values = std::vector<double>;
 
+// Names of the internal variables of a law; none: it remembers none.
+template <int dim>
+std::vector<std::string> internal_names(const MaterialLaw<dim>& law) {
+  return std::visit(
+      []<class Law>(const Law&) -> std::vector<std::string> {
+        if constexpr (RemembersInternal<Law>) {
+          return {Law::internal_names[0], Law::internal_names[1]};
+        } else {
+          return {};
+        }
+      },
+      law);
+}
+
+// Internal variables of the points of this rank, 0 where the law of a body has none of this name.
+template <int dim>
+std::vector<OutputField> internal_fields(const MaterialPoints<dim>& points,
+                                         const std::vector<Body<dim>>& bodies) {
+  std::set<std::string> names;
+  for (const Body<dim>& body : bodies) {
+    for (const std::string& name : internal_names(body.material.law)) names.insert(name);
+  }
+  std::vector<OutputField> fields;
+  for (const std::string& name : names) {
+    const auto make = [&points, &bodies, name] {
+      Values values(points.x.size(), 0.0);
+      for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+        const auto own = internal_names(bodies[b].material.law);
+        const auto found = std::find(own.begin(), own.end(), name);
+        if (found == own.end()) continue;
+        for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+          values[p] = points.internal[p][found - own.begin()];
+        }
+      }
+      return values;
+    };
+    fields.push_back({.name = name, .components = 1, .make = make});
+  }
+  return fields;
+}
+
 // Fields of the points of this rank, to which they refer.
 template <int dim>
-std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
+std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points,
+                                      const std::vector<Body<dim>>& bodies) {
   const auto of_each = [&points](auto value) {
     return [&points, value] {
       Values values;
@@ -51,7 +96,7 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
   const auto field = [](std::string name, int components, std::function<Values()> make) {
     return OutputField{.name = std::move(name), .components = components, .make = std::move(make)};
   };
-  return {
+  std::vector<OutputField> fields = {
       field("displacement", dim, [&points, copy] { return copy(flat(points.u)); }),
       field("velocity", dim, [&points, copy] { return copy(flat(points.v)); }),
       field("stress", symmetric_size<dim>, stress),
@@ -61,18 +106,23 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points) {
       field("volume_ratio", 1, [&points] { return points.J; }),
       field("volume", 1, of_each([&points](std::int32_t p) { return points.V0[p] * points.J[p]; })),
       field("body", 1, body)};
+  for (OutputField& own : internal_fields(points, bodies)) fields.push_back(std::move(own));
+  return fields;
 }
 
 }  // namespace
 
 template <int dim>
-std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) {
+std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points,
+                                         const std::vector<Body<dim>>& bodies) {
   return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
-                                 frame_fields<dim>(MaterialPoints<dim>()));
+                                 frame_fields<dim>(MaterialPoints<dim>(), bodies));
 }
 
 template <int dim>
-MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder) : comm_(comm) {
+MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder,
+                          const std::vector<Body<dim>>& bodies)
+    : comm_(comm), bodies_(bodies) {
   if (!folder.empty()) series_.emplace(folder, "soil", comm);
 }
 
@@ -80,7 +130,7 @@ template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   if (!series_) return;
   const NumberedRows rows(comm_, points.id, points.body_ids.back());
-  std::vector<OutputField> fields = frame_fields(points);
+  std::vector<OutputField> fields = frame_fields(points, bodies_);
   for (OutputField& field : fields) {
     field.make = [own = std::move(field.make), &rows, width = field.components] {
       return rows.gather_rows(own(), width);

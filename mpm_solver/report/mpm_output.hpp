@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -13,19 +14,22 @@
 namespace gabion::mpm {
 
 /// Frames of the material points, ordered by id: displacement, velocity, Cauchy stress, mean
-/// pressure, plastic strain, volume ratio, volume, body. Each rank writes its share of the rows.
+/// pressure, plastic strain, volume ratio, volume, body, and what laws remember besides. Each rank
+/// writes its share of the rows.
 template <int dim>
 class MpmOutput {
  public:
   /// @param folder  empty: nothing is written
-  MpmOutput(MPI_Comm comm, const std::string& folder);
+  /// @param bodies  have to live as long
+  MpmOutput(MPI_Comm comm, const std::string& folder, const std::vector<Body<dim>>& bodies);
   /// @note Collective.
   void write(double time, const MaterialPoints<dim>& points);
   /// Size of a frame before compression.
-  static std::int64_t frame_bytes(std::int64_t num_points);
+  static std::int64_t frame_bytes(std::int64_t num_points, const std::vector<Body<dim>>& bodies);
 
  private:
   MPI_Comm comm_;
+  const std::vector<Body<dim>>& bodies_;
   std::optional<XdmfSeries> series_;
 };
 

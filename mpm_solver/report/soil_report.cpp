@@ -55,7 +55,9 @@ Json explicit_json(const SubstepCounts& counts) {
 
 template <int dim>
 SoilReport<dim>::SoilReport(const SoilModel<dim>& model, const std::string& output_folder)
-    : model_(model), output_(model.comm, output_folder), contact_output_(model, output_folder) {}
+    : model_(model),
+      output_(model.comm, output_folder, model.settings.bodies),
+      contact_output_(model, output_folder) {}
 
 template <int dim>
 void SoilReport<dim>::write_frame(double time, const SoilState<dim>& state) {
@@ -199,7 +201,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
                   {"points", num_points},
                   {"grid_cells", model_.grid.num_cells()},
                   {"grid_nodes", model_.grid.num_nodes_total()},
-                  {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points) +
+                  {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points, settings.bodies) +
                                       ContactOutput<dim>::frame_bytes(settings)},
                   {"capped_domains", static_cast<std::int64_t>(sums[0])},
                   {"phases", settings.phases.size()},

@@ -35,7 +35,7 @@ constexpr double share_of_stopping = 1e-3;
 template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
-      context_{.dt = parts.dt},
+      context_{.dt = parts.dt, .grid = &parts.grid},
       internal_({.bodies = parts.bodies,
                  .points = parts.points,
                  .weights = parts.weights,
@@ -115,7 +115,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
 template <int dim>
 Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<double> r,
                                       BlockMatrix<dim>* K) {
-  std::int32_t worst = -1;
+  RefusedPoint worst;
   Sums sums;
   sums.inadmissible = internal_.evaluate(du, K, worst) ? 0 : 1;
   if (K && brace_ > 0) internal_.add_brace(brace_, *K);
@@ -136,9 +136,8 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   return assess(sums, worst);
 }
 
-// @param worst  point of this rank that is inadmissible, -1: none
 template <int dim>
-Evaluation Equilibrium<dim>::assess(Sums sums, std::int32_t worst) {
+Evaluation Equilibrium<dim>::assess(Sums sums, const RefusedPoint& worst) {
   sums.neighbours = internal_.neighbours_matrix() ? 1 : 0;
   double* const all[] = {&sums.internal, &sums.external,     &sums.inertial,  &sums.stopping,
                          &sums.residual, &sums.inadmissible, &sums.neighbours};
@@ -151,9 +150,9 @@ Evaluation Equilibrium<dim>::assess(Sums sums, std::int32_t worst) {
   if (sums.inadmissible > 0) {
     result.admissible = false;
     result.reason =
-        shared().first_text(worst < 0 ? ""
-                                      : fmt::format("{} would be squeezed below {} of its volume",
-                                                    describe_point(worst), min_J_ratio));
+        shared().first_text(worst.point < 0 ? ""
+                                            : fmt::format("{} {}", describe_point(worst.point),
+                                                          refusal_text(worst.refusal)));
     return result;
   }
   first_evaluation_ = false;
@@ -292,7 +291,8 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     const std::int32_t p = weights.point[worst.entry];
     StressUpdate<dim> stress;
     const bool admissible =
-        update(LawInStep<MaterialLaw<dim>, dim>{parts_.bodies[group->body].material.law, context_},
+        update(LawInStep<MaterialLaw<dim>, dim>{parts_.bodies[group->body].material.law,
+                                                context_.of_point(parts_.points, p)},
                displacement_gradient(weights, worst.entry, of_group.data()),
                parts_.points.history[p], stress, static_cast<Tangent<dim>*>(nullptr));
     own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,

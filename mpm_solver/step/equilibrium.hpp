@@ -110,10 +110,10 @@ class Equilibrium final : public NewtonProblem<dim> {
   void add_weight(std::span<double> r, Sums& sums) const;
   void add_inertia(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K,
                    Sums& sums) const;
-  Evaluation assess(Sums sums, std::int32_t worst);
+  Evaluation assess(Sums sums, const RefusedPoint& worst);
 
   Parts parts_;
-  PointContext context_;  // of the step, for internal_
+  StepContext<dim> context_;  // of the step, for internal_
   InternalForces<dim> internal_;
   bool first_evaluation_ = true;       // of a solution
   bool supported_ = false;             // K holds a little stiffness everywhere

@@ -32,6 +32,7 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
 template <int dim>
 const StressParts<dim>& ExplicitMotion<dim>::with_path() {
   parts_.stress.path = &path_;
+  context_.grid = &parts_.grid;
   parts_.stress.context = &context_;
   return parts_.stress;
 }
@@ -93,13 +94,13 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
 template <int dim>
 void ExplicitMotion<dim>::begin_path(int count) {
   const MaterialPoints<dim>& points = parts_.stress.points;
-  path_.clear();
+  path_ = {};
   tau_.clear();
   const bool elastic = std::ranges::all_of(
       parts_.stress.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
   if (elastic) return;
   tau_ = points.tau;
-  if (count > 1) path_ = points.history;
+  if (count > 1) path_ = {.history = points.history, .internal = points.internal};
   internal_.forget();
 }
 
@@ -118,13 +119,13 @@ void ExplicitMotion<dim>::advance_path() {
 template <int dim>
 typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share) {
   const SharedNodes& shared = parts_.stress.nodes.shared;
-  std::int32_t worst = -1;
+  RefusedPoint worst;
   const bool admissible = internal_.evaluate(result_.du, nullptr, worst);
   if (!shared.all(admissible)) {
     const std::string own =
-        worst < 0 ? ""
-                  : fmt::format("material point {} would be squeezed below {} of its volume",
-                                parts_.stress.points.id[worst], min_J_ratio);
+        worst.point < 0 ? ""
+                        : fmt::format("material point {} {}", parts_.stress.points.id[worst.point],
+                                      refusal_text(worst.refusal));
     throw ConvergenceError("explicit step: " + shared.first_text(own), "inadmissible");
   }
   Forces forces{.body = parts_.body_force(share), .internal = internal_.forces(), .A = {}};

@@ -27,6 +27,7 @@ class ExplicitMotion {
  public:
   struct Parts {
     StressParts<dim> stress;
+    const BackgroundGrid<dim>& grid;
     const WallConditions<dim>& walls;
     Surfaces<dim>& surfaces;
     double cell_size;
@@ -85,9 +86,9 @@ class ExplicitMotion {
   void finish(const Forces& last);
 
   Parts parts_;
-  PointContext context_;                  // of the substeps
-  std::vector<MaterialState<dim>> path_;  // StressParts::path; empty: nothing depends on it
-  std::vector<Symmetric<dim>> tau_;       // at the start of the current substep [Pa]
+  StepContext<dim> context_;         // of the substeps
+  MaterialPath<dim> path_;           // StressParts::path; empty: nothing depends on it
+  std::vector<Symmetric<dim>> tau_;  // at the start of the current substep [Pa]
   PointInertia<dim> inertia_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;

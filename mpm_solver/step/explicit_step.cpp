@@ -58,6 +58,7 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                                      .nodes = nodes(),
                                                      .trial = parts_.trial,
                                                      .held_normal = walls().held_normal()},
+                                          .grid = model.grid,
                                           .walls = walls(),
                                           .surfaces = parts_.state.surfaces,
                                           .cell_size = model.cell_size,

@@ -30,6 +30,7 @@ struct SoilModel {
   double wave_speed = 0;                 ///< the largest [m/s]
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
   std::vector<char> elastic;             ///< of each body: it has an elastic law
+  bool remembers_internal = false;       ///< a body has a law with internal variables
   std::vector<double> moduli;            ///< of P waves, of each body [Pa]
   std::vector<double> weights;           ///< pressure under each body by its own weight [Pa]
   bool stressed = false;                 ///< a body has initial stress

@@ -34,6 +34,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   }
   for_each_field<dim>([&](const char*, auto field) { (points.*field).shrink_to_fit(); });
   if (settings.tpic) add_gradients(points);
+  if (model.remembers_internal) add_internal(points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
@@ -160,7 +161,7 @@ void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
       [&]<class Value>(const char* name, std::vector<Value> MaterialPoints<dim>::*field) {
         const std::size_t size = (points.*field).size();
         const bool optional = name == std::string("half_length") || name == std::string("grad_v") ||
-                              name == std::string("grad_a");
+                              name == std::string("grad_a") || name == std::string("internal");
         require(size == count || (optional && size == 0),
                 "saved state: points.{}: found {} values for {} points", name, size, count);
       });
@@ -292,6 +293,11 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
   together(model.comm, [&] {
     visit(visitor);
     check_points(points, model.grid.num_cells());
+    require(points.internal.size() == (model.remembers_internal ? points.id.size() : 0),
+            "saved state: points.internal: found {} values for {} points and laws {} internal "
+            "variables",
+            points.internal.size(), points.id.size(),
+            model.remembers_internal ? "with" : "without");
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

@@ -50,7 +50,7 @@ void AveragedForces<dim>::set_volumes() {
 template <int dim>
 template <int n>
 bool AveragedForces<dim>::find_volumes(const GroupRange& range, std::span<const double> du,
-                                       std::int32_t& worst) {
+                                       RefusedPoint& worst) {
   start(range);
   stresses_.template set_gradients<n>(parts_, range, du);
   set_volumes();
@@ -59,7 +59,7 @@ bool AveragedForces<dim>::find_volumes(const GroupRange& range, std::span<const 
     if (!any(refused)) continue;
     int lane = 0;
     while (!refused[lane]) ++lane;
-    worst = parts_.weights.point[stresses_.entry(b, lane)];
+    worst = {parts_.weights.point[stresses_.entry(b, lane)], Refusal::squeezed};
     return false;
   }
   return true;
@@ -76,7 +76,7 @@ Lanes AveragedForces<dim>::of_groups(std::size_t b, const OfGroup& of_group) con
 
 template <int dim>
 template <class Law>
-bool AveragedForces<dim>::find_stresses(const Law& law, bool with_K, std::int32_t& worst) {
+bool AveragedForces<dim>::find_stresses(const Law& law, bool with_K, RefusedPoint& worst) {
   for (std::size_t b = 0; b < averages_.size(); ++b) {
     const Lanes mean_change =
         of_groups(b, [](const GroupSums& sums, int) { return sums.change / sums.before; });

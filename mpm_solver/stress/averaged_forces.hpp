@@ -21,10 +21,11 @@ class AveragedForces {
     std::span<const double> du;  ///< of the active nodes, num_nodes x dim [m]
     BlockMatrix<dim>* K;         ///< null, or gets the derivative of the forces
     std::span<double> f;         ///< gets the forces, num_nodes x dim [N]
-    std::int32_t& worst;         ///< set to the point that made the state inadmissible
+    RefusedPoint& worst;         ///< set to the point that made the state inadmissible
   };
   /// Add the internal forces of this rank's points.
-  /// @returns false when a point of this rank would be squeezed below min_J_ratio of its volume
+  /// @returns false when a point of this rank has no stress, or would be squeezed below min_J_ratio
+  ///          of its volume
   bool evaluate(const Target& target);
   /// Forces of the accepted stresses, those of du = 0: `num_values` = num_nodes x dim [N].
   std::vector<double> start_forces(std::size_t num_values) const {
@@ -41,9 +42,9 @@ class AveragedForces {
   template <int n>
   bool evaluate_range(const Body<dim>& body, const GroupRange& range, const Target& target);
   template <int n>
-  bool find_volumes(const GroupRange& range, std::span<const double> du, std::int32_t& worst);
+  bool find_volumes(const GroupRange& range, std::span<const double> du, RefusedPoint& worst);
   template <class Law>
-  bool find_stresses(const Law& law, bool with_K, std::int32_t& worst);
+  bool find_stresses(const Law& law, bool with_K, RefusedPoint& worst);
   void sum_pressures(bool with_K);
   template <int n>
   void add_forces(const GroupRange& range, std::span<double> f);

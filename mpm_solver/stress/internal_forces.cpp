@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/stress/internal_forces.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <variant>
@@ -28,6 +30,13 @@ bool is_near(std::span<const double> x, const std::vector<double>& y, double dis
 }
 
 }  // namespace
+
+std::string refusal_text(Refusal refusal) {
+  if (refusal == Refusal::squeezed) {
+    return fmt::format("would be squeezed below {} of its volume", min_J_ratio);
+  }
+  return "strains more in this step than its law finds a stress for";
+}
 
 /// Room for the points and the cell at hand.
 template <int dim>
@@ -62,7 +71,7 @@ InternalForces<dim>::InternalForces(const StressParts<dim>& parts, double cell_s
       repeats_(repeats) {
   if (average_volumes) averaged_ = std::make_unique<AveragedForces<dim>>(parts);
   f_int_.resize(static_cast<std::size_t>(parts_.nodes.size()) * dim);
-  parts_.trial.resize(parts_.points.size());
+  parts_.trial.resize(parts_.points);
   forget();
 }
 
@@ -207,7 +216,7 @@ bool InternalForces<dim>::all_forces(const Request& request) {
 
 template <int dim>
 bool InternalForces<dim>::evaluate(std::span<const double> du, BlockMatrix<dim>* K,
-                                   std::int32_t& worst) {
+                                   RefusedPoint& worst) {
   const double near = first_evaluation_ ? same_tangent * cell_size_ : 0;
   first_evaluation_ = false;
   if (std::ranges::equal(du, du_known_) && (!K || is_near(du, du_K_, near))) {
@@ -266,7 +275,7 @@ void InternalForces<dim>::finish(std::span<const double> du) {
     same_strain_ = 0;  // where stresses followed from their tangent, they are evaluated now
     du_known_.clear();
   }
-  std::int32_t worst = -1;
+  RefusedPoint worst;
   require(evaluate(du, nullptr, worst), "mpm_solver: an inadmissible state was accepted");
 }
 

@@ -38,8 +38,9 @@ class InternalForces {
 
   /// @param K      null, or set to the derivative of the internal forces
   /// @param worst  set to the point that made the state inadmissible
-  /// @returns false when a point of this rank would be squeezed below min_J_ratio of its volume
-  bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, std::int32_t& worst);
+  /// @returns false when a point of this rank has no stress, or would be squeezed below min_J_ratio
+  ///          of its volume
+  bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, RefusedPoint& worst);
   /// Whether K of the last evaluation was that of a neighbouring state.
   bool neighbours_matrix() const { return neighbours_matrix_; }
   const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
@@ -78,7 +79,7 @@ class InternalForces {
   struct Request {
     std::span<const double> du;
     BlockMatrix<dim>* K;  // null: forces alone
-    std::int32_t& worst;
+    RefusedPoint& worst;
   };
 
   bool all_forces(const Request& request);

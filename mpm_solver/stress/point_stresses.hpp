@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -113,9 +114,11 @@ class PointStresses {
 
   /// Set P, A if wanted, and the trial state.
   /// @param worst  set to the point that makes the state inadmissible
-  /// @returns false when a point would be squeezed below min_J_ratio of its volume
+  /// @returns false when a law gives no stress, or only to a point squeezed below min_J_ratio of
+  /// its
+  ///          volume
   template <class Law>
-  bool evaluate(const StressParts<dim>& parts, const Law& law, bool with_A, std::int32_t& worst) {
+  bool evaluate(const StressParts<dim>& parts, const Law& law, bool with_A, RefusedPoint& worst) {
     fill_up();
     for (std::size_t b = 0; b < batches_.size(); ++b) {
       Batch& batch = batches_[b];
@@ -124,9 +127,9 @@ class PointStresses {
         batch.state_n[l] = &state_of(parts, parts.weights.point[entry(b, l)]);
       }
       batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
-      const int refused = update(parts, law, batch, n, with_A);
+      const int refused = update(parts, law, b, with_A);
       if (refused < n) {
-        worst = parts.weights.point[entry(b, refused)];
+        worst = {parts.weights.point[entry(b, refused)], refusal_};
         return false;
       }
       if constexpr (!Law::is_elastic) {
@@ -157,15 +160,28 @@ class PointStresses {
   };
 
   static const MaterialState<dim>& state_of(const StressParts<dim>& parts, std::int32_t p) {
-    return parts.has_path() ? (*parts.path)[p] : parts.points.history[p];
+    return parts.has_path() ? parts.path->history[p] : parts.points.history[p];
+  }
+  /// What the law may know of an entry's point.
+  template <class Law>
+  PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
+    if constexpr (!ContextualLaw<Law, dim>) return {};
+    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
+    const std::int32_t p = parts.weights.point[e];
+    PointContext context = parts.context->of_point(parts.points, p);
+    if (parts.has_path()) context.internal = parts.path->internal[p];
+    return context;
   }
   // The next substep begins at this one's end. A state that stayed elastic is the one it was.
   void advance(const StressParts<dim>& parts, const Batch& batch, std::size_t b) const {
     for (int l = 0; l < points_of(b); ++l) {
-      MaterialState<dim>& state = (*parts.path)[parts.weights.point[entry(b, l)]];
+      const std::int32_t p = parts.weights.point[entry(b, l)];
+      MaterialState<dim>& state = parts.path->history[p];
       if (batch.out.region[l] == YieldRegion::elastic && state.gap == 0) continue;
       state = batch.out.state[l];
       state.e = pull_back<dim>(batch.gradient(l), state.e);
+      if (!parts.trial.internal.empty())
+        parts.path->internal[p] = parts.trial.internal[entry(b, l)];
     }
   }
   static BatchResults<dim> place(const StressParts<dim>& parts, std::int32_t entry) {
@@ -175,10 +191,13 @@ class PointStresses {
             trial.plastic_increment.data() + entry, trial.region.data() + entry};
   }
 
-  // @returns the number in the batch of a point that makes the state inadmissible, or n
+  // @returns the number in the batch of a point that makes the state inadmissible, or the number of
+  //          points
   template <class Law>
-  static int update(const StressParts<dim>& parts, const Law& law, Batch& batch, int n,
-                    bool with_A) {
+  int update(const StressParts<dim>& parts, const Law& law, std::size_t b, bool with_A) {
+    Batch& batch = batches_[b];
+    const int n = points_of(b);
+    refusal_ = Refusal::squeezed;
     if constexpr (requires { law.batch_return()->update(batch, with_A); }) {
       if (law.batch_return() && law.batch_return()->update(batch, with_A)) {
         if (!any(load_lanes(batch.out.J) < min_J_ratio)) return n;
@@ -187,18 +206,42 @@ class PointStresses {
             batch.out.J);
       }
     }
-    LawInStep<Law, dim> in_step{law, {}};
     if constexpr (ContextualLaw<Law, dim>) {
-      require(parts.context != nullptr, "mpm_solver: a law that depends on time without a step");
-      in_step.context = *parts.context;
+      require(parts.context != nullptr, "mpm_solver: a law that depends on the step without one");
     }
+    return update_lanes(parts, law, b, with_A);
+  }
+
+  // Lane by lane, but for those that a law with internal variables finds elastic at once:
+  // update_elastic(contexts, batch, with_A) returns which they are.
+  template <class Law>
+  int update_lanes(const StressParts<dim>& parts, const Law& law, std::size_t b, bool with_A) {
+    Batch& batch = batches_[b];
+    const int n = points_of(b);
+    [[maybe_unused]] std::array<PointContext, Batch::size> contexts;
+    if constexpr (ContextualLaw<Law, dim>) {
+      for (int l = 0; l < Batch::size; ++l) contexts[l] = context_of<Law>(parts, entry(b, l));
+    }
+    LaneMask done{};
+    if constexpr (requires { law.update_elastic(contexts, batch, with_A); }) {
+      done = law.update_elastic(contexts, batch, with_A);
+    }
+    LawInStep<Law, dim> in_step{law, {}};
     StressUpdate<dim> found;
     Tangent<dim> A;
     for (int l = 0; l < n; ++l) {
-      const bool admissible =
-          in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr);
-      if (!admissible || found.J < min_J_ratio) return l;
-      batch.set(l, found, with_A ? &A : nullptr);
+      if constexpr (ContextualLaw<Law, dim>) in_step.context = contexts[l];
+      if (!done[l]) {
+        if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+          refusal_ = found.refusal;
+          return l;
+        }
+        batch.set(l, found, with_A ? &A : nullptr);
+      }
+      if (batch.out.J[l] < min_J_ratio) return l;
+      if constexpr (RemembersInternal<Law>) {
+        parts.trial.internal[entry(b, l)] = done[l] ? contexts[l].internal : found.internal;
+      }
     }
     return n;
   }
@@ -207,6 +250,7 @@ class PointStresses {
   int count_ = 0;
   std::vector<Batch> batches_;
   Spare spare_;
+  Refusal refusal_ = Refusal::squeezed;  // of the last update that did not return all points
 };
 
 }  // namespace gabion::mpm

@@ -15,6 +15,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
+#include "mpm_solver/stress/step_context.hpp"
 
 namespace gabion::mpm {
 
@@ -180,7 +181,8 @@ class GroupVolumes {
 
 // Change the volume of one point by the strain d. Returns the elastic energy it loses.
 template <class Law, int dim>
-double change_volume(const Law& law, double d, std::int32_t p, MaterialPoints<dim>& points) {
+double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
+                     MaterialPoints<dim>& points) {
   MaterialState<dim> state = points.history[p];
   add_volumetric_strain(law, d, state);
   StressUpdate<dim> stress;
@@ -188,6 +190,7 @@ double change_volume(const Law& law, double d, std::int32_t p, MaterialPoints<di
           "mpm_solver: a shared volume is inadmissible");
   const double lost = points.V0[p] * (points.energy[p] - stress.energy);
   points.history[p] = stress.state;
+  if constexpr (RemembersInternal<Law>) points.internal[p] = stress.internal;
   points.tau[p] = stress.tau;
   points.energy[p] = stress.energy;
   points.J[p] *= std::exp(d);
@@ -218,9 +221,13 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
   });
   volumes.sum();
   double lost = 0;
-  for_each_point([&](const auto& law, std::int32_t b, std::int32_t p) {
+  const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid};
+  for_each_point([&]<class Law>(const Law& law, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
-    if (std::abs(d) > same_strain) lost += change_volume(law, d, p, points);
+    if (!(std::abs(d) > same_strain)) return;
+    LawInStep<Law, dim> in_step{law, {}};
+    if constexpr (RemembersInternal<Law>) in_step.context = at_once.of_point(points, p);
+    lost += change_volume(in_step, d, p, points);
   });
   sum_over_ranks(owners.comm, std::span<double>(&lost, 1));
   return lost;

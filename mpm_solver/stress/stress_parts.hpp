@@ -3,12 +3,14 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/mechanics/petsc/node_block.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/entry_values.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/stress/step_context.hpp"
 #include "mpm_solver/stress/trial_points.hpp"
 
 namespace gabion::mpm {
@@ -16,12 +18,27 @@ namespace gabion::mpm {
 /// A step that squeezes a point below this share of its volume is inadmissible.
 inline constexpr double min_J_ratio = 0.1;
 
+/// State of each point's material at the start of a substep, brought back to the configuration at
+/// the start of the step.
+template <int dim>
+struct MaterialPath {
+  std::vector<MaterialState<dim>> history;
+  std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
+};
+
+/// A material point whose law gives no stress.
+struct RefusedPoint {
+  std::int32_t point = -1;  ///< -1: none of this rank
+  Refusal refusal = Refusal::squeezed;
+};
+
+/// What is wrong with it, after its name.
+std::string refusal_text(Refusal refusal);
+
 /// What the stresses of one rank's material points depend on, and where they go.
 ///
-/// A solution in substeps has a `path`: the state of each point's material at the start of the
-/// substep, brought back to the configuration at the start of the step. Every evaluation then
-/// begins there, and replaces it by what it found. Without (null or empty), all begin at
-/// points.history.
+/// A solution in substeps has a `path`. Every evaluation then begins there, and replaces it by what
+/// it found. Without (null or empty), all begin at points.history and points.internal.
 ///
 /// `held_normal` is WallConditions::held_normal, null where there is none.
 ///
@@ -33,11 +50,11 @@ struct StressParts {
   const PointWeights<dim>& weights;
   const GridNodes<dim>& nodes;
   TrialPoints<dim>& trial;
-  std::vector<MaterialState<dim>>* path = nullptr;
-  const PointContext* context = nullptr;
+  MaterialPath<dim>* path = nullptr;
+  const StepContext<dim>* context = nullptr;
   const Vector<dim>* held_normal = nullptr;
 
-  bool has_path() const { return path && !path->empty(); }
+  bool has_path() const { return path && !path->history.empty(); }
 };
 
 /// Room for the displacements of a group's nodes.

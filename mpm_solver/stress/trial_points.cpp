@@ -38,6 +38,9 @@ void accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& t
     points.energy[p] = trial.energy[e];
     points.J[p] *= trial.J_ratio[e];
   }
+  for (std::size_t e = 0; e < trial.internal.size(); ++e) {
+    points.internal[weights.point[e]] = trial.internal[e];
+  }
 }
 
 template double plastic_work<2>(const PointWeights<2>&, const TrialPoints<2>&,

@@ -18,13 +18,17 @@ struct TrialPoints {
   std::vector<double> energy;
   std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
   std::vector<YieldRegion> region;
-  void resize(std::size_t n) {
+  std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
+  /// Room for the points of a rank.
+  void resize(const MaterialPoints<dim>& points) {
+    const std::size_t n = points.x.size();
     history.resize(n);
     tau.resize(n);
     J_ratio.resize(n);
     energy.resize(n);
     plastic_increment.resize(n);
     region.resize(n);
+    internal.resize(points.internal.size());
   }
 };
 

@@ -92,7 +92,9 @@ bool HerschelBulkley<dim>::update(const PointContext& context, const Matrix<dim>
                                   Tangent<dim>* A) const {
   bool solved = true;
   const Surface surface{parameters_, context.dt, solved};
-  return principal_update<dim>(surface, H, state_n, out, A) && solved;
+  if (!principal_update<dim>(surface, H, state_n, out, A)) return false;
+  if (!solved) out.refusal = Refusal::unsolved;
+  return solved;
 }
 
 template class HerschelBulkley<2>;

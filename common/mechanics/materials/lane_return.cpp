@@ -102,6 +102,13 @@ void LaneReturn::return_to_surface(const PrincipalLanes& eps, const PrincipalLan
   }
 }
 
+LaneMask LaneReturn::yields(const PrincipalLanes& eps, const LaneStrength& surface) const {
+  const PrincipalLanes tau = stress(eps);
+  const Lanes first = abs(eps[0]), last = abs(eps[2]);
+  const Lanes size = yield_tolerance * (law_.lambda + 2 * law_.mu) * (surface.k + 1);
+  return surface.k * tau[0] - tau[2] - surface.strength > size * select(first > last, first, last);
+}
+
 LaneReturn::State LaneReturn::apply(const PrincipalLanes& eps) const {
   State r;
   const PrincipalLanes tau = stress(eps);

@@ -27,6 +27,11 @@ Lanes hencky_strain(const Lanes& e);
 Lanes strain_from_hencky(const Lanes& eps);
 Lanes hencky_slope(const Lanes& b_0, const Lanes& b_1);
 
+/// Yield surfaces k tau_1 - tau_3 = strength of four points.
+struct LaneStrength {
+  Lanes k, strength;
+};
+
 /// Return to the planes, edges and apex of Mohr-Coulomb or Tresca without a tension cut-off: the
 /// formulas of mohr_coulomb_return.hpp with each choice made lane by lane.
 class LaneReturn {
@@ -64,6 +69,15 @@ class LaneReturn {
   }
   /// @param eps  trial Hencky strain, descending
   State apply(const PrincipalLanes& eps) const;
+  /// Whether a trial state is beyond other surfaces than that of the law.
+  LaneMask yields(const PrincipalLanes& eps, const LaneStrength& surface) const;
+  /// The trial states as they are.
+  static State elastic_state(const PrincipalLanes& eps) {
+    State r;
+    r.on[elastic] = ~LaneMask{};
+    r.eps_e = eps;
+    return r;
+  }
   /// d tau / d eps of principal values in descending order.
   Eigen::Matrix3d moduli(Face face) const;
 

@@ -10,6 +10,7 @@
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/herschel_bulkley.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
+#include "common/mechanics/materials/softening_soil.hpp"
 #include "common/mechanics/materials/tresca.hpp"
 #include "common/settings/config_reader.hpp"
 
@@ -25,8 +26,9 @@ concept ConstitutiveLaw = std::copyable<Law> &&
              StressUpdate<dim>& out, Tangent<dim>* A) {
   // Fills out and, unless it is null, A with the exact consistent dP/dH.
   // False when det(1 + H) <= 0, or when an equation of the law was not solved: the step has to be
-  // shorter. out is then undefined. A law that depends on time is a ContextualLaw too, and answers
-  // here at once, dt = 0.
+  // shorter. out.refusal then says which, the rest of out is undefined. A law that depends on time,
+  // on the grid or on internal variables is a ContextualLaw too, and answers here at once, virgin
+  // and with no grid: PointContext{}.
   { law.update(H, state_n, out, A) } -> std::same_as<bool>;
   // A(iJ, kL) == A(kL, iJ) for every state.
   { law.symmetric_tangent() } -> std::same_as<bool>;
@@ -40,7 +42,7 @@ concept ConstitutiveLaw = std::copyable<Law> &&
 template <int dim>
 using MaterialLaw =
     std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, MohrCoulomb<dim>,
-                 Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>>;
+                 Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>, SofteningSoil<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {
@@ -59,6 +61,11 @@ struct Material {
 template <int dim>
 bool is_elastic(const MaterialLaw<dim>& law) {
   return std::visit([](const auto& model) { return model.is_elastic; }, law);
+}
+
+template <int dim>
+bool remembers_internal(const MaterialLaw<dim>& law) {
+  return std::visit([]<class Law>(const Law&) { return RemembersInternal<Law>; }, law);
 }
 
 /// Stress update of whichever law it is, without a step: see ConstitutiveLaw.

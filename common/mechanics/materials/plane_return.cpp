@@ -204,4 +204,20 @@ bool PlaneReturn::update(PointBatch<2>& batch, bool with_A) const {
   return true;
 }
 
+LaneMask PlaneReturn::update_elastic(PointBatch<2>& batch, const LaneStrength& surface,
+                                     bool with_A) const {
+  Trial trial = trial_of(batch);
+  if (!trial.admissible()) return LaneMask{};
+  trial.eps = trial.sorted(
+      {hencky_strain(trial.v[0]), hencky_strain(trial.v[1]), hencky_strain(trial.v[2])});
+  for (int s = 0; s < 3; ++s) trial.eps[s] += trial.gap / 3;
+  const LaneMask elastic = ~return_.yields(trial.eps, surface);
+  if (!any(elastic)) return LaneMask{};
+  const LaneReturn::State state = LaneReturn::elastic_state(trial.eps);
+  const Returned returned{state, trial.on_axes(return_.stress(state.eps_e))};
+  store(trial, returned, batch);
+  if (with_A) store_tangent(trial, returned, batch);
+  return elastic;
+}
+
 }  // namespace gabion

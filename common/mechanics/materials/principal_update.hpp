@@ -35,8 +35,16 @@ void make_plastic(const Surface& surface, const typename Surface::Return& return
                   const Permutation& order, const std::array<double, 3>& trial,
                   PrincipalModuli& moduli) {
   if (surface.region(returned) == YieldRegion::apex) {
-    moduli.D *= apex_stiffness;
-    moduli.G *= apex_stiffness;
+    if constexpr (requires { surface.apex_moduli(returned); }) {
+      const auto [sorted, share] = surface.apex_moduli(returned);
+      moduli.D *= apex_stiffness;
+      moduli.G *= apex_stiffness + share;
+      for (int s = 0; s < 3; ++s)
+        for (int t = 0; t < 3; ++t) moduli.D(order[s], order[t]) += sorted(s, t);
+    } else {
+      moduli.D *= apex_stiffness;
+      moduli.G *= apex_stiffness;
+    }
     return;
   }
   const Eigen::Matrix3d sorted = surface.moduli(returned);
@@ -52,8 +60,8 @@ void make_plastic(const Surface& surface, const typename Surface::Return& return
   }
 }
 
-/// Stress update of Hencky elasticity with perfect plasticity on an isotropic surface, which a
-/// `Surface` describes in principal values, sorted in descending order:
+/// Stress update of Hencky elasticity with plasticity on an isotropic surface, which a `Surface`
+/// describes in principal values, sorted in descending order:
 ///
 ///   struct Return;                       // at least eps_e and plastic, elastic and plastic strain
 ///   double lambda() const, mu() const;   // [Pa]
@@ -63,6 +71,8 @@ void make_plastic(const Surface& surface, const typename Surface::Return& return
 ///   YieldRegion region(returned) const;
 ///   Eigen::Matrix3d moduli(returned) const;                        // d tau / d eps, off the apex
 ///   double shear_factor(returned, s, t, G, difference) const;      // (tau_s - tau_t) / difference
+///   std::pair<Eigen::Matrix3d, double> apex_moduli(returned) const;  // optional: d tau / d eps at
+///                                          // the apex, and what is left there of the factors G
 ///
 /// with G the elastic shear factor and difference = b_s - b_t, both of the trial state.
 ///

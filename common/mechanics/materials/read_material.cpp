@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/read_softening.hpp"
 
 namespace gabion {
 namespace {
@@ -85,6 +86,15 @@ std::vector<Key> apex_keys() {
               .with("tension_cutoff")};
 }
 
+std::vector<Key> softening_key() {
+  const std::string sentence = "Strength that changes with shear; else it is constant.";
+  return {
+      key::object("softening", softening_keys(true), sentence)
+          .or_none()
+          .when("law", {"mohr_coulomb"}),
+      key::object("softening", softening_keys(false), sentence).or_none().when("law", {"tresca"})};
+}
+
 /// Whether the key has a meaning with one of these laws.
 bool belongs_to(const Key& key, const std::vector<std::string>& laws) {
   return std::all_of(key.conditions.begin(), key.conditions.end(), [&](const Condition& condition) {
@@ -136,16 +146,27 @@ double read_tension_cutoff(ConfigReader& in, double apex) {
 }
 
 template <int dim>
-MohrCoulomb<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
+MaterialLaw<dim> read_mohr_coulomb(ConfigReader& in, const LameConstants& elastic) {
   const Friction friction = read_friction(in);
-  return MohrCoulomb<dim>({.lambda = elastic.lambda,
-                           .mu = elastic.mu,
-                           .friction_angle = friction.friction_angle,
-                           .dilation_angle = friction.dilation_angle,
-                           .cohesion = friction.cohesion,
-                           .apex_volume = read_apex_volume(in),
-                           .tension_cutoff = read_tension_cutoff(
-                               in, friction.cohesion / std::tan(friction.friction_angle))});
+  const MohrCoulombParameters soil{.lambda = elastic.lambda,
+                                   .mu = elastic.mu,
+                                   .friction_angle = friction.friction_angle,
+                                   .dilation_angle = friction.dilation_angle,
+                                   .cohesion = friction.cohesion,
+                                   .apex_volume = read_apex_volume(in),
+                                   .tension_cutoff = read_tension_cutoff(
+                                       in, friction.cohesion / std::tan(friction.friction_angle))};
+  auto softening = in.optional_object("softening");
+  if (!softening) return MohrCoulomb<dim>(soil);
+  SofteningParameters softens{.lambda = soil.lambda,
+                              .mu = soil.mu,
+                              .friction_angle = soil.friction_angle,
+                              .apex_volume = soil.apex_volume,
+                              .tension_cutoff = soil.tension_cutoff};
+  read_softening(std::move(*softening),
+                 {soil.cohesion, in.number("friction_angle"), in.number("dilation_angle")},
+                 softens);
+  return SofteningSoil<dim>(softens);
 }
 
 template <int dim>
@@ -164,14 +185,24 @@ DruckerPrager<dim> read_drucker_prager(ConfigReader& in, const LameConstants& el
 }
 
 template <int dim>
-Tresca<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
+MaterialLaw<dim> read_tresca(ConfigReader& in, const LameConstants& elastic) {
   const double cohesion = in.number("cohesion");
   const double cutoff = read_tension_cutoff(in, no_cutoff);
+  const ApexVolume apex = cutoff == no_cutoff ? ApexVolume::gap : read_apex_volume(in);
+  if (auto softening = in.optional_object("softening")) {
+    SofteningParameters softens{.lambda = elastic.lambda,
+                                .mu = elastic.mu,
+                                .frictional = false,
+                                .apex_volume = apex,
+                                .tension_cutoff = cutoff};
+    read_softening(std::move(*softening), {.cohesion = cohesion}, softens);
+    return SofteningSoil<dim>(softens);
+  }
   return Tresca<dim>({.lambda = elastic.lambda,
                       .mu = elastic.mu,
                       .cohesion = cohesion,
                       .tension_cutoff = cutoff,
-                      .apex_volume = cutoff == no_cutoff ? ApexVolume::gap : read_apex_volume(in)});
+                      .apex_volume = apex});
 }
 
 template <int dim>
@@ -193,7 +224,8 @@ const std::vector<std::string> material_laws = {"linear_elastic",  "neo_hookean"
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group : {elasticity_keys(), strength_keys(), flow_keys(), apex_keys()}) {
+  for (const auto& group :
+       {elasticity_keys(), strength_keys(), flow_keys(), apex_keys(), softening_key()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }

@@ -287,4 +287,18 @@ bool SpaceReturn::update(PointBatch<3>& batch, bool with_A) const {
   return true;
 }
 
+LaneMask SpaceReturn::update_elastic(PointBatch<3>& batch, const LaneStrength& surface,
+                                     bool with_A) const {
+  Trial trial = trial_of(batch);
+  if (!trial.admissible()) return LaneMask{};
+  for (int s = 0; s < 3; ++s) trial.eps[s] = hencky_strain(trial.v[s]) + trial.gap / 3;
+  const LaneMask elastic = ~return_.yields(trial.eps, surface);
+  if (!any(elastic)) return LaneMask{};
+  const LaneReturn::State state = LaneReturn::elastic_state(trial.eps);
+  const Returned returned{state, return_.stress(state.eps_e)};
+  store(trial, returned, batch);
+  if (with_A) store_tangent(trial, returned, batch);
+  return elastic;
+}
+
 }  // namespace gabion

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
 #include <string_view>
 
 #include "common/mechanics/tensor.hpp"
@@ -18,6 +19,16 @@ struct MaterialState {
   /// Volumetric Hencky strain opened at the apex and not yet closed, >= 0 to rounding; stays 0
   /// for laws that do not keep it.
   double gap = 0;
+};
+
+/// Two numbers that a law remembers of a point besides MaterialState. What they are is the law's:
+/// see RemembersInternal.
+using InternalState = Eigen::Vector2d;
+
+/// Why a law gives no stress: the step has to be shorter.
+enum class Refusal {
+  squeezed,  ///< det(1 + H) <= 0
+  unsolved   ///< an equation of the law has no solution that was found
 };
 
 /// What holds a point at the end of a step.
@@ -58,19 +69,32 @@ struct StressUpdate {
   /// Hencky strain of the step that is not elastic, a gap's closing included.
   Symmetric<dim> plastic_increment = Symmetric<dim>::Zero();
   YieldRegion region = YieldRegion::elastic;
+  InternalState internal;               ///< set by laws that remember it
+  Refusal refusal = Refusal::squeezed;  ///< where there is no stress
 
   bool plastic() const { return region != YieldRegion::elastic; }
 };
 
-/// What a law may know of the step besides the strain.
+/// What a law may know of the step and of the point besides the strain.
 struct PointContext {
   double dt = 0;  ///< step, or substep, in which the strain comes about [s]
+  /// Of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
+  double band_width = 0;
+  InternalState internal = InternalState::Zero();  ///< at the start, of laws that remember it
 };
 
 /// Laws whose stress depends on the context, besides `update` without one.
 template <class Law, int dim>
 concept ContextualLaw = requires(const Law& law, StressUpdate<dim>& out, Tangent<dim>* A) {
   law.update(PointContext{}, Matrix<dim>{}, MaterialState<dim>{}, out, A);
+};
+
+/// Laws with internal variables: all zero in the virgin soil, changed only where a point yields.
+/// `internal_names` are those of the fields in which frames have them.
+template <class Law>
+concept RemembersInternal = requires {
+  { Law::internal_names[0] } -> std::convertible_to<const char*>;
+  { Law::internal_names[1] } -> std::convertible_to<const char*>;
 };
 
 /// A law in a step: its stress update takes the context if the law has a use for it.

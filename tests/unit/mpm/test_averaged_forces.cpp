@@ -74,7 +74,7 @@ struct AveragedSoil {
     return Eigen::Map<const VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   }
   VectorXd forces(const VectorXd& du, BlockMatrix<dim>* matrix = nullptr) {
-    std::int32_t worst = -1;
+    mpm::RefusedPoint worst;
     EXPECT_TRUE(
         internal->evaluate({du.data(), static_cast<std::size_t>(du.size())}, matrix, worst));
     return Eigen::Map<const VectorXd>(internal->forces().data(), du.size());
@@ -297,10 +297,10 @@ TEST(AveragedForces, a_point_that_is_squeezed_flat_is_found) {
   AveragedSoil<2> averaged(CellType::quad4, NeoHookean<2>{4e3, 3e3}, 0);
   VectorXd du = VectorXd::Zero(static_cast<Eigen::Index>(averaged.soil.num_dofs()));
   du[1] = 0.65;  // the lower left node goes above its upper neighbour
-  std::int32_t worst = -1;
+  mpm::RefusedPoint worst;
   EXPECT_FALSE(averaged.internal->evaluate({du.data(), static_cast<std::size_t>(du.size())},
                                            nullptr, worst));
-  EXPECT_EQ(worst, 0);
+  EXPECT_EQ(worst.point, 0);
 }
 
 }  // namespace

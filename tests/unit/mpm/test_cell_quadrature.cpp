@@ -198,7 +198,7 @@ double squared_frequency(const SoilPatch<dim>& soil) {
     double size = 0;
     for (const double x : u) size += x * x;
     for (double& x : u) x *= small / std::sqrt(size);
-    std::int32_t worst = -1;
+    mpm::RefusedPoint worst;
     EXPECT_TRUE(forces.evaluate(u, nullptr, worst));
     inertia.apply(forces.forces(), a);
     rate = 0;

@@ -37,7 +37,7 @@ template <int dim>
 struct Path {
   SoilPatch<dim> soil;
   mpm::TrialPoints<dim> trial;
-  std::vector<MaterialState<dim>> path;
+  mpm::MaterialPath<dim> path;
   std::optional<mpm::InternalForces<dim>> internal;
 
   Path(CellType type, const MaterialLaw<dim>& law, bool averaged) : soil(type, 2) {
@@ -48,7 +48,7 @@ struct Path {
     }
     for (auto& state : soil.points.history) state.e.template head<3>().setConstant(-0.02);
     soil.to_grid();
-    path = soil.points.history;
+    path.history = soil.points.history;
     internal.emplace(mpm::StressParts<dim>{.bodies = soil.bodies,
                                            .points = soil.points,
                                            .weights = soil.weights,
@@ -66,7 +66,7 @@ struct Path {
     return du;
   }
   void evaluate(const std::vector<double>& du) {
-    std::int32_t worst = -1;
+    mpm::RefusedPoint worst;
     ASSERT_TRUE(internal->evaluate(du, nullptr, worst));
   }
 };
@@ -100,7 +100,7 @@ void check_path(CellType type, const MaterialLaw<dim>& law, bool averaged) {
       EXPECT_NEAR(of_point.plastic_strain, state.plastic_strain, 1e-12);
       EXPECT_NEAR(of_point.gap, state.gap, 1e-13);
       EXPECT_NEAR(soil.trial.J_ratio[e], F.determinant(), 1e-13);
-      const auto& on_path = soil.path[weights.point[e]];
+      const auto& on_path = soil.path.history[weights.point[e]];
       const Symmetric<dim> again = push_forward<dim>(F - Matrix<dim>::Identity(), on_path.e);
       EXPECT_LT((again - of_point.e).norm(), 1e-13);
     }
@@ -122,13 +122,13 @@ TEST(MaterialPath, elastic_states_stay) {
   const MaterialLaw<2> stiff = MohrCoulomb<2>(lambda, mu, friction_angle, dilation_angle, 1e9);
   for (const MaterialLaw<2>& law : {stiff, MaterialLaw<2>(NeoHookean<2>{lambda, mu})}) {
     Path<2> soil(CellType::quad4, law, true);
-    const auto start = soil.path;
+    const auto start = soil.path.history;
     const auto du = soil.soil.random.values(soil.soil.num_dofs(), 0.02);
     soil.evaluate(soil.soil.random.values(soil.soil.num_dofs(), 0.02));
     soil.evaluate(du);
     const auto on_path = soil.internal->forces();
-    for (std::size_t p = 0; p < start.size(); ++p) EXPECT_EQ(soil.path[p].e, start[p].e);
-    soil.path.clear();
+    for (std::size_t p = 0; p < start.size(); ++p) EXPECT_EQ(soil.path.history[p].e, start[p].e);
+    soil.path.history.clear();
     soil.internal->forget();
     soil.evaluate(du);
     EXPECT_EQ(on_path, soil.internal->forces());

@@ -166,7 +166,7 @@ Eigen::MatrixXd stiffness_below(const Vector<2>& lone_point, bool with_ghost) {
                                   0);
   const std::vector<double> still(soil.num_dofs(), 0.0);
   std::vector<double> r(still);
-  std::int32_t worst = -1;
+  mpm::RefusedPoint worst;
   EXPECT_TRUE(internal.evaluate(still, &cut.K, worst));
   if (with_ghost) cut.ghost->add_forces(still, r, &cut.K);
   const auto n = static_cast<Eigen::Index>(soil.num_dofs());

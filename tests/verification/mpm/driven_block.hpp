@@ -43,7 +43,7 @@ struct DrivenBlock {
     motion_.a_new = motion_.v_new;
     mpm::InternalForces<dim> internal({soil.bodies, soil.points, soil.weights, soil.nodes, trial_},
                                       cell_size_, 0);
-    std::int32_t worst = -1;
+    mpm::RefusedPoint worst;
     require(internal.evaluate(du, nullptr, worst), "driven block: inadmissible move");
     internal.finish(du);
     f_int = internal.forces();

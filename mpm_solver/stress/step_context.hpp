@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mpm_solver/grid/background_grid.hpp"
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// What laws may know of a step or substep, see PointContext.
+template <int dim>
+struct StepContext {
+  double dt = 0;                              ///< [s]
+  const BackgroundGrid<dim>* grid = nullptr;  ///< null: no band is as narrow as the grid makes it
+
+  /// That of one point at the accepted state.
+  PointContext of_point(const MaterialPoints<dim>& points, std::int32_t p) const;
+};
+
+/// Width of the narrowest band of shear that the basis can make in a cell [m].
+template <int dim>
+double band_width(const BackgroundGrid<dim>& grid, std::int32_t cell);
+
+}  // namespace gabion::mpm
