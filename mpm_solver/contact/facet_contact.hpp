@@ -121,6 +121,8 @@ class FacetContact final : public Contact<dim> {
   struct WatchedGroup {
     std::int32_t group = 0;
     std::int32_t first = 0, last = 0;
+    double clearance = 0;  // no simplex is nearer to a point when the step begins [m]
+    double reach = 0;      // largest of a point; infinite: each has to be looked at [m]
   };
   /// A box of the displacements of some nodes [m].
   struct NodalBox {
@@ -255,6 +257,8 @@ class FacetContact final : public Contact<dim> {
   void find_features_of(Candidate& c, double reach);
   NodalBox box_of(const CellGroup& group, std::span<const double> du) const;
   bool stays_away(const Watched& point, const CellGroup& group, const NodalBox& box) const;
+  bool stays_away(const WatchedGroup& watched, const NodalBox& box) const;
+  void add_group(std::int32_t group, std::int32_t first);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   double mean_radius(const Candidate& c) const { return c.shape.norm() / std::sqrt(double{dim}); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;

@@ -34,6 +34,7 @@ void FacetContact<dim>::find_touches(std::span<const double> du) {
   for (const WatchedGroup& watched : watched_groups_) {
     const CellGroup& group = soil_->weights.groups[watched.group];
     const NodalBox box = box_of(group, du);
+    if (stays_away(watched, box)) continue;
     for (std::int32_t k = watched.first; k < watched.last; ++k) {
       Watched& point = watched_[k];
       if (stays_away(point, group, box)) continue;
@@ -76,6 +77,25 @@ bool FacetContact<dim>::stays_away(const Watched& point, const CellGroup& group,
   const double strained =
       spread * sum_of_gradients(*soil_, group, point.entry) * point.reach;  // |H| |shape|
   return nearest > (1 + rounding) * (point.reach + strained);
+}
+
+// The same of all points of a group.
+template <int dim>
+bool FacetContact<dim>::stays_away(const WatchedGroup& watched, const NodalBox& box) const {
+  const double spread = box.half.norm();
+  const double way = box.middle.norm() + spread + surface_motion_;
+  const double nearest = watched.clearance - way, behind = surface_motion_ > 0 ? 2 * way : way;
+  if (!(nearest > (1 + rounding) * std::max(watched.reach + 2 * spread, behind))) return false;
+  const CellGroup& group = soil_->weights.groups[watched.group];
+  double gradients = 0;
+  if (soil_->grid.box) {
+    gradients = sum_of_gradients(*soil_, group, group.first);
+  } else {
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      gradients = std::max(gradients, sum_of_gradients(*soil_, group, watched_[k].entry));
+    }
+  }
+  return nearest > (1 + rounding) * watched.reach * (1 + spread * gradients);
 }
 
 template <int dim>

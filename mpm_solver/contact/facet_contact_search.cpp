@@ -86,9 +86,27 @@ void FacetContact<dim>::watch_points(double margin) {
       mark_touching(point, group);
       watched_.push_back(point);
     }
-    const auto last = static_cast<std::int32_t>(watched_.size());
-    if (last > first) watched_groups_.push_back({static_cast<std::int32_t>(g), first, last});
+    add_group(static_cast<std::int32_t>(g), first);
   }
+}
+
+// @param first  of its points, which were watched last
+template <int dim>
+void FacetContact<dim>::add_group(std::int32_t group, std::int32_t first) {
+  const auto last = static_cast<std::int32_t>(watched_.size());
+  if (last == first) return;
+  WatchedGroup result{.group = group, .first = first, .last = last};
+  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
+  for (std::int32_t k = first; k < last; ++k) {
+    const Watched& point = watched_[k];
+    low = low.cwiseMin(point.x);
+    high = high.cwiseMax(point.x);
+    result.reach = std::max(result.reach, point.candidate < 0 ? point.reach : infinity);
+  }
+  if (result.reach < infinity) {
+    result.clearance = search_.far_at_least(0.5 * (low + high), 0.5 * (high - low));
+  }
+  watched_groups_.push_back(result);
 }
 
 // Finds what is remembered of a point by its id.

@@ -37,6 +37,12 @@ void for_each_cube(const Vector<dim>& low, const Vector<dim>& high, double size,
   }
 }
 
+// Ascending, each once.
+void keep_once(std::vector<std::int32_t>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
 }  // namespace
 
 template <int dim>
@@ -56,7 +62,7 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
     : sizes_(sizes),
       first_(surface.first),
       num_simplices_(surface.simplices.size()),
-      bin_size_(sizes.cube + 2 * (sizes.reach + 2 * sizes.slack)) {
+      bin_size_(sizes.cube + sizes.reach) {
   const auto count = static_cast<std::int32_t>(surface.simplices.size());
   std::vector<std::int32_t> counts;
   const auto for_each_bin = [&](std::int32_t simplex, auto&& visit) {
@@ -79,7 +85,7 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
   }
 }
 
-// Simplices in the bins that a box touches, ascending; all, where that is no more work.
+// Simplices in the bins that a box touches, some several times; all, where that is no more work.
 template <int dim>
 void FacetLattice<dim>::gather(const Box& box, std::vector<std::int32_t>& found) const {
   found.clear();
@@ -95,8 +101,19 @@ void FacetLattice<dim>::gather(const Box& box, std::vector<std::int32_t>& found)
     found.insert(found.end(), in_bins_.begin() + bin_starts_[bin],
                  in_bins_.begin() + bin_starts_[bin + 1]);
   });
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
+// How far the simplices of found_ go along a normal.
+template <int dim>
+double FacetLattice<dim>::height_along(const LatticeSurface<dim>& surface,
+                                       const Vector<dim>& normal) const {
+  double height = -infinity;
+  for (const std::int32_t s : found_) {
+    for (const std::int32_t v : surface.simplices[s - surface.first]) {
+      height = std::max(height, normal.dot(surface.vertices[v]));
+    }
+  }
+  return height;
 }
 
 // The plane is that of two which is the farther one from the middle of the cube: across the mean
@@ -110,39 +127,38 @@ typename FacetLattice<dim>::Cube FacetLattice<dim>::make(const LatticeSurface<di
   const double around = sizes_.reach + sizes_.slack;
   const double in_bins = around + sizes_.slack;  // bins know where the simplices were
   gather({(low.array() - in_bins).matrix(), (high.array() + in_bins).matrix()}, found_);
-  Cube cube{.first = lists_.size()};
-  Vector<dim> mean = Vector<dim>::Zero(), away = mean;
-  double nearest = infinity;
-  for (const std::int32_t s : found_) {
+  std::erase_if(found_, [&](std::int32_t s) {
     const Box box = box_of(surface, s);
     const Vector<dim> apart =
         (box.low - high).cwiseMax(low - box.high).cwiseMax(Vector<dim>::Zero());
-    if (apart.squaredNorm() > around * around) continue;
-    lists_.push_back(s);
+    return apart.squaredNorm() > around * around;
+  });
+  keep_once(found_);
+  Vector<dim> mean = Vector<dim>::Zero(), away = mean;
+  double nearest = infinity;
+  for (const std::int32_t s : found_) {
+    const SimplexBounds<dim>& bounds = surface.bounds[s - surface.first];
+    mean += bounds.normal;
+    if (bounds.is_beyond(middle, nearest)) continue;
     const auto corners = corners_of<dim>(surface.simplices[s - surface.first], surface.vertices);
-    mean += simplex_normal<dim>(corners);
     const Vector<dim> way = middle - closest_place<dim>(corners, middle).x;
     if (way.norm() >= nearest) continue;
     nearest = way.norm();
     away = way;
   }
-  cube.count = lists_.size() - cube.first;
+  Cube cube{.first = lists_.size(), .height = found_.empty() ? -infinity : infinity};
   double farthest = -infinity;
   for (const Vector<dim>& direction : {mean, away}) {
     if (!(direction.norm() > 0)) continue;
     const Vector<dim> normal = direction.normalized();
-    double height = -infinity;
-    for (std::size_t k = cube.first; k < lists_.size(); ++k) {
-      for (const std::int32_t v : surface.simplices[lists_[k] - surface.first]) {
-        height = std::max(height, normal.dot(surface.vertices[v]));
-      }
-    }
+    const double height = height_along(surface, normal);
     if (normal.dot(middle) - height <= farthest) continue;
     farthest = normal.dot(middle) - height;
     cube.normal = normal;
     cube.height = height;
   }
-  if (farthest == -infinity) cube.height = cube.count == 0 ? -infinity : infinity;
+  if (sizes_.with_lists) lists_.insert(lists_.end(), found_.begin(), found_.end());
+  cube.count = lists_.size() - cube.first;
   return cube;
 }
 
@@ -167,6 +183,7 @@ std::span<const std::int32_t> FacetLattice<dim>::near(const LatticeSurface<dim>&
   }
   const double around = distance + sizes_.slack;
   gather({(x.array() - around).matrix(), (x.array() + around).matrix()}, room);
+  keep_once(room);
   return room;
 }
 

@@ -14,8 +14,9 @@ namespace gabion::mpm {
 template <int dim>
 struct LatticeSurface {
   std::span<const Simplex<dim>> simplices;
-  std::int32_t first = 0;                 ///< number that the first simplex has in lists
-  std::span<const Vector<dim>> vertices;  ///< present positions [m]
+  std::int32_t first = 0;                      ///< number that the first simplex has in lists
+  std::span<const Vector<dim>> vertices;       ///< present positions [m]
+  std::span<const SimplexBounds<dim>> bounds;  ///< of the simplices, at these positions
 };
 
 /// Finds the simplices of a surface near a place, step after step: lists of the cubes of a lattice,
@@ -25,9 +26,10 @@ template <int dim>
 class FacetLattice {
  public:
   struct Sizes {
-    double cube = 0;   ///< edge of the cubes [m]
-    double reach = 0;  ///< a list has all simplices within this distance of its cube [m]
-    double slack = 0;  ///< the surface may move by this much in all [m]
+    double cube = 0;         ///< edge of the cubes [m]
+    double reach = 0;        ///< a list has all simplices within this distance of its cube [m]
+    double slack = 0;        ///< the surface may move by this much in all [m]
+    bool with_lists = true;  ///< else for `at_least` alone
   };
   FacetLattice() = default;
   FacetLattice(const LatticeSurface<dim>& surface, const Sizes& sizes);
@@ -62,6 +64,7 @@ class FacetLattice {
   };
   static Box box_of(const LatticeSurface<dim>& surface, std::int32_t simplex);
   void gather(const Box& box, std::vector<std::int32_t>& found) const;
+  double height_along(const LatticeSurface<dim>& surface, const Vector<dim>& normal) const;
   const Cube& cube_around(const LatticeSurface<dim>& surface, const Vector<dim>& x) const;
   Cube make(const LatticeSurface<dim>& surface, const Index& index) const;
 

@@ -11,8 +11,10 @@ namespace {
 // Shares of the diameter of the largest point: edge of the lattice's cubes, how far around them
 // their lists go, by how much a surface may move before its lists are made anew.
 constexpr double cube_share = 1;
-constexpr double reach_share = 1.75;
+constexpr double reach_share = 1.4;
 constexpr double slack_share = 0.1;
+constexpr double far_cube_share = 2;
+constexpr double far_reach_share = 4;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -50,10 +52,14 @@ void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
     if (!member.bounds_known) find_bounds(member);
     size_ = std::max(size_, member.size);
     if (member.dropped || (member.has_lattice && !member.lattice.is_stale())) continue;
-    const double by_reach = reach_ / reach_share;
-    member.lattice = FacetLattice<dim>(
-        surface_of(member),
-        {.cube = cube_share * by_reach, .reach = reach_, .slack = slack_share * by_reach});
+    const double unit = reach_ / reach_share, slack = slack_share * unit;
+    const auto surface = surface_of(member);
+    member.lattice =
+        FacetLattice<dim>(surface, {.cube = cube_share * unit, .reach = reach_, .slack = slack});
+    member.far = FacetLattice<dim>(surface, {.cube = far_cube_share * unit,
+                                             .reach = far_reach_share * unit,
+                                             .slack = slack,
+                                             .with_lists = false});
     member.has_lattice = true;
   }
 }
@@ -63,6 +69,7 @@ void FacetSearch<dim>::add_motion(std::size_t member, double way) {
   if (way == 0) return;
   members_[member].bounds_known = false;
   members_[member].lattice.add_motion(way);
+  members_[member].far.add_motion(way);
 }
 
 template <int dim>
@@ -103,6 +110,16 @@ double FacetSearch<dim>::at_least(const Vector<dim>& middle, const Vector<dim>& 
   double least = infinity;
   for (std::size_t m = 0; m < members_.size(); ++m) {
     least = std::min(least, at_least(m, middle, half));
+  }
+  return least;
+}
+
+template <int dim>
+double FacetSearch<dim>::far_at_least(const Vector<dim>& middle, const Vector<dim>& half) const {
+  double least = infinity;
+  for (const Member& member : members_) {
+    if (member.dropped) continue;
+    least = std::min(least, member.far.at_least(surface_of(member), middle, half));
   }
   return least;
 }

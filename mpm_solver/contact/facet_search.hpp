@@ -42,6 +42,8 @@ class FacetSearch {
   /// See FacetLattice::at_least, of the nearest member.
   double at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   double at_least(std::size_t member, const Vector<dim>& middle, const Vector<dim>& half) const;
+  /// As at_least, for larger boxes, and up to larger distances.
+  double far_at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   /// Lists for distances up to this are kept [m].
   double reach() const { return reach_; }
 
@@ -51,10 +53,11 @@ class FacetSearch {
     bool dropped = false;
     bool bounds_known = false, has_lattice = false;
     double size = 0;  // of its largest simplex [m]
-    FacetLattice<dim> lattice;
+    FacetLattice<dim> lattice, far;
   };
   LatticeSurface<dim> surface_of(const Member& member) const {
-    return {simplices_.subspan(member.first, member.count), member.first, vertices_};
+    return {simplices_.subspan(member.first, member.count), member.first, vertices_,
+            std::span(bounds_).subspan(member.first, member.count)};
   }
   void find_bounds(Member& member);
 
