@@ -138,7 +138,10 @@ class FacetContact final : public Contact<dim> {
   struct Candidate {
     std::int64_t id = 0;
     std::int32_t body = 0;
-    double margin = 0;  // what is farther cannot be touched [m]
+    double margin = 0;         // what is farther cannot be touched [m]
+    bool reaches_far = false;  // add_forces has to find places that the point does not touch
+    bool found = false;        // the last add_forces found a place
+    double spread = 0;         // a node moved by this against the point, in the step [m]
     Place place = Place::unknown;
     bool is_listed = false;                       // what it faces
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
@@ -255,6 +258,9 @@ class FacetContact final : public Contact<dim> {
   Vector<dim> motion_of(std::int32_t entry, const CellGroup& group) const;
   Place place_of(const Candidate& c);
   void find_features_of(Candidate& c, double reach);
+  double reach_of(const Candidate& c) const;
+  double touch_reach(const Candidate& c) const;
+  void find_opened();
   NodalBox box_of(const CellGroup& group, std::span<const double> du) const;
   bool stays_away(const Watched& point, const CellGroup& group, const NodalBox& box) const;
   bool stays_away(const WatchedGroup& watched, const NodalBox& box) const;

@@ -170,6 +170,7 @@ ContactEnergy FacetContact<dim>::energy() const {
 template <int dim>
 Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature) const {
   Vector<dim> motion = Vector<dim>::Zero();
+  if (surface_motion_ == 0) return motion;
   for (int k = 0; k < dim; ++k) {
     const std::int32_t v = simplices_[feature.simplex][k];
     motion += feature.weights[k] * (end_[v] - start_[v]);

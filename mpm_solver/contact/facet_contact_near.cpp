@@ -110,25 +110,63 @@ void FacetContact<dim>::find_touches_of(std::int32_t candidate, std::span<const 
   }
   c.motion = motion;
   c.H = H;
-  double against_centre = H.norm() * c.shape.norm();  // the surface goes no farther
+  double spread = 0;
   for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
     const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
-    against_centre = std::max(against_centre, (du_k - motion).norm());
+    spread = std::max(spread, (du_k - motion).squaredNorm());
   }
-  const double reach = c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
-  find_features_of(c, reach);
+  c.spread = std::sqrt(spread);
+  const double reach = reach_of(c);
+  const double shorter = c.reaches_far ? reach : std::min(reach, touch_reach(c));
+  find_features_of(c, shorter);
+  c.found = !features_.empty();
   const std::size_t first = touches_.size();
   for (const auto& feature : features_) {
     Touch touch = touch_at(c, feature, du);
     touch.candidate = candidate;
     if (touch.gap >= 0) {
       w_.resize(touch.first_weight);
-      opened_.push_back(touch);
+      if (c.reaches_far) opened_.push_back(touch);
       continue;
     }
     touches_.push_back(touch);
   }
   share_in_corners(c, first);
+}
+
+// How far from the centre of its ball, at the end of its way, a point feels the surface: the
+// surface of the ball goes against the centre by no more than its nodes, or its strain, do.
+template <int dim>
+double FacetContact<dim>::reach_of(const Candidate& c) const {
+  const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
+  return c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
+}
+
+// How far a place may be that it touches, if the ball is rigid.
+template <int dim>
+double FacetContact<dim>::touch_reach(const Candidate& c) const {
+  const double size = c.shape.norm() + c.offset.norm();
+  return mean_radius(c) + c.spread + 2 * c.H.norm() * size + c.offset.norm() + most_begun(c);
+}
+
+// Places where the balls stand off from the surface at the end of the step: of those that are
+// rigid, which add_forces looks no farther ahead for than they may touch.
+template <int dim>
+void FacetContact<dim>::find_opened() {
+  if (du_.empty()) return;
+  for (const WatchedGroup& watched : watched_groups_) {
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      if (watched_[k].candidate < 0) continue;
+      Candidate& c = candidates_[watched_[k].candidate];
+      if (c.reaches_far || !(c.found || !c.offset.isZero(0))) continue;
+      find_features_of(c, reach_of(c));
+      for (const auto& feature : features_) {
+        Touch touch = touch_at(c, feature, du_);
+        touch.candidate = watched_[k].candidate;
+        if (touch.gap >= 0) opened_.push_back(touch);
+      }
+    }
+  }
 }
 
 // Whether the point is in front of the nearest simplex of those that it touched.

@@ -167,6 +167,7 @@ typename FacetContact<dim>::Candidate FacetContact<dim>::candidate_of(
   c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
   c.shape = shape_of(c.id, soil.points.depth[p]);
   c.memory = point.memory;
+  c.reaches_far = c.deforms || soil.grid.basis == Basis::bspline;
   c.margin =
       margin_ + 2 * dt_ * fastest_about(soil.points, soil.weights, soil.nodes, group, point.entry);
   return c;

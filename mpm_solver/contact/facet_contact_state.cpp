@@ -111,6 +111,7 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points, 
 // The deepest touch of a ball comes last: it holds where normals are not at right angles.
 template <int dim>
 void FacetContact<dim>::accept_offsets() {
+  find_opened();
   std::vector<const Touch*> order;
   for (const auto* touches : {&touches_, &opened_}) {
     for (const Touch& touch : *touches) order.push_back(&touch);

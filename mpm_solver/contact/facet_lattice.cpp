@@ -109,6 +109,8 @@ double FacetLattice<dim>::height_along(const LatticeSurface<dim>& surface,
                                        const Vector<dim>& normal) const {
   double height = -infinity;
   for (const std::int32_t s : found_) {
+    const SimplexBounds<dim>& bounds = surface.bounds[s - surface.first];
+    if (normal.dot(bounds.centre) + bounds.radius < height) continue;
     for (const std::int32_t v : surface.simplices[s - surface.first]) {
       height = std::max(height, normal.dot(surface.vertices[v]));
     }
@@ -128,6 +130,10 @@ typename FacetLattice<dim>::Cube FacetLattice<dim>::make(const LatticeSurface<di
   const double in_bins = around + sizes_.slack;  // bins know where the simplices were
   gather({(low.array() - in_bins).matrix(), (high.array() + in_bins).matrix()}, found_);
   std::erase_if(found_, [&](std::int32_t s) {
+    const SimplexBounds<dim>& bounds = surface.bounds[s - surface.first];
+    const Vector<dim> outside = bounds.centre - bounds.centre.cwiseMax(low).cwiseMin(high);
+    const double limit = bounds.radius + around;
+    if (outside.squaredNorm() > limit * limit) return true;
     const Box box = box_of(surface, s);
     const Vector<dim> apart =
         (box.low - high).cwiseMax(low - box.high).cwiseMax(Vector<dim>::Zero());

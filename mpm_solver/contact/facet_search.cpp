@@ -14,7 +14,7 @@ constexpr double cube_share = 1;
 constexpr double reach_share = 1.4;
 constexpr double slack_share = 0.1;
 constexpr double far_cube_share = 2;
-constexpr double far_reach_share = 4;
+constexpr double far_reach_share = 3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

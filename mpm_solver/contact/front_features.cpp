@@ -84,7 +84,7 @@ Answer bends_inwards(const Front<dim>& front, const Sight<dim>& sight, int k, do
   const std::int32_t next = front.neighbour(sight.simplex, k);
   if (next == several_neighbours) return Answer::unknown;
   if (next != no_neighbour && bends(next)) return Answer::yes;
-  const Side<dim> side = side_of<dim>(surface, sight, k);
+  const SimplexSide<dim> side = side_of<dim>(surface, sight, k);
   if (!side.on_rim) return Answer::no;
   if ((front.way().to - side.x).norm() + surface.seam > farthest) return Answer::unknown;
   const bool found = std::any_of(front.near().begin(), front.near().end(), [&](std::int32_t s) {

@@ -39,6 +39,12 @@ class IndexTable {
     std::int32_t number = -1;
   };
 
+  static bool same(const Key& a, const Key& b) {
+    std::int64_t differ = 0;
+    for (std::size_t k = 0; k < n; ++k) differ |= a[k] ^ b[k];
+    return differ == 0;
+  }
+
   // Where the key is, or would be added. @pre a slot is empty
   std::size_t slot_of(const Key& key) const {
     std::size_t hash = 0;
@@ -47,7 +53,7 @@ class IndexTable {
     }
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = (hash ^ (hash >> 29)) & mask;
-    while (slots_[slot].number >= 0 && slots_[slot].key != key) slot = (slot + 1) & mask;
+    while (slots_[slot].number >= 0 && !same(slots_[slot].key, key)) slot = (slot + 1) & mask;
     return slot;
   }
 

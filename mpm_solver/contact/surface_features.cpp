@@ -56,7 +56,7 @@ void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<
 template <int dim>
 bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k,
                    const std::vector<Sight<dim>>& all) {
-  const Side<dim> side = side_of<dim>(surface, sight, k);
+  const SimplexSide<dim> side = side_of<dim>(surface, sight, k);
   return std::any_of(all.begin(), all.end(), [&](const Sight<dim>& other) {
     return meets_at<dim>(surface, sight, side, other.simplex) &&
            inside_corner<dim>(surface, sight, other);

@@ -223,14 +223,14 @@ ClosestPlace<dim> place_on_side(const std::array<Vector<dim>, dim>& corners, int
 
 // The place of a simplex on its side without corner k, and whether that is on the rim.
 template <int dim>
-struct Side {
+struct SimplexSide {
   int k = 0;
   Vector<dim> x = Vector<dim>::Zero();
   bool on_rim = false;
 };
 
 template <int dim>
-Side<dim> side_of(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k) {
+SimplexSide<dim> side_of(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k) {
   const Simplex<dim>& own = surface.simplices[sight.simplex];
   const auto place = place_on_side<dim>(corners_of<dim>(own, surface.end), k, sight.place.x);
   return {k, place.x, is_on_rim<dim>(surface, own, place)};
@@ -238,8 +238,8 @@ Side<dim> side_of(const FacingSurface<dim>& surface, const Sight<dim>& sight, in
 
 // Whether another simplex meets this one at a side.
 template <int dim>
-bool meets_at(const FacingSurface<dim>& surface, const Sight<dim>& sight, const Side<dim>& side,
-              std::int32_t other) {
+bool meets_at(const FacingSurface<dim>& surface, const Sight<dim>& sight,
+              const SimplexSide<dim>& side, std::int32_t other) {
   const Simplex<dim>& its = surface.simplices[other];
   if (shares_side<dim>(surface.simplices[sight.simplex], side.k, its)) return true;
   return side.on_rim && other != sight.simplex && meets<dim>(surface, side.x, its) &&
