@@ -138,10 +138,11 @@ class FacetContact final : public Contact<dim> {
   struct Candidate {
     std::int64_t id = 0;
     std::int32_t body = 0;
-    double margin = 0;         // what is farther cannot be touched [m]
-    bool reaches_far = false;  // add_forces has to find places that the point does not touch
-    bool found = false;        // the last add_forces found a place
-    double spread = 0;         // a node moved by this against the point, in the step [m]
+    double margin = 0;            // what is farther cannot be touched [m]
+    bool reaches_far = false;     // add_forces has to find places that the point does not touch
+    bool found = false;           // the last add_forces found a place
+    double touched_distance = 0;  // of the nearest simplex that it touched, at the start [m]
+    double spread = 0;            // a node moved by this against the point, in the step [m]
     Place place = Place::unknown;
     bool is_listed = false;                       // what it faces
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
@@ -256,7 +257,8 @@ class FacetContact final : public Contact<dim> {
   void drop_far_side(const Behind& behind, Facing& facing) const;
   void mark_touching(const Watched& point, const CellGroup& group);
   Vector<dim> motion_of(std::int32_t entry, const CellGroup& group) const;
-  Place place_of(const Candidate& c);
+  Place place_of(Candidate& c);
+  bool look_in_front(const Candidate& c, const FeatureReach& reach, double around);
   void find_features_of(Candidate& c, double reach);
   double reach_of(const Candidate& c) const;
   double touch_reach(const Candidate& c) const;

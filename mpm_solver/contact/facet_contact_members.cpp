@@ -194,6 +194,7 @@ Vector<dim> FacetContact<dim>::motion_of(std::int32_t entry, const CellGroup& gr
   return motion;
 }
 
+// A point that touched nothing and is far away, or slow, cannot ask for the smallest step.
 template <int dim>
 double FacetContact<dim>::approach_step(double dt, double margin) const {
   double result = std::numeric_limits<double>::infinity();
@@ -201,11 +202,17 @@ double FacetContact<dim>::approach_step(double dt, double margin) const {
     const CellGroup& group = soil_->weights.groups[watched.group];
     for (std::int32_t k = watched.first; k < watched.last; ++k) {
       const Watched& point = watched_[k];
+      const Vector<dim> motion = motion_of(point.entry, group);
+      if (point.candidate < 0) {
+        const double closing = motion.norm() + surface_motion_;  // or less
+        const double nearest = search_.far_at_least(point.x, Vector<dim>::Zero());
+        const double gap = std::max(nearest - closing - point.reach, 0.0);
+        if (dt * (gap + margin) > 1.001 * result * closing) continue;
+      }
       const Candidate c =
           point.candidate < 0 ? candidate_of(point, group) : candidates_[point.candidate];
       const Facing facing = facing_of(c);
       if (facing.simplices.empty()) continue;
-      const Vector<dim> motion = motion_of(point.entry, group);
       for (const Near& near : facing.near) {
         const Vector<dim>& n = near.place.normal;
         const double closing = n.dot(surface_motion(near.place) - motion);

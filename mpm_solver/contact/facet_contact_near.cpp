@@ -171,7 +171,7 @@ void FacetContact<dim>::find_opened() {
 
 // Whether the point is in front of the nearest simplex of those that it touched.
 template <int dim>
-typename FacetContact<dim>::Place FacetContact<dim>::place_of(const Candidate& c) {
+typename FacetContact<dim>::Place FacetContact<dim>::place_of(Candidate& c) {
   if (!c.memory) return Place::front;
   double nearest = std::numeric_limits<double>::infinity(), height = 0;
   for (const std::int32_t s : search_.near(c.x, search_.reach(), near_)) {
@@ -184,35 +184,47 @@ typename FacetContact<dim>::Place FacetContact<dim>::place_of(const Candidate& c
     nearest = distance;
     height = (c.x - corners[0]).dot(bounds.normal);
   }
+  c.touched_distance = nearest;
   const bool known = nearest < (1 - rounding) * search_.reach();
   return known && height > 0 ? Place::front : Place::other;
 }
 
+// @param around  see FrontView
+template <int dim>
+bool FacetContact<dim>::look_in_front(const Candidate& c, const FeatureReach& reach,
+                                      double around) {
+  const auto surface = surface_of(c, end_);
+  const Vector<dim> y = c.x + c.motion;
+  const double needed = std::max(around, front_reach<dim>(surface, reach, c.motion.norm()));
+  known_.clear();
+  if (c.memory) {
+    for (const Memory& memory : *c.memory) known_.push_back({memory.owner, memory.normal});
+  }
+  const FrontView<dim> view{.surface = surface,
+                            .bounds = search_.bounds(),
+                            .neighbours = neighbours_,
+                            .at_rest = at_rest_,
+                            .near = search_.near(y, needed + surface_motion_, near_),
+                            .touched = known_,
+                            .around = around,
+                            .margin = c.margin};
+  return features_in_front<dim>(view, c.x, y, reach, features_);
+}
+
+// A point that came off may have what it touched farther away than its reach.
 template <int dim>
 void FacetContact<dim>::find_features_of(Candidate& c, double reach) {
-  const Vector<dim> y = c.x + c.motion;
   const FeatureReach feature_reach{reach, mean_radius(c)};
   if (c.place == Place::unknown) c.place = place_of(c);
   if (c.place == Place::front) {
-    const auto surface = surface_of(c, end_);
-    const double around = front_reach<dim>(surface, feature_reach, c.motion.norm());
-    known_.clear();
-    if (c.memory) {
-      for (const Memory& memory : *c.memory) known_.push_back({memory.owner, memory.normal});
-    }
-    const FrontView<dim> view{.surface = surface,
-                              .bounds = search_.bounds(),
-                              .neighbours = neighbours_,
-                              .at_rest = at_rest_,
-                              .near = search_.near(y, around + surface_motion_, near_),
-                              .touched = known_,
-                              .margin = c.margin};
-    if (features_in_front<dim>(view, c.x, y, feature_reach, features_)) return;
+    if (look_in_front(c, feature_reach, 0)) return;
+    const double touched = (1 + 2e-6) * (c.touched_distance + c.motion.norm() + surface_motion_);
+    if (c.memory && touched < c.margin && look_in_front(c, feature_reach, touched)) return;
   }
   list_facing(c);
   features_.clear();
   if (c.distance - c.motion.norm() - surface_motion_ > reach) return;
-  find_features<dim>(surface_of(c, end_), c.x, y, feature_reach, features_);
+  find_features<dim>(surface_of(c, end_), c.x, c.x + c.motion, feature_reach, features_);
 }
 
 template class FacetContact<2>;

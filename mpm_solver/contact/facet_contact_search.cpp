@@ -235,9 +235,10 @@ void FacetContact<dim>::mark_touching(const Watched& point, const CellGroup& gro
 
 template <int dim>
 void FacetContact<dim>::complete_all() {
-  for (const WatchedGroup& watched : watched_groups_) {
+  for (WatchedGroup& watched : watched_groups_) {
     const CellGroup& group = soil_->weights.groups[watched.group];
     for (std::int32_t k = watched.first; k < watched.last; ++k) complete(watched_[k], group);
+    watched.reach = infinity;
   }
 }
 

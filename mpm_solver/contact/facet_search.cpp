@@ -16,6 +16,10 @@ constexpr double slack_share = 0.1;
 constexpr double far_cube_share = 2;
 constexpr double far_reach_share = 3;
 
+// Kept lists go as far as those that would be made now, to between these shares: points grow.
+constexpr double fewest_share = 0.8;
+constexpr double most_share = 1.5;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -43,7 +47,7 @@ void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
   simplices_ = simplices;
   vertices_ = vertices;
   const double reach = reach_share * ball;
-  if (reach_ < reach || reach_ > 2 * reach) {
+  if (!(fewest_share * reach <= reach_ && reach_ <= most_share * reach)) {
     reach_ = reach;
     for (Member& member : members_) member.has_lattice = false;
   }

@@ -156,7 +156,8 @@ bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const V
   features.clear();
   const FacingSurface<dim>& surface = view.surface;
   const double fading = fading_share * reach.radius;
-  const double farthest = front_reach<dim>(surface, {reach.distance, 0}, (y - x).norm());
+  const double farthest =
+      std::max(view.around, front_reach<dim>(surface, {reach.distance, 0}, (y - x).norm()));
   const Way<dim> way{x, y};
   const Front<dim> front(view, way);
   thread_local std::vector<Sight<dim>> sights;

@@ -29,17 +29,19 @@ struct FrontView {
   std::span<const char> at_rest;       ///< of each owner: 1 if it is in this step
   std::span<const std::int32_t> near;  ///< simplices, ascending, see front_reach
   std::span<const KnownTouch<dim>> touched;
+  double around = 0;  ///< look at simplices as far as this, if that is farther than needed [m]
   double margin = 0;  ///< simplices that are farther at the start do not count [m]
 };
 
-/// How far around the end of its way `near` has to have all simplices [m].
+/// How far around the end of its way `near` has to have all simplices [m], unless `around` is more.
 template <int dim>
 double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way);
 
 /// The features of find_features, the same to the bit, from fewer simplices: all those of `near`
 /// face the point that have it in front, or that have a normal that it touched.
 /// @param features  cleared first
-/// @returns false: the point may have come behind the surface; find_features has to tell
+/// @returns false: the point may have come behind the surface, or what it touched is farther away
+///          than it looks; find_features has to tell
 template <int dim>
 bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const Vector<dim>& y,
                        const FeatureReach& reach, std::vector<SurfaceFeature<dim>>& features);
