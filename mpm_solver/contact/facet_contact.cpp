@@ -146,40 +146,6 @@ typename FacetContact<dim>::Touch FacetContact<dim>::touch_at(const Candidate& c
   return touch;
 }
 
-template <int dim>
-void FacetContact<dim>::find_touches(std::int32_t candidate, std::span<const double> du) {
-  Candidate& c = candidates_[candidate];
-  Vector<dim> motion = Vector<dim>::Zero();
-  Matrix<dim> H = Matrix<dim>::Zero();
-  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
-    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
-    motion += N_[k] * du_k;
-    H += du_k * grad_N_[k].transpose();
-  }
-  c.motion = motion;
-  c.H = H;
-  double against_centre = H.norm() * c.shape.norm();  // the surface goes no farther
-  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
-    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
-    against_centre = std::max(against_centre, (du_k - motion).norm());
-  }
-  const double reach = c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
-  if (c.distance - motion.norm() - surface_motion_ > reach) return;
-  find_features<dim>(surface_of(c, end_), c.x, c.x + motion, {reach, mean_radius(c)}, features_);
-  const std::size_t first = touches_.size();
-  for (const auto& feature : features_) {
-    Touch touch = touch_at(c, feature, du);
-    touch.candidate = candidate;
-    if (touch.gap >= 0) {
-      w_.resize(touch.first_weight);
-      opened_.push_back(touch);
-      continue;
-    }
-    touches_.push_back(touch);
-  }
-  share_in_corners(c, first);
-}
-
 // Along the normal of a touch, after the step: the gap stays what it was. Where a rigid ball opens,
 // it goes back to its point as far as it does not touch.
 template <int dim>
@@ -319,9 +285,7 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
   opened_.clear();
   w_.clear();
   Matrix<dim> slope;
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    find_touches(static_cast<std::int32_t>(k), du);
-  }
+  find_touches(du);
   order_touches();
   for (std::int32_t owner = 0; owner < std::ssize(members_); ++owner) {
     for (const std::int32_t k : touches_of(owner)) {

@@ -8,7 +8,8 @@
 #include <optional>
 
 #include "mpm_solver/contact/contact.hpp"
-#include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/facet_search.hpp"
+#include "mpm_solver/contact/front_features.hpp"
 #include "mpm_solver/contact/way_at_rest.hpp"
 #include "mpm_solver/contact/way_out.hpp"
 #include "mpm_solver/grid/surface_values.hpp"
@@ -88,8 +89,6 @@ class FacetContact final : public Contact<dim> {
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
-  /// A touch goes on in the next step where its normal turned by less than 60 degrees.
-  static constexpr double same_normal = 0.5;
   /// What an explicit step adds to the force that lasts, of its own force over that.
   static constexpr double lasting_share = 0.2;
   /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
@@ -110,10 +109,43 @@ class FacetContact final : public Contact<dim> {
     double begun() const { return -normal.dot(slip); }
     Vector<dim> tangential() const { return slip + begun() * normal; }
   };
+  /// A point that is looked at in the step, closely only where it comes near a surface.
+  struct Watched {
+    std::int32_t entry = 0;               // of the weights
+    std::int32_t candidate = -1;          // it is this one; -1: it never came near as yet
+    Vector<dim> x = Vector<dim>::Zero();  // of the ball
+    double reach = 0;                     // of the ball and its offset [m]
+    const std::vector<Memory>* memory = nullptr;
+    const Vector<dim>* offset = nullptr;
+  };
+  /// Those of a group of the weights, one after the other.
+  struct WatchedGroup {
+    std::int32_t group = 0;
+    std::int32_t first = 0, last = 0;
+    double clearance = 0;  // no simplex is nearer to a point when the step begins [m]
+    double reach = 0;      // largest of a point; infinite: each has to be looked at [m]
+  };
+  /// A box of the displacements of some nodes [m].
+  struct NodalBox {
+    Vector<dim> middle, half;
+  };
+  /// Where a point is when the step begins.
+  enum class Place : char {
+    unknown,
+    front,  // in front of the nearest simplex that it touched
+    other,
+  };
   /// A point that may touch in the step.
   struct Candidate {
     std::int64_t id = 0;
     std::int32_t body = 0;
+    double margin = 0;            // what is farther cannot be touched [m]
+    bool reaches_far = false;     // add_forces has to find places that the point does not touch
+    bool found = false;           // the last add_forces found a place
+    double touched_distance = 0;  // of the nearest simplex that it touched, at the start [m]
+    double spread = 0;            // a node moved by this against the point, in the step [m]
+    Place place = Place::unknown;
+    bool is_listed = false;                       // what it faces
     Vector<dim> x = Vector<dim>::Zero();          // of the ball
     Vector<dim> offset = Vector<dim>::Zero();     // of the ball from its point
     Matrix<dim> shape = Matrix<dim>::Identity();  // |shape^T n| is R in direction n
@@ -125,7 +157,6 @@ class FacetContact final : public Contact<dim> {
     double distance = 0;       // to the nearest facet at the start, 0 behind one
     std::int32_t first_value = 0, num_values = 0;
     std::int32_t first_facing = 0, num_facing = 0;
-    std::int32_t first_near = 0, num_near = 0;
     Vector<dim> motion = Vector<dim>::Zero();   // in the step
     Matrix<dim> H = Matrix<dim>::Zero();        // its gradient
     std::optional<SurfaceValues<dim>> surface;  // none: functions are continued
@@ -136,6 +167,12 @@ class FacetContact final : public Contact<dim> {
     std::int32_t owner = 0;
     double distance = 0;  // [m], 0 behind a facet that is touched
     SurfaceFeature<dim> place{};
+  };
+  /// What a point faces when the step begins.
+  struct Facing {
+    std::vector<FacingSimplex> simplices;
+    std::vector<Near> near;
+    double distance = 0;  // to the nearest simplex, 0 behind one [m]
   };
   /// The facet that a point touched and is nearest to, when the step begins.
   struct Behind {
@@ -187,8 +224,6 @@ class FacetContact final : public Contact<dim> {
     std::int32_t first_vertex = 0, num_vertices = 0;    // of all members'
     std::int32_t first_simplex = 0, num_simplices = 0;  // of all members'
     bool dropped = false;                               // it acts no more
-    bool bounds_known = false;                          // those of its simplices, at start_
-    double size = 0;                                    // of its largest simplex [m]
     std::vector<ContactMark<dim>> marks;                // of the accepted step
     double last_motion = 0;                             // `motion` of the accepted step
     ContactEnergy energy;                               // accepted
@@ -209,14 +244,32 @@ class FacetContact final : public Contact<dim> {
   ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
   void accept_touches(std::size_t owner);
   void add_vertex_forces(const Touch& touch, double share, std::span<double> forces) const;
-  void find_bounds();
-  void add_candidates(const SoilSurface<dim>& soil, std::span<const FacetHash<dim>> hashes);
-  void add_values(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry);
-  void list_facing(Candidate& candidate, double margin);
-  void face(const Candidate& c, std::int32_t s, double margin, Near& nearest, Behind& behind);
-  void face_next_members(const Candidate& c, double margin, const Behind& behind);
-  void drop_far_side(const Candidate& candidate, const Behind& behind);
-  void mark_touching(const Candidate& c, double reach);
+  void watch_points(double margin);
+  void list_remembered();
+  Watched watched(std::int32_t entry) const;
+  bool is_near(const Vector<dim>& x, double margin);
+  Candidate candidate_of(const Watched& point, const CellGroup& group) const;
+  Candidate& complete(Watched& point, const CellGroup& group);
+  void complete_all();
+  void add_values(const CellGroup& group, std::int32_t entry);
+  Facing facing_of(const Candidate& c) const;
+  void list_facing(Candidate& c);
+  void face(const Candidate& c, std::int32_t s, Facing& facing, Near& nearest,
+            Behind& behind) const;
+  void face_next_members(const Candidate& c, const Behind& behind, Facing& facing) const;
+  void drop_far_side(const Behind& behind, Facing& facing) const;
+  void mark_touching(const Watched& point, const CellGroup& group);
+  Vector<dim> motion_of(std::int32_t entry, const CellGroup& group) const;
+  Place place_of(Candidate& c);
+  bool look_in_front(const Candidate& c, const FeatureReach& reach, double around);
+  void find_features_of(Candidate& c, double reach);
+  double reach_of(const Candidate& c) const;
+  double touch_reach(const Candidate& c) const;
+  void find_opened();
+  NodalBox box_of(const CellGroup& group, std::span<const double> du) const;
+  bool stays_away(const Watched& point, const CellGroup& group, const NodalBox& box) const;
+  bool stays_away(const WatchedGroup& watched, const NodalBox& box) const;
+  void add_group(std::int32_t group, std::int32_t first);
   double radius(const Candidate& c, const Vector<dim>& n) const { return (c.shape * n).norm(); }
   double mean_radius(const Candidate& c) const { return c.shape.norm() / std::sqrt(double{dim}); }
   FacingSurface<dim> surface_of(const Candidate& c, std::span<const Vector<dim>> end) const;
@@ -226,14 +279,15 @@ class FacetContact final : public Contact<dim> {
   void add_remembered(std::int32_t owner, Vector<dim> Memory::*force, double share,
                       std::span<double> field) const;
   void visit_memory(StateVisitor& visitor, const std::string& prefix);
-  void find_touches(std::int32_t candidate, std::span<const double> du);
+  void find_touches(std::span<const double> du);
+  void find_touches_of(std::int32_t candidate, std::span<const double> du);
   Touch touch_at(const Candidate& c, const SurfaceFeature<dim>& feature,
                  std::span<const double> du);
   static double most_begun(const Candidate& c);
   static constexpr std::int32_t any_owner = -1;
   const Memory* remembered(const Candidate& c, const Vector<dim>& n,
                            std::int32_t owner = any_owner) const;
-  std::vector<RestingPlace<dim>> places_at_rest(const Candidate& c, const SoilAtRest<dim>& rest);
+  std::vector<RestingPlace<dim>> places_at_rest(Candidate& c, const SoilAtRest<dim>& rest);
   void lay_on(std::span<const RestingPlace<dim>> places, Candidate& c);
   void remember_shear(const Touch& touch, std::span<const RestingPlace<dim>> places);
   void remember_touches();
@@ -257,26 +311,34 @@ class FacetContact final : public Contact<dim> {
   const double* weights_of(const Touch& touch) const { return w_.data() + touch.first_weight; }
 
   std::vector<Member> members_;
-  std::vector<Simplex<dim>> simplices_;     // of one member after the other
-  std::vector<std::int32_t> owner_;         // of each simplex
-  std::vector<char> rim_;                   // of each vertex: 1 on the rim of its surface
-  std::vector<Vector<dim>> start_, end_;    // of the vertices: accepted, and in the step
-  std::vector<Vector<dim>> target_;         // at the end of the step
-  std::vector<SimplexBounds<dim>> bounds_;  // at start_
-  double size_ = 0;                         // of the largest simplex [m]
+  std::vector<Simplex<dim>> simplices_;      // of one member after the other
+  std::vector<std::int32_t> owner_;          // of each simplex
+  std::vector<char> rim_;                    // of each vertex: 1 on the rim of its surface
+  std::vector<Vector<dim>> start_, end_;     // of the vertices: accepted, and in the step
+  std::vector<Vector<dim>> target_;          // at the end of the step
+  std::vector<Neighbours<dim>> neighbours_;  // of each simplex
+  FacetSearch<dim> search_;                  // as start_ is
   std::map<std::int64_t, std::vector<Memory>> memory_;  // by the point's id
   std::map<std::int64_t, Vector<dim>> offset_;          // of balls from their points, by id
   std::map<std::int64_t, Matrix<dim>> shape_;           // of deforming points that are near, by id
   double deepest_ = 0;  // touch of the accepted step, of all ranks [m]
 
   // the step under way
-  std::vector<Candidate> candidates_;
+  std::optional<SoilSurface<dim>> soil_;
+  std::vector<Watched> watched_;
+  std::vector<WatchedGroup> watched_groups_;
+  std::vector<Candidate> candidates_;  // the watched points that came near, as they did
   std::vector<double> N_;
   std::vector<Vector<dim>> grad_N_;
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
-  std::vector<std::span<const std::int32_t>> near_lists_;  // of a point, by member
-  std::vector<Near> near_;
+  IndexTable<1> remembered_;                           // ids of points with memory or offset
+  std::vector<const std::vector<Memory>*> memory_of_;  // of them, or none
+  std::vector<const Vector<dim>*> offset_of_;          // of them, or none
+  std::vector<KnownTouch<dim>> known_;                 // room for what a point touched
+  std::vector<double> du_;                             // of the last add_forces
+  std::vector<char> at_rest_;                          // of each member, in the step
+  std::vector<std::int32_t> near_;                     // room for a list
   std::vector<Touch> touches_;
   std::vector<std::int32_t> by_owner_, first_of_;  // touches_ of one member after the other
   std::vector<Touch> opened_;  // places where balls that do not touch keep an offset

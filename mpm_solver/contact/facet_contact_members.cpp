@@ -13,6 +13,7 @@ FacetContact<dim>::FacetContact(const std::vector<const ContactSettings<dim>*>& 
   for (const auto* settings : members) add_member(*settings);
   target_ = end_ = start_;
   rim_ = rim_vertices<dim>(simplices_, start_.size());
+  neighbours_ = neighbours_of<dim>(simplices_);
   order_touches();
 }
 
@@ -32,6 +33,7 @@ void FacetContact<dim>::add_member(const ContactSettings<dim>& settings) {
     simplices_.push_back(simplex);
   }
   member.num_simplices = static_cast<std::int32_t>(simplices_.size()) - member.first_simplex;
+  search_.add_member(static_cast<std::size_t>(member.num_simplices));
   owner_.resize(simplices_.size(), static_cast<std::int32_t>(members_.size()) - 1);
 }
 
@@ -64,6 +66,7 @@ template <int dim>
 bool FacetContact<dim>::drop(std::size_t member, bool dropped) {
   Member& own = members_[member];
   own.dropped = dropped;
+  search_.drop(member, dropped);
   own.may_touch = false;
   own.substeps = {};
   if (!dropped) return true;
@@ -167,6 +170,7 @@ ContactEnergy FacetContact<dim>::energy() const {
 template <int dim>
 Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature) const {
   Vector<dim> motion = Vector<dim>::Zero();
+  if (surface_motion_ == 0) return motion;
   for (int k = 0; k < dim; ++k) {
     const std::int32_t v = simplices_[feature.simplex][k];
     motion += feature.weights[k] * (end_[v] - start_[v]);
@@ -174,16 +178,47 @@ Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature
   return motion;
 }
 
+// Of a point, in the last add_forces.
+template <int dim>
+Vector<dim> FacetContact<dim>::motion_of(std::int32_t entry, const CellGroup& group) const {
+  Vector<dim> motion = Vector<dim>::Zero();
+  if (du_.empty()) return motion;
+  const PointWeights<dim>& weights = soil_->weights;
+  const double* N = weights.N_of(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  const std::int32_t first = weights.nodes_of(group).first;
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::ptrdiff_t node = soil_->nodes.of_groups[first + local[i]];
+    motion += N[i] * Eigen::Map<const Vector<dim>>(du_.data() + node * dim);
+  }
+  return motion;
+}
+
+// A point that touched nothing and is far away, or slow, cannot ask for the smallest step.
 template <int dim>
 double FacetContact<dim>::approach_step(double dt, double margin) const {
   double result = std::numeric_limits<double>::infinity();
-  for (const Candidate& c : candidates_) {
-    if (c.num_facing == 0) continue;
-    for (std::int32_t k = c.first_near; k < c.first_near + c.num_near; ++k) {
-      const Vector<dim>& n = near_[k].place.normal;
-      const double closing = n.dot(surface_motion(near_[k].place) - c.motion);
-      const double gap = near_[k].distance - closing - radius(c, n);
-      if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
+  for (const WatchedGroup& watched : watched_groups_) {
+    const CellGroup& group = soil_->weights.groups[watched.group];
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      const Watched& point = watched_[k];
+      const Vector<dim> motion = motion_of(point.entry, group);
+      if (point.candidate < 0) {
+        const double closing = motion.norm() + surface_motion_;  // or less
+        const double nearest = search_.far_at_least(point.x, Vector<dim>::Zero());
+        const double gap = std::max(nearest - closing - point.reach, 0.0);
+        if (dt * (gap + margin) > 1.001 * result * closing) continue;
+      }
+      const Candidate c =
+          point.candidate < 0 ? candidate_of(point, group) : candidates_[point.candidate];
+      const Facing facing = facing_of(c);
+      if (facing.simplices.empty()) continue;
+      for (const Near& near : facing.near) {
+        const Vector<dim>& n = near.place.normal;
+        const double closing = n.dot(surface_motion(near.place) - motion);
+        const double gap = near.distance - closing - radius(c, n);
+        if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
+      }
     }
   }
   return result;

@@ -21,20 +21,8 @@ constexpr double seam_share = 1e-3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Of the soil of all ranks, once the largest values were found.
-template <int dim>
-struct Extent {
-  static constexpr double none = -infinity;
-
-  double fastest = 0;  // [m/s]
-  double widest = 0;   // volume of a point [m^3]
-  Vector<dim> minus_low = Vector<dim>::Constant(none), high = minus_low;
-
-  std::span<double> values() {
-    static_assert(sizeof(Extent) == (2 + 2 * dim) * sizeof(double));
-    return {&fastest, 2 + 2 * std::size_t{dim}};
-  }
-};
+// What is nearer than a limit to within this share of it may be beyond it by rounding.
+constexpr double rounding = 1e-9;
 
 template <int dim>
 double largest_norm(const std::vector<Vector<dim>>& values) {
@@ -51,106 +39,160 @@ void FacetContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   cell_size_ = soil.cell_size;
   dt_ = soil.dt;
   comm_ = soil.comm;
+  soil_.emplace(soil);
+  watched_.clear();
+  watched_groups_.clear();
   candidates_.clear();
   N_.clear();
   grad_N_.clear();
   nodes_.clear();
   facing_.clear();
-  near_.clear();
+  du_.clear();
   touches_.clear();
   order_touches();
   has_substeps_ = false;
   if (std::ranges::all_of(members_, &Member::dropped)) return;
-  std::vector<Vector<dim>> balls;
-  Extent<dim> all{.fastest =
-                      std::max(largest_norm<dim>(soil.points.v), largest_norm<dim>(soil.nodes.v))};
+  double all[] = {std::max(largest_norm<dim>(soil.points.v), largest_norm<dim>(soil.nodes.v)), 0};
   for (std::int32_t p = 0; p < soil.points.size(); ++p) {
-    all.widest = std::max(all.widest, soil.points.V0[p] * soil.points.J[p]);
-    balls.push_back(soil.points.x[p] + offset_of(soil.points.id[p]));
-    all.minus_low = all.minus_low.cwiseMax(-balls.back());
-    all.high = all.high.cwiseMax(balls.back());
+    all[1] = std::max(all[1], soil.points.V0[p] * soil.points.J[p]);
   }
-  max_over_ranks(comm_, all.values());
+  max_over_ranks(comm_, std::span<double>(all));
+  const auto [fastest, widest] = all;
   double watched = 0;
   for (Member& member : members_) {
     member.may_touch = false;
     member.watched = watched_share * soil.cell_size + 2 * member.last_motion;
     watched = std::max(watched, member.watched);
   }
-  margin_ = watched + deepest_ + cube_side<dim>(all.widest);
-  find_bounds();
-  std::vector<FacetHash<dim>> hashes;
-  for (const Member& member : members_) {
-    const std::size_t count = member.dropped ? 0 : static_cast<std::size_t>(member.num_simplices);
-    hashes.emplace_back(std::span(simplices_).subspan(member.first_simplex, count), start_,
-                        margin_ + 2 * soil.dt * all.fastest, balls,
-                        typename FacetHash<dim>::Box{-all.minus_low, all.high});
-  }
-  add_candidates(soil, hashes);
+  margin_ = watched + deepest_ + cube_side<dim>(widest);
+  search_.begin_step(simplices_, start_, cube_side<dim>(widest));
+  watch_points(margin_ + 2 * soil.dt * fastest);
 }
 
-// Members at rest keep them.
+// @param margin  what is farther from any point cannot be touched [m]
 template <int dim>
-void FacetContact<dim>::find_bounds() {
-  bounds_.resize(simplices_.size());
-  size_ = 0;
-  for (Member& member : members_) {
-    const auto own = std::span(bounds_).subspan(member.first_simplex, member.num_simplices);
-    if (!member.bounds_known) {
-      const auto found = bounds_of<dim>(
-          std::span(simplices_).subspan(member.first_simplex, member.num_simplices), start_);
-      std::copy(found.begin(), found.end(), own.begin());
-      member.size = 0;
-      for (const auto& bounds : own) member.size = std::max(member.size, 2 * bounds.radius);
-      member.bounds_known = true;
-    }
-    size_ = std::max(size_, member.size);
-  }
-}
-
-template <int dim>
-void FacetContact<dim>::add_candidates(const SoilSurface<dim>& soil,
-                                       std::span<const FacetHash<dim>> hashes) {
-  near_lists_.resize(hashes.size());
-  for (const CellGroup& group : soil.weights.groups) {
+void FacetContact<dim>::watch_points(double margin) {
+  list_remembered();
+  const SoilSurface<dim>& soil = *soil_;
+  const auto& groups = soil.weights.groups;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const CellGroup& group = groups[g];
+    const auto first = static_cast<std::int32_t>(watched_.size());
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = soil.weights.point[e];
-      const auto memory = memory_.find(soil.points.id[p]);
-      const Vector<dim> offset = offset_of(soil.points.id[p]);
-      bool is_near = memory != memory_.end();
-      for (std::size_t m = 0; m < hashes.size(); ++m) {
-        near_lists_[m] = hashes[m].near(soil.points.x[p] + offset);
-        is_near |= !near_lists_[m].empty();
-      }
-      if (!is_near) continue;
-      Candidate& c = candidates_.emplace_back();
-      c.id = soil.points.id[p];
-      c.body = group.body;
-      c.x = soil.points.x[p] + offset;
-      c.offset = offset;
-      c.deforms = soil.elastic[group.body] != 0;
-      c.modulus = soil.moduli[group.body];
-      c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
-      c.shape = shape_of(c.id, soil.points.depth[p]);
-      if (memory != memory_.end()) c.memory = &memory->second;
-      c.took_weight = c.memory ? c.memory->front().took_weight : soil.takes_weight;
-      if (c.took_weight) c.weight = soil.weights_of[group.body];
-      if (soil.grid.basis != Basis::linear) {
-        c.surface.emplace(soil.grid, soil.points, p);
-      }
-      add_values(soil, group, e);
-      list_facing(
-          c, margin_ + 2 * dt_ * fastest_about(soil.points, soil.weights, soil.nodes, group, e));
-      const double speed = soil.points.v[p].norm() * soil.dt;
-      mark_touching(c, c.shape.norm() + c.offset.norm() + 2 * speed + 0.05 * soil.cell_size);
+      Watched point = watched(e);
+      const bool deforms = soil.elastic[group.body] != 0;
+      if (deforms && !point.memory && !is_near(point.x, margin)) continue;
+      if (deforms || point.memory) complete(point, group);
+      mark_touching(point, group);
+      watched_.push_back(point);
     }
+    add_group(static_cast<std::int32_t>(g), first);
   }
+}
+
+// @param first  of its points, which were watched last
+template <int dim>
+void FacetContact<dim>::add_group(std::int32_t group, std::int32_t first) {
+  const auto last = static_cast<std::int32_t>(watched_.size());
+  if (last == first) return;
+  WatchedGroup result{.group = group, .first = first, .last = last};
+  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
+  for (std::int32_t k = first; k < last; ++k) {
+    const Watched& point = watched_[k];
+    low = low.cwiseMin(point.x);
+    high = high.cwiseMax(point.x);
+    result.reach = std::max(result.reach, point.candidate < 0 ? point.reach : infinity);
+  }
+  if (result.reach < infinity) {
+    result.clearance = search_.far_at_least(0.5 * (low + high), 0.5 * (high - low));
+  }
+  watched_groups_.push_back(result);
+}
+
+// Finds what is remembered of a point by its id.
+template <int dim>
+void FacetContact<dim>::list_remembered() {
+  remembered_.clear();
+  memory_of_.clear();
+  offset_of_.clear();
+  const auto number = [this](std::int64_t id) {
+    const auto k = static_cast<std::size_t>(remembered_.add({id}));
+    memory_of_.resize(static_cast<std::size_t>(remembered_.size()));
+    offset_of_.resize(memory_of_.size());
+    return k;
+  };
+  for (const auto& [id, memory] : memory_) memory_of_[number(id)] = &memory;
+  for (const auto& [id, offset] : offset_) offset_of_[number(id)] = &offset;
+}
+
+template <int dim>
+typename FacetContact<dim>::Watched FacetContact<dim>::watched(std::int32_t entry) const {
+  const SoilSurface<dim>& soil = *soil_;
+  const std::int32_t p = soil.weights.point[entry];
+  Watched point{.entry = entry, .x = soil.points.x[p]};
+  const std::int32_t known = remembered_.find({soil.points.id[p]});
+  if (known >= 0) {
+    point.memory = memory_of_[known];
+    point.offset = offset_of_[known];
+  }
+  double offset = 0;
+  if (point.offset) {
+    point.x += *point.offset;
+    offset = point.offset->norm();
+  }
+  point.reach = soil.points.depth[p] * std::sqrt(double{dim}) + offset;
+  return point;
+}
+
+template <int dim>
+bool FacetContact<dim>::is_near(const Vector<dim>& x, double margin) {
+  const auto near = search_.near(x, margin, near_);
+  return std::ranges::any_of(
+      near, [&](std::int32_t s) { return !search_.bounds()[s].is_beyond(x, margin); });
+}
+
+// A candidate without its basis functions.
+template <int dim>
+typename FacetContact<dim>::Candidate FacetContact<dim>::candidate_of(
+    const Watched& point, const CellGroup& group) const {
+  const SoilSurface<dim>& soil = *soil_;
+  const std::int32_t p = soil.weights.point[point.entry];
+  Candidate c;
+  c.id = soil.points.id[p];
+  c.body = group.body;
+  c.x = point.x;
+  if (point.offset) c.offset = *point.offset;
+  c.deforms = soil.elastic[group.body] != 0;
+  c.modulus = soil.moduli[group.body];
+  c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
+  c.shape = shape_of(c.id, soil.points.depth[p]);
+  c.memory = point.memory;
+  c.took_weight = c.memory ? c.memory->front().took_weight : soil.takes_weight;
+  if (c.took_weight) c.weight = soil.weights_of[group.body];
+  c.reaches_far = c.deforms || soil.grid.basis == Basis::bspline;
+  c.margin =
+      margin_ + 2 * dt_ * fastest_about(soil.points, soil.weights, soil.nodes, group, point.entry);
+  return c;
+}
+
+template <int dim>
+typename FacetContact<dim>::Candidate& FacetContact<dim>::complete(Watched& point,
+                                                                   const CellGroup& group) {
+  if (point.candidate >= 0) return candidates_[point.candidate];
+  const SoilSurface<dim>& soil = *soil_;
+  point.candidate = static_cast<std::int32_t>(candidates_.size());
+  Candidate& c = candidates_.emplace_back(candidate_of(point, group));
+  if (soil.grid.basis != Basis::linear) {
+    c.surface.emplace(soil.grid, soil.points, soil.weights.point[point.entry]);
+  }
+  add_values(group, point.entry);
+  return c;
 }
 
 // Basis functions of the candidate added last.
 template <int dim>
-void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup& group,
-                                   std::int32_t entry) {
+void FacetContact<dim>::add_values(const CellGroup& group, std::int32_t entry) {
+  const SoilSurface<dim>& soil = *soil_;
   const PointWeights<dim>& weights = soil.weights;
   const int n = weights.num_nodes(entry);
   const std::uint8_t* local = weights.local_of(entry);
@@ -164,15 +206,41 @@ void FacetContact<dim>::add_values(const SoilSurface<dim>& soil, const CellGroup
   for (int i = 0; i < n; ++i) nodes_.push_back(soil.nodes.active[group_nodes[local[i]]]);
 }
 
-// @param reach  of the point, towards members at rest [m]
+// Members that the point may touch in the step, by its speed as it begins.
 template <int dim>
-void FacetContact<dim>::mark_touching(const Candidate& c, double reach) {
-  if (c.memory) {
-    for (const Memory& memory : *c.memory) members_[memory.owner].may_touch = true;
+void FacetContact<dim>::mark_touching(const Watched& point, const CellGroup& group) {
+  if (point.memory) {
+    for (const Memory& memory : *point.memory) members_[memory.owner].may_touch = true;
   }
-  for (std::int32_t k = c.first_near; k < c.first_near + c.num_near; ++k) {
-    Member& member = members_[near_[k].owner];
-    member.may_touch |= near_[k].distance < reach + 2 * member.last_motion;
+  const SoilSurface<dim>& soil = *soil_;
+  const double speed = soil.points.v[soil.weights.point[point.entry]].norm() * soil.dt;
+  std::optional<Facing> facing;
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    Member& member = members_[m];
+    if (member.may_touch || member.dropped) continue;
+    const auto reach = [&](double ball) {
+      return ball + 2 * speed + 0.05 * soil.cell_size + 2 * member.last_motion;
+    };
+    const double nearest = search_.at_least(m, point.x, Vector<dim>::Zero());
+    if (!point.memory && !soil.elastic[group.body] &&
+        nearest > (1 + rounding) * reach(point.reach)) {
+      continue;
+    }
+    const Candidate c = candidate_of(point, group);
+    if (!facing) facing = facing_of(c);
+    for (const Near& near : facing->near) {
+      if (near.owner != static_cast<std::int32_t>(m)) continue;
+      member.may_touch |= near.distance < reach(c.shape.norm() + c.offset.norm());
+    }
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::complete_all() {
+  for (WatchedGroup& watched : watched_groups_) {
+    const CellGroup& group = soil_->weights.groups[watched.group];
+    for (std::int32_t k = watched.first; k < watched.last; ++k) complete(watched_[k], group);
+    watched.reach = infinity;
   }
 }
 
@@ -180,36 +248,47 @@ void FacetContact<dim>::mark_touching(const Candidate& c, double reach) {
 // as the far side of a thin structure. A point whose centre went through the side that it touched
 // belongs to that side still.
 template <int dim>
-void FacetContact<dim>::list_facing(Candidate& c, double margin) {
-  c.first_facing = static_cast<std::int32_t>(facing_.size());
-  c.first_near = static_cast<std::int32_t>(near_.size());
-  c.distance = infinity;
+typename FacetContact<dim>::Facing FacetContact<dim>::facing_of(const Candidate& c) const {
+  Facing facing;
+  facing.distance = infinity;
   Behind behind;
+  std::vector<std::int32_t> room;
   for (std::size_t m = 0; m < members_.size(); ++m) {
-    const std::int32_t first = members_[m].first_simplex;
     Near nearest{.owner = static_cast<std::int32_t>(m), .distance = infinity};
-    for (const std::int32_t s : near_lists_[m]) face(c, first + s, margin, nearest, behind);
-    if (nearest.distance == infinity) continue;
-    c.distance = std::min(c.distance, nearest.distance);
-    near_.push_back(nearest);
-  }
-  c.num_near = static_cast<std::int32_t>(near_.size()) - c.first_near;
-  if (!behind.normal.isZero()) {
-    c.distance = 0;
-    for (std::int32_t k = c.first_near; k < c.first_near + c.num_near; ++k) {
-      if (near_[k].owner == behind.owner) near_[k].distance = 0;
+    for (const std::int32_t s : search_.near(m, c.x, c.margin, room)) {
+      face(c, s, facing, nearest, behind);
     }
-    if (members_.size() > 1) face_next_members(c, margin, behind);
-    drop_far_side(c, behind);
+    if (nearest.distance == infinity) continue;
+    facing.distance = std::min(facing.distance, nearest.distance);
+    facing.near.push_back(nearest);
   }
-  c.num_facing = static_cast<std::int32_t>(facing_.size()) - c.first_facing;
+  if (!behind.normal.isZero()) {
+    facing.distance = 0;
+    for (Near& near : facing.near) {
+      if (near.owner == behind.owner) near.distance = 0;
+    }
+    if (members_.size() > 1) face_next_members(c, behind, facing);
+    drop_far_side(behind, facing);
+  }
+  return facing;
 }
 
 template <int dim>
-void FacetContact<dim>::face(const Candidate& c, std::int32_t s, double margin, Near& nearest,
-                             Behind& behind) {
-  const SimplexBounds<dim>& bounds = bounds_[s];
-  if (bounds.is_beyond(c.x, margin)) return;
+void FacetContact<dim>::list_facing(Candidate& c) {
+  if (c.is_listed) return;
+  const Facing facing = facing_of(c);
+  c.first_facing = static_cast<std::int32_t>(facing_.size());
+  c.num_facing = static_cast<std::int32_t>(facing.simplices.size());
+  c.distance = facing.distance;
+  facing_.insert(facing_.end(), facing.simplices.begin(), facing.simplices.end());
+  c.is_listed = true;
+}
+
+template <int dim>
+void FacetContact<dim>::face(const Candidate& c, std::int32_t s, Facing& facing, Near& nearest,
+                             Behind& behind) const {
+  const SimplexBounds<dim>& bounds = search_.bounds()[s];
+  if (bounds.is_beyond(c.x, c.margin)) return;
   const auto corners = corners_of<dim>(simplices_[s], start_);
   const Vector<dim>& normal = bounds.normal;
   const double height = (c.x - corners[0]).dot(normal);
@@ -217,7 +296,7 @@ void FacetContact<dim>::face(const Candidate& c, std::int32_t s, double margin, 
   if (height <= 0 && !touched) return;
   const auto place = closest_place<dim>(corners, c.x);
   const double distance = (place.x - c.x).norm();
-  facing_.push_back({s, touched, height, distance});
+  facing.simplices.push_back({s, touched, height, distance});
   if (touched && distance < behind.distance) {
     behind = {.distance = distance, .height = height, .owner = nearest.owner};
     if (height <= 0) behind.normal = normal;
@@ -230,33 +309,29 @@ void FacetContact<dim>::face(const Candidate& c, std::int32_t s, double margin, 
 
 // A point behind a facet may come behind one of another member that meets it.
 template <int dim>
-void FacetContact<dim>::face_next_members(const Candidate& c, double margin, const Behind& behind) {
-  const double farthest = std::min(margin, 2 * mean_radius(c));
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    for (const std::int32_t k : near_lists_[m]) {
-      const std::int32_t s = members_[m].first_simplex + k;
-      if (bounds_[s].is_beyond(c.x, farthest) || remembered(c, bounds_[s].normal, owner_[s])) {
-        continue;
-      }
-      const auto corners = corners_of<dim>(simplices_[s], start_);
-      const double height = (c.x - corners[0]).dot(bounds_[s].normal);
-      if (height > 0 || bounds_[s].normal.dot(behind.normal) <= same_normal) continue;
-      const double distance = (closest_place<dim>(corners, c.x).x - c.x).norm();
-      if (distance <= farthest) facing_.push_back({s, true, height, distance});
-    }
+void FacetContact<dim>::face_next_members(const Candidate& c, const Behind& behind,
+                                          Facing& facing) const {
+  const double farthest = std::min(c.margin, 2 * mean_radius(c));
+  std::vector<std::int32_t> room;
+  for (const std::int32_t s : search_.near(c.x, farthest, room)) {
+    const SimplexBounds<dim>& bounds = search_.bounds()[s];
+    if (bounds.is_beyond(c.x, farthest) || remembered(c, bounds.normal, owner_[s])) continue;
+    const auto corners = corners_of<dim>(simplices_[s], start_);
+    const double height = (c.x - corners[0]).dot(bounds.normal);
+    if (height > 0 || bounds.normal.dot(behind.normal) <= same_normal) continue;
+    const double distance = (closest_place<dim>(corners, c.x).x - c.x).norm();
+    if (distance <= farthest) facing.simplices.push_back({s, true, height, distance});
   }
 }
 
 // Of another member only what lies behind the one that the point went through, with a structure
 // between them; not what it faces.
 template <int dim>
-void FacetContact<dim>::drop_far_side(const Candidate& c, const Behind& behind) {
-  const auto is_far = [&](const FacingSimplex& facing) {
-    if (bounds_[facing.simplex].normal.dot(behind.normal) >= -same_normal) return false;
-    return owner_[facing.simplex] == behind.owner || facing.height < -behind.height;
-  };
-  facing_.erase(std::remove_if(facing_.begin() + c.first_facing, facing_.end(), is_far),
-                facing_.end());
+void FacetContact<dim>::drop_far_side(const Behind& behind, Facing& facing) const {
+  std::erase_if(facing.simplices, [&](const FacingSimplex& simplex) {
+    if (search_.bounds()[simplex.simplex].normal.dot(behind.normal) >= -same_normal) return false;
+    return owner_[simplex.simplex] == behind.owner || simplex.height < -behind.height;
+  });
 }
 
 template <int dim>
@@ -270,7 +345,7 @@ FacingSurface<dim> FacetContact<dim>::surface_of(const Candidate& c,
           .owner = members_.size() > 1 ? std::span<const std::int32_t>(owner_)
                                        : std::span<const std::int32_t>(),
           .motion = surface_motion_,
-          .size = size_,
+          .size = search_.size(),
           .seam = seam_share * mean_radius(c)};
 }
 

@@ -22,7 +22,7 @@ constexpr double round_off = 1e-9;
 // Faces that soil was laid against where the point is. The force is that of the stress at the face,
 // on the point's share of the side; the area of the contact may be another one.
 template <int dim>
-std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(const Candidate& c,
+std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
                                                                  const SoilAtRest<dim>& rest) {
   std::vector<RestingPlace<dim>> places;
   const auto sides = rest.sides(c.body, c.id);
@@ -30,6 +30,8 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(const Candidate
   double deepest = 0;
   for (const auto& side : sides) deepest = std::max(deepest, side.depth);
   const double tolerance = touching_share * cell_size_;
+  list_facing(c);
+  c.place = Place::other;
   find_features<dim>(surface_of(c, end_), c.x, c.x, {deepest + tolerance, mean_radius(c)},
                      features_);
   for (const auto& feature : features_) {
@@ -126,9 +128,9 @@ void FacetContact<dim>::remember_touches() {
 
 template <int dim>
 void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
-  const std::int32_t nodes =
-      nodes_.empty() ? 0 : 1 + *std::max_element(nodes_.begin(), nodes_.end());
-  const std::vector<double> du(static_cast<std::size_t>(nodes) * dim, 0.0);
+  if (!soil_) return;
+  complete_all();
+  const std::vector<double> du(static_cast<std::size_t>(soil_->nodes.size()) * dim, 0.0);
   std::vector<double> r(du.size());
   std::vector<std::vector<RestingPlace<dim>>> places;
   for (Candidate& c : candidates_) {

@@ -111,6 +111,7 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points, 
 // The deepest touch of a ball comes last: it holds where normals are not at right angles.
 template <int dim>
 void FacetContact<dim>::accept_offsets() {
+  find_opened();
   std::vector<const Touch*> order;
   for (const auto* touches : {&touches_, &opened_}) {
     for (const Touch& touch : *touches) order.push_back(&touch);
@@ -199,10 +200,13 @@ void FacetContact<dim>::accept() {
     if (c.deforms) shape_[c.id] = c.shape * (Matrix<dim>::Identity() + c.H).transpose();
   }
   start_ = end_;
-  for (Member& member : members_) {
-    if (member.motion > 0) member.bounds_known = false;
-    member.last_motion = member.motion;
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    search_.add_motion(m, members_[m].motion);
+    members_[m].last_motion = members_[m].motion;
   }
+  soil_.reset();
+  watched_.clear();
+  watched_groups_.clear();
   candidates_.clear();
   touches_.clear();
   order_touches();
@@ -330,13 +334,13 @@ void FacetContact<dim>::visit_memory(StateVisitor& visitor, const std::string& p
 template <int dim>
 void FacetContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
   visitor.reals(prefix + "vertices", flat(start_));
+  search_.forget();
   visitor.real(prefix + "deepest", deepest_);
   visit_memory(visitor, prefix);
   visit_by_id(visitor, prefix + "offset", offset_);
   visit_by_id(visitor, prefix + "shape", shape_);
   for (std::size_t m = 0; m < members_.size(); ++m) {
     Member& member = members_[m];
-    member.bounds_known = false;
     const std::string own = fmt::format("{}member_{}.", prefix, m);
     visitor.real(own + "last_motion", member.last_motion);
     visit_marks<dim>(visitor, own,

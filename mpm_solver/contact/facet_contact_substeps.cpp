@@ -41,6 +41,7 @@ void FacetContact<dim>::begin_substeps() {
 template <int dim>
 void FacetContact<dim>::set_share(double share) {
   share_ = share;
+  if (surface_motion_ == 0) return;  // neither do the surfaces in the whole step
   if (share == 1) {
     end_ = target_;
   } else {

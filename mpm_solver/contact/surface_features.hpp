@@ -25,6 +25,15 @@ std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface);
 template <int dim>
 std::vector<char> rim_vertices(std::span<const Simplex<dim>> simplices, std::size_t num_vertices);
 
+/// The simplices that share a side with one, by the corner that the side does not have.
+template <int dim>
+using Neighbours = std::array<std::int32_t, dim>;
+constexpr std::int32_t no_neighbour = -1;
+constexpr std::int32_t several_neighbours = -2;
+
+template <int dim>
+std::vector<Neighbours<dim>> neighbours_of(std::span<const Simplex<dim>> simplices);
+
 /// Its corners, for vertices at these positions.
 template <int dim>
 std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,

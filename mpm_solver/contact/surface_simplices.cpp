@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "mpm_solver/contact/surface_features.hpp"
 
@@ -70,6 +71,43 @@ std::vector<char> rim_vertices(std::span<const Simplex<dim>> simplices, std::siz
   return rim;
 }
 
+template <int dim>
+std::vector<Neighbours<dim>> neighbours_of(std::span<const Simplex<dim>> simplices) {
+  struct Side {
+    std::array<std::int32_t, dim - 1> vertices;
+    std::int32_t simplex = 0, corner = 0;
+  };
+  std::vector<Side> sides;
+  for (std::size_t s = 0; s < simplices.size(); ++s) {
+    for (int k = 0; k < dim; ++k) {
+      Side& side = sides.emplace_back();
+      for (int l = 1; l < dim; ++l) side.vertices[l - 1] = simplices[s][(k + l) % dim];
+      std::sort(side.vertices.begin(), side.vertices.end());
+      side.simplex = static_cast<std::int32_t>(s);
+      side.corner = k;
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.vertices, a.simplex, a.corner) < std::tie(b.vertices, b.simplex, b.corner);
+  });
+  std::vector<Neighbours<dim>> result(simplices.size());
+  for (auto first = sides.begin(); first != sides.end();) {
+    const auto last = std::find_if(
+        first, sides.end(), [&](const Side& side) { return side.vertices != first->vertices; });
+    const auto count = last - first;
+    for (auto side = first; side != last; ++side) {
+      std::int32_t next = count == 1 ? no_neighbour : several_neighbours;
+      if (count == 2) next = (side == first ? first + 1 : first)->simplex;
+      result[static_cast<std::size_t>(side->simplex)][static_cast<std::size_t>(side->corner)] =
+          next;
+    }
+    first = last;
+  }
+  return result;
+}
+
+template std::vector<Neighbours<2>> neighbours_of<2>(std::span<const Simplex<2>>);
+template std::vector<Neighbours<3>> neighbours_of<3>(std::span<const Simplex<3>>);
 template std::vector<char> rim_vertices<2>(std::span<const Simplex<2>>, std::size_t);
 template std::vector<char> rim_vertices<3>(std::span<const Simplex<3>>, std::size_t);
 template std::vector<Simplex<2>> simplices<2>(const ContactSurface<2>&);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mpm_solver/contact/surface_features.hpp"
+
+namespace gabion::mpm {
+
+/// A touch goes on in the next step where its normal turned by less than 60 degrees.
+constexpr double same_normal = 0.5;
+
+/// A place that a point touched when the step began.
+template <int dim>
+struct KnownTouch {
+  std::int32_t owner = 0;  ///< surface
+  Vector<dim> normal = Vector<dim>::Zero();
+};
+
+/// A surface around a point that is in front of it when the step begins: nearest of what it touched
+/// is a simplex that it is in front of.
+template <int dim>
+struct FrontView {
+  const FacingSurface<dim>& surface;           ///< `facing` is not used
+  std::span<const SimplexBounds<dim>> bounds;  ///< at the start of the step
+  std::span<const Neighbours<dim>> neighbours;
+  std::span<const char> at_rest;       ///< of each owner: 1 if it is in this step
+  std::span<const std::int32_t> near;  ///< simplices, ascending, see front_reach
+  std::span<const KnownTouch<dim>> touched;
+  double around = 0;  ///< look at simplices as far as this, if that is farther than needed [m]
+  double margin = 0;  ///< simplices that are farther at the start do not count [m]
+};
+
+/// How far around the end of its way `near` has to have all simplices [m], unless `around` is more.
+template <int dim>
+double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way);
+
+/// The features of find_features, the same to the bit, from fewer simplices: all those of `near`
+/// face the point that have it in front, or that have a normal that it touched.
+/// @param features  cleared first
+/// @returns false: the point may have come behind the surface, or what it touched is farther away
+///          than it looks; find_features has to tell
+template <int dim>
+bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const Vector<dim>& y,
+                       const FeatureReach& reach, std::vector<SurfaceFeature<dim>>& features);
+
+}  // namespace gabion::mpm
