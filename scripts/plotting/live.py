@@ -100,7 +100,8 @@ class Run:
             self._error = line.partition("error: ")[2] or self._error
             for name, program, pid in HERE.findall(line):
                 self.participants[name] = (program, int(pid))
-        self.summary = object_of(self.folder / SUMMARY) or self.summary
+        summary = object_of(self.folder / SUMMARY)
+        self.summary = self.summary if summary is None else summary
 
     def _read_settings(self) -> None:
         if math.isnan(self.end):

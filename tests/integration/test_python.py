@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The lines of docs/python.md as they stand there, and runs that are followed, stopped or fail."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import launch
+from launch import endless
+from test_restart_script import ROOT, ScriptCase
+
+sys.path.insert(0, str(ROOT))
+import gabion  # noqa: E402
+
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+class Page(ScriptCase):
+    def test_the_lines_of_the_page_draw_the_curve(self) -> None:
+        lines = BLOCK.search((ROOT / "docs" / "python.md").read_text(encoding="utf-8"))[1]
+        self.assertLessEqual(len([line for line in lines.splitlines() if line and not line.startswith("import")]), 10)
+        (self.folder / "configs").symlink_to(ROOT / "configs")
+        environment = os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
+        done = subprocess.run(["/usr/bin/python3", "-c", lines], cwd=self.folder, env=environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=launch.TIMEOUT, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertGreater((self.folder / "front.png").stat().st_size, 5000)
+        fronts = [gabion.Results(self.folder / "results" / f"python_{angle}").probes["front"] for angle in (15, 30)]
+        self.assertGreater(fronts[0][-1], fronts[1][-1])  # less friction: farther
+
+
+class Runs(ScriptCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.write_scene({"mpm": {
+            "dimension": 2, "grid": {"box": {"low": [0, 0], "high": [0.4, 0.2], "cells": [20, 10], "type": "quad4"}},
+            "walls": [{"group": "bottom", "condition": "fixed"}], "gravity": [0, -9.81],
+            "bodies": [{"name": "soil", "points_per_cell": 4,
+                        "mesh": {"box": {"low": [0, 0], "high": [0.1, 0.1], "cells": [5, 5], "type": "quad4"}},
+                        "material": {"law": "mohr_coulomb", "density": 2000, "young_modulus": 840e3,
+                                     "poisson_ratio": 0.3, "friction_angle": 20, "dilation_angle": 0, "cohesion": 0}}],
+            "time": {"end": 0.02, "dt": 2e-3, "dt_min": 1e-5}, "output": {"interval": 0.01}}})
+        self.short = gabion.Scene(self.scene)
+
+    def test_a_run_is_followed_and_read(self) -> None:
+        job = self.short.start(self.out)
+        seen = list(job.follow(0.05))
+        results = job.wait()
+        self.assertTrue(results.completed)
+        self.assertEqual(seen[-1].state.value, "completed")
+        self.assertEqual((seen[-1].steps, seen[-1].share), (10, 1.0))
+        times = [now.time for now in seen]
+        self.assertEqual(times, sorted(times))
+        self.assertIn("mpm_solver completed", job.log)
+        self.assertEqual(results.soil.frame(-1).points.shape, (100, 3))
+        self.assertEqual(results.settings("mpm.json")["basis"], "gimp")
+
+    def test_changes_hold_for_the_run_and_not_for_the_files(self) -> None:
+        before = (self.scene / "mpm.json").read_text()
+        self.short["mpm.json:/time/end"] = 0.01
+        self.assertIn("valid", self.short.check())
+        self.assertFalse(self.out.exists())
+        self.assertEqual(self.short.run(self.out).probes["time"][-1], 0.01)
+        self.assertEqual((self.scene / "mpm.json").read_text(), before)
+
+    def test_a_run_that_fails_says_what_the_programs_said(self) -> None:
+        self.short["mpm.json:/bodies/0/mesh/box/high"] = [0.5, 0.1]  # beyond the grid
+        with self.assertRaisesRegex(gabion.RunError, r"out: exit code \d: .*\[mpm\] error: ") as raised:
+            self.short.run(self.out)
+        self.assertNotIn("\n[mpm] warning", str(raised.exception))
+
+    def test_what_an_earlier_run_left_is_not_taken_for_this_one(self) -> None:
+        self.short.run(self.out)
+        job = self.short.start(self.out)
+        first = job.progress()
+        job.wait()
+        self.assertEqual((first.steps, first.state.value), (0, "running"))
+
+    def test_a_run_is_stopped_in_order(self) -> None:
+        self.write_scene(endless(in_contact=True))
+        job = gabion.Scene(self.scene).start(self.out)
+        self.addCleanup(job.stop)
+        for now in job.follow(0.05):
+            if now.steps >= 2:
+                break
+        job.stop()
+        self.assertEqual(job.progress().state.value, "stopped")
+        with self.assertRaisesRegex(gabion.RunError, "exit code 143"):
+            job.wait()
+
+
+if __name__ == "__main__":
+    launch.main()
