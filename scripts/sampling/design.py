@@ -90,18 +90,20 @@ def points_of(parameters: list[Parameter], design: Design, correlations: np.ndar
         combinations = itertools.product(*(parameter.levels for parameter in parameters))
         return [dict(zip((parameter.name for parameter in parameters), values)) for values in combinations]
     if design.method == "sobol_indices":
-        return [_values(parameters, shares) for shares in _saltelli(len(parameters), design)]
+        return _values(parameters, _saltelli(len(parameters), design))
     sampled = [k for k, parameter in enumerate(parameters) if parameter.name not in design.cross]
     shares = _correlated(_shares(len(sampled), design), correlations[np.ix_(sampled, sampled)])
-    points = [_values([parameters[k] for k in sampled], row) for row in shares]
+    points = _values([parameters[k] for k in sampled], shares)
     crossed = [parameter for parameter in parameters if parameter.name in design.cross]
     levels = itertools.product(*(parameter.levels for parameter in crossed))
     named = [dict(zip((parameter.name for parameter in crossed), values)) for values in levels]
     return [{parameter.name: (above | point)[parameter.name] for parameter in parameters} for above in named for point in points]
 
 
-def _values(parameters: list[Parameter], shares: np.ndarray) -> dict[str, Any]:
-    return {parameter.name: parameter.at(share) for parameter, share in zip(parameters, shares)}
+def _values(parameters: list[Parameter], shares: np.ndarray) -> list[dict[str, Any]]:
+    """A value a parameter for each row of shares."""
+    columns = [parameter.at(column) for parameter, column in zip(parameters, shares.T)]
+    return [dict(zip((parameter.name for parameter in parameters), row)) for row in zip(*columns)]
 
 
 def _shares(count: int, design: Design) -> np.ndarray:

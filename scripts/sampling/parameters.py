@@ -27,11 +27,12 @@ class Parameter:
     levels: tuple[Any, ...] | None
     distribution: Any = None  #: of scipy.stats, frozen
 
-    def at(self, share: float) -> Any:
-        """Value at a share of the probability, in (0, 1); values of a list are equally probable."""
+    def at(self, shares: np.ndarray) -> list[Any]:
+        """Values at shares of the probability, in (0, 1); values of a list are equally probable."""
         if self.levels is not None:
-            return self.levels[min(int(share * len(self.levels)), len(self.levels) - 1)]
-        return float(self.distribution.ppf(share))
+            numbers = np.minimum((shares * len(self.levels)).astype(int), len(self.levels) - 1)
+            return [self.levels[number] for number in numbers]
+        return self.distribution.ppf(shares).tolist()
 
 
 def read_parameter(name: str, reader: PlanReader) -> Parameter:

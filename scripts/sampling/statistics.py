@@ -35,12 +35,15 @@ def sobol_indices(answers: np.ndarray) -> Indices:
     """Indices by groups of runs (design.points_of), [groups, count + 2]: A, A with each parameter from B, B.
 
     First order by Saltelli et al. (2010, doi:10.1016/j.cpc.2009.09.018), total by Jansen (1999,
-    doi:10.1016/S0010-4655(98)00154-4), as in SALib and scipy.stats; confidence by resampling the groups.
+    doi:10.1016/S0010-4655(98)00154-4), the estimators of SALib and scipy.stats (from 1.11 on); confidence by resampling
+    the groups. NaN where all answers are the same.
     """
+    first, total = _indices(answers)
+    if np.isnan(first).any():
+        return Indices(first, total, np.stack([first, first]), np.stack([total, total]))
     random = np.random.default_rng(RESAMPLING_SEED)
     again = [_indices(answers[random.integers(len(answers), size=len(answers))]) for _ in range(RESAMPLED)]
     ends = np.nanquantile(again, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], axis=0)
-    first, total = _indices(answers)
     return Indices(first, total, ends[:, 0], ends[:, 1])
 
 
