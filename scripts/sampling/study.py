@@ -12,6 +12,7 @@ import numpy as np
 
 from measured import text_of, version
 from plotting.results import Results, ResultsError
+from studies.identity import STUDY
 from studies.measures import Curve
 from studies.runner import BUSY, Attempt, Runner, Start, print_table, write_table
 
@@ -19,7 +20,6 @@ from .answers import curve_of
 from .plan import Case, Plan
 from .reader import PlanError
 
-MARKER = "study.json"  # of a folder that belongs to a study
 RUNS = "runs"
 
 
@@ -59,13 +59,13 @@ class Study:
         """Make the folder, and keep the plan in it. @raises PlanError  it holds other files than those of a study"""
         self.folder.mkdir(parents=True, exist_ok=True)
         others = [path.name for path in self.folder.iterdir() if not path.name.startswith(".gabion_lock")]
-        if others and MARKER not in others:
+        if others and STUDY not in others:
             raise PlanError(f"{self.folder}: found {', '.join(sorted(others)[:3])}, allowed: a new or empty folder, or that "
-                            f"of a study, which has a {MARKER}")
+                            f"of a study, which has a {STUDY}")
         about = {"plan": json.loads(self.plan.path.read_text(encoding="utf-8")), "scene": str(self.plan.scene),
                  "seed": self.plan.design.seed, "version": version(), "runs": len(self.outcomes)}
         text = json.dumps(about, indent=1) + "\n"
-        mark = self.folder / MARKER
+        mark = self.folder / STUDY
         if not mark.exists() or mark.read_text(encoding="utf-8") != text:
             mark.write_text(text, encoding="utf-8")
 

@@ -9,9 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from measured import version
+from plotting.lock import MARKER
 from plotting.results import object_of
 
 WORDS_AND_PICTURES = {".md", ".png"}  # of a scene's folder that no run reads
+STUDY = "study.json"  # in the folder of a study
+MARKS = (MARKER, STUDY)  # of folders of results
 
 
 def texts_of(value: Any) -> Iterator[str]:
@@ -23,10 +26,26 @@ def texts_of(value: Any) -> Iterator[str]:
             yield from texts_of(inner)
 
 
+def is_plan(path: Path) -> bool:
+    """Whether it is a plan of a study, which says what to run and is read by none of its runs."""
+    found = object_of(path) if path.suffix == ".json" else None
+    return isinstance(found, dict) and {"scene", "parameters", "design"} <= found.keys()
+
+
+def own_files(folder: Path) -> Iterator[Path]:
+    """Files of a scene's folder and those below that a run may read; results that were written there are none."""
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith((".", "__")):
+            continue
+        if path.is_dir() and not path.is_symlink() and not any((path / mark).exists() for mark in MARKS):
+            yield from own_files(path)
+        elif path.is_file() and path.suffix not in WORDS_AND_PICTURES and not is_plan(path):
+            yield path
+
+
 def files_of(scene: Path, settings: list[str]) -> list[Path]:
     """Files that a run may read: those of the scene's folder, and those elsewhere that its settings name."""
-    own = [path for path in scene.rglob("*") if path.is_file() and path.suffix not in WORDS_AND_PICTURES
-           and not any(part.startswith((".", "__")) for part in path.relative_to(scene).parts)]
+    own = list(own_files(scene))
     named = [text for path in own if path.suffix == ".json" for text in texts_of(object_of(path))]
     named += [text for setting in settings for text in texts_of(value_of(setting))]
     return sorted({*own, *(scene / text for text in named if _is_file(scene / text))})

@@ -8,6 +8,7 @@ import csv
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import unittest
@@ -105,6 +106,31 @@ class Runs(StudyCase):
         self.assertEqual([row["end"] for row in self.rows()], ["11.0", "21.0", "14.0", "24.0"])
         text = (self.folder / "scene" / "mpm.json").read_text()  # what every run reads
         self.write("scene/mpm.json", text.replace('"dimension"', ' "dimension"'))
+        self.study()
+        self.assertEqual(self.num_ran(), 12)
+
+    def test_what_no_run_reads_does_not_matter(self) -> None:
+        plan = self.write("scene/plan.json", json.dumps(self.values | {"scene": "."}))
+
+        def study() -> int:
+            done = self.python_script("study", plan, "--output", self.folder / "scene" / "study")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return self.num_ran()
+
+        self.assertEqual(study(), 6)
+        self.write("scene/README.md", "words")
+        self.write("scene/.hidden/notes", "words")
+        plan.write_text(plan.read_text() + "\n")
+        self.assertEqual(study(), 6)
+        self.write("scene/structure.json", "{}")  # of a foreign code
+        self.assertEqual(study(), 12)
+
+    def test_a_mesh_elsewhere_matters(self) -> None:
+        self.write("mesh.msh", "1")
+        scene = json.loads((self.folder / "scene" / "mpm.json").read_text())
+        self.write("scene/mpm.json", json.dumps(scene | {"grid": {"file": "../mesh.msh"}}))
+        self.study()
+        self.write("mesh.msh", "22")
         self.study()
         self.assertEqual(self.num_ran(), 12)
 
@@ -338,6 +364,12 @@ class Plans(StudyCase):
         three = both | {"c": {"set": "mpm.json:/time/dt", "uniform": [1, 2]}}
         self.expect("contradict each other", parameters=three, design=random,
                     correlations=[["a", "b", 0.9], ["b", "c", 0.9], ["a", "c", -0.9]])
+
+    def test_the_plan_of_the_page(self) -> None:
+        text = re.search(r"^```json\n(.*?)^```$", (ROOT / "docs" / "studies.md").read_text(), re.MULTILINE | re.DOTALL)[1]
+        (self.folder / "configs").symlink_to(ROOT / "configs")
+        study = Study(read_plan(self.write("plans/plan.json", text)), self.out, None)
+        self.assertEqual(len(study.outcomes), json.loads(text)["design"]["runs"])
 
     def test_files_that_are_no_plan(self) -> None:
         for text, words in (("{", "not JSON"), ('{"scene": "a", "scene": "b"}', "found the key 'scene' twice"), ("[]", "an object")):
