@@ -12,10 +12,14 @@ from .reader import is_number
 from .statistics import QUANTILES, Band, Fit, Indices, Level
 
 
-def draw_responses(values: dict[str, list[Any]], answers: dict[str, np.ndarray]) -> Figure:
-    """Each answer over each parameter: a point a run, a line through the means of equal values.
+FEW = 12  # different values that are each a group
+MOST_GROUPS, LEAST = 8, 4  # of values of a sample; points of a group
 
-    values: of each parameter in the runs; answers: NaN where there is none; all [num_runs].
+
+def draw_responses(values: dict[str, list[Any]], answers: dict[str, np.ndarray]) -> Figure:
+    """Each answer over each parameter: a dot a point of the study, a line through means.
+
+    values: of each parameter; answers: NaN where there is none; all [num_points].
     """
     figure, grid = plt.subplots(len(answers), len(values), squeeze=False, sharey="row", sharex="col",
                                 figsize=(1 + 3.2 * len(values), 0.6 + 2.6 * len(answers)))
@@ -32,15 +36,20 @@ def _draw_response(axes: plt.Axes, given: list[Any], found: np.ndarray) -> None:
     words = list(dict.fromkeys(map(str, given)))
     x = np.array(given, dtype=float) if numbers else np.array([words.index(str(each)) for each in given], dtype=float)
     axes.plot(x, found, "o", ms=4, alpha=0.6, color=COLOURS[0])
-    levels = np.unique(x)
-    if 2 * len(levels) <= len(x) or len(levels) == len(x) <= GRID:
-        means = [np.nanmean(found[x == level]) if np.isfinite(found[x == level]).any() else np.nan for level in levels]
-        axes.plot(levels, means, "-", color=COLOURS[1])
+    groups = _groups(x[np.isfinite(found)])
+    there = found[np.isfinite(found)]
+    axes.plot([x[np.isfinite(found)][group].mean() for group in groups], [there[group].mean() for group in groups], "-",
+              color=COLOURS[1])
     if not numbers:
         axes.set_xticks(range(len(words)), words)
 
 
-GRID = 12  # most runs that a line joins one by one
+def _groups(x: np.ndarray) -> list[np.ndarray]:
+    """Numbers of like values: equal ones where these are few, else up to MOST_GROUPS of as many each."""
+    levels = np.unique(x)
+    if len(levels) <= FEW:
+        return [np.flatnonzero(x == level) for level in levels]
+    return np.array_split(np.argsort(x, kind="stable"), max(2, min(MOST_GROUPS, len(x) // LEAST)))
 
 
 def draw_indices(names: list[str], found: dict[str, Indices]) -> Figure:

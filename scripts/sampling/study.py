@@ -14,7 +14,7 @@ from measured import text_of, version
 from plotting.results import Results, ResultsError
 from studies.identity import STUDY
 from studies.measures import Curve
-from studies.runner import BUSY, Attempt, Runner, Start, print_table, write_table
+from studies.runner import Attempt, Runner, Start, print_table, write_table
 
 from .answers import curve_of
 from .plan import Case, Plan
@@ -77,6 +77,11 @@ class Study:
                 (output.parent / f"{outcome.label}.run.json").unlink()
                 shutil.rmtree(output)
 
+    def same_before(self, number: int) -> int | None:
+        """The first run with the same settings as this one; None: it is the first."""
+        first = next(outcome.case.number for outcome in self.outcomes if outcome.label == self.outcomes[number].label)
+        return first if first < number else None
+
     def run(self, chosen: list[Outcome]) -> None:
         """Run what is not there yet. A run that fails is said, and the others go on.
 
@@ -109,8 +114,8 @@ class Study:
         outcome.answers = {answer.name: math.nan for answer in self.plan.answers}
 
     def _reason(self, label: str, attempt: Attempt) -> str:
-        if attempt.code == BUSY and attempt.results is None and not (self.runner.folder / f"{label}.log").exists():
-            return "its folder is in use by another program"
+        if attempt.reason:
+            return attempt.reason
         if attempt.results is not None and (attempt.results.summary or {}).get("reason"):
             return " ".join(attempt.results.summary["reason"].split())
         log = self.runner.folder / f"{label}.log"

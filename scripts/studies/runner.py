@@ -24,7 +24,7 @@ from studies.measures import Measured
 ROOT = Path(__file__).resolve().parent.parent.parent
 PATIENCE = 300  # [s] that an attempt may take
 FAILED_STEP = 3  # exit code: a step cannot be solved, which the same settings do again
-BUSY = 2  # exit code of a run whose folder is in use
+BUSY = 2  # exit code of a run whose folder is in use, as of the programs
 
 
 @dataclass
@@ -33,6 +33,7 @@ class Attempt:
 
     code: int | None  #: exit code; None: no end in time
     results: Results | None  #: None without a summary
+    reason: str = ""  #: why it was not begun
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ class Runner:
             results = Results(output)
             return Attempt(0 if results.completed else FAILED_STEP, results)
         if owner_of(output) in (Owner.ALIVE, Owner.UNKNOWN):
-            return Attempt(BUSY, None)
+            return Attempt(BUSY, None, f"{output}: in use by another program")
         self._forget(label)
         shutil.rmtree(output, ignore_errors=True)  # else a run that fails would stand beside it
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -4,9 +4,12 @@
 
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 import unittest
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -127,6 +130,33 @@ class Scenes(ScriptCase):
         done = subprocess.run([sys.executable, "-c", "import gabion"], cwd=self.folder, capture_output=True, text=True,
                               env=os.environ | {"PYTHONPATH": str(ROOT), "GABION_ROOT": str(self.folder)}, check=False)
         self.assertIn(f"GABION_ROOT leads to {self.folder}, which has no scripts/run", done.stderr)
+
+
+class Install(ScriptCase):
+    """What pip makes of the folder; tests/participant/test_install.py has pip itself."""
+
+    def made(self, function: str) -> Path:
+        backend = str(ROOT / "protocol" / "python")
+        code = (f"import os, sys; sys.path.insert(0, {backend!r}); os.chdir({str(ROOT)!r}); import build_wheel; "
+                f"print(build_wheel.{function}({str(self.folder)!r}))")
+        done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        wheel = self.folder / done.stdout.strip()
+        shutil.unpack_archive(wheel, self.folder / "installed", "zip")
+        return wheel
+
+    def test_an_installed_package_finds_the_programs(self) -> None:
+        wheel = self.made("build_wheel")
+        version = re.search(r"^project\(\w+ VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+        self.assertEqual(wheel.name, f"gabion-{version}-py3-none-any.whl")
+        code = "import gabion; print(gabion.__file__, gabion.ROOT)"
+        done = subprocess.run([sys.executable, "-c", code], cwd=self.folder, capture_output=True, text=True, check=False,
+                              env=os.environ | {"PYTHONPATH": str(self.folder / "installed")})
+        self.assertEqual(done.stdout.split(), [str(self.folder / "installed" / "gabion" / "__init__.py"), str(ROOT)], done.stderr)
+
+    def test_an_editable_one_names_the_folder(self) -> None:
+        self.made("build_editable")
+        self.assertEqual((self.folder / "installed" / "gabion.pth").read_text(), f"{ROOT}\n")
 
 
 class Read(ScriptCase):

@@ -140,6 +140,10 @@ class Runs(StudyCase):
         self.study()
         self.assertEqual(len(self.rows()), 8)
         self.assertLessEqual(self.num_ran(), 3)
+        labels = [row["label"] for row in self.rows()]
+        second = next(k for k, label in enumerate(labels) if label in labels[:k])
+        said = self.study("--only", second).stdout
+        self.assertEqual(said, f"run {second} has the settings of run {labels.index(labels[second])}\n")
 
     def test_a_stopped_study_goes_on_and_is_the_unbroken_one(self) -> None:
         self.study(out=self.folder / "whole")
