@@ -18,6 +18,7 @@ from gabion.errors import SettingError  # noqa: E402
 from gabion.scene import Scene  # noqa: E402
 
 MOST_RUNS = 100_000
+SOLVERS = ("mpm", "fem")  # that have ranks
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """bands: name -> table and column; ranks: as of --ranks of scripts/run, empty: one each."""
+    """bands: name -> table and column; ranks: of solvers, as of --ranks of scripts/run, empty: one each."""
 
     path: Path
     scene: Path
@@ -65,7 +66,7 @@ class Plan:
     answers: list[Answer]
     bands: dict[str, tuple[str, str]]
     fragilities: list[Fragility]
-    ranks: str
+    ranks: dict[str, int]
 
     def points(self) -> list[dict[str, Any]]:
         return points_of(self.parameters, self.design, self.correlations)
@@ -125,9 +126,16 @@ def read_plan(path: Path) -> Plan:
     fragilities = [_read_fragility(name, reader, parameters, answers)
                    for name, reader in top.named("fragility", ("demand", "capacity", "intensity")).items()]
     plan = Plan(path, scene.resolve(), settings, parameters, design, correlations, _read_repeats(top), answers, bands,
-                fragilities, top.text("ranks", "such as mpm=2") if "ranks" in top.values else "")
+                fragilities, _read_ranks(top))
     _check_repeats(plan)
     return plan
+
+
+def _read_ranks(top: PlanReader) -> dict[str, int]:
+    if "ranks" not in top.values:
+        return {}
+    reader = top.inner("ranks", SOLVERS)
+    return {kind: reader.whole(kind, 1) for kind in reader.values}
 
 
 def _read_repeats(top: PlanReader) -> Repeats | None:

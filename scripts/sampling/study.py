@@ -14,7 +14,7 @@ from measured import text_of, version
 from plotting.results import Results, ResultsError
 from studies.identity import STUDY
 from studies.measures import Curve
-from studies.runner import Attempt, Runner, Start, print_table, write_table
+from studies.runner import CORES, Attempt, Runner, Start, print_table, write_table
 
 from .answers import curve_of
 from .plan import Case, Plan
@@ -47,9 +47,9 @@ class Study:
 
     def __init__(self, plan: Plan, folder: Path, at_once: int | None):
         self.plan, self.folder = plan, folder
-        words = ("--ranks", plan.ranks) if plan.ranks else ()
-        start = Start(patience=None, words=words) if at_once is None else Start(at_once, None, words)
-        self.runner = Runner(folder / RUNS, True, [], start)
+        words = ("--ranks", ",".join(f"{kind}={count}" for kind, count in plan.ranks.items())) if plan.ranks else ()
+        at_once = at_once or max(1, CORES // max(1, sum(plan.ranks.values())))
+        self.runner = Runner(folder / RUNS, True, [], Start(at_once, None, words))
         self.outcomes = [Outcome(case, self._label(case)) for case in plan.cases()]
 
     def _label(self, case: Case) -> str:

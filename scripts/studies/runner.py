@@ -22,6 +22,7 @@ from studies.identity import identity_of
 from studies.measures import Measured
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+CORES = len(os.sched_getaffinity(0))
 PATIENCE = 300  # [s] that an attempt may take
 FAILED_STEP = 3  # exit code: a step cannot be solved, which the same settings do again
 BUSY = 2  # exit code of a run whose folder is in use, as of the programs
@@ -41,7 +42,7 @@ class Start:
     """How runs are started. at_once: number of them at a time; patience: that an attempt may take [s], None: any;
     words: further options of scripts/run."""
 
-    at_once: int = len(os.sched_getaffinity(0))
+    at_once: int = CORES
     patience: float | None = PATIENCE
     words: tuple[str, ...] = ()
 

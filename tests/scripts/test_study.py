@@ -332,6 +332,8 @@ class Plans(StudyCase):
                     fragility={"f": {"demand": "a", "capacity": 1, "intensity": "a"}})
         self.expect("plan.json:/fragility/f/capacity: found True, allowed: a number",
                     fragility={"f": {"demand": "end", "capacity": True, "intensity": "a"}})
+        self.expect("plan.json:/ranks/mpm: found 0, allowed: a whole number >= 1", ranks={"mpm": 0})
+        self.expect("plan.json:/ranks/soil: unknown, allowed: mpm, fem", ranks={"soil": 2})
         self.expect("plan.json:/repeats/set: ", "allowed: a number that is not 0",
                     repeats={"count": 2, "set": "mpm.json:/bodies/0/material/law", "change": 1e-6})
 
