@@ -124,16 +124,16 @@ def to_pandas(table: Table) -> Any:
 
 
 def to_xarray(series: Series, *fields: str) -> Any:
-    """Fields of a series as an xarray.Dataset over time [s], point and component, with the points' places [m].
+    """Fields of a series, all where none is named, as an xarray.Dataset: over time [s], point or cell, component.
+    "position" has the points' places [m].
 
-    fields: None given means all. @raises ResultsError  as of `stack`
+    @raises ResultsError  as of `stack`
     """
     xarray = _module("xarray", "python3-xarray")
-    names = fields or tuple(series.frame(0).fields)
-    arrays = {"position": stack(series), **{name: stack(series, name) for name in names}}
-    items = {"position": "point"}
+    centres = {each.get("Name"): each.get("Center") for each in series.grid(0).findall("Attribute")}
+    arrays = {"position": stack(series), **{name: stack(series, name) for name in fields or centres}}
     axes = {}
     for name, values in arrays.items():
-        item = items.get(name, "point" if values.shape[1] == arrays["position"].shape[1] else "cell")
+        item = "cell" if centres.get(name) == "Cell" else "point"
         axes[name] = (("time", item, f"{name}_component")[: values.ndim], values)
     return xarray.Dataset(axes, coords={"time": series.times})

@@ -223,6 +223,11 @@ class Read(ScriptCase):
             with mock.patch.dict(sys.modules, {name: None}), self.assertRaisesRegex(ImportError, f"python3-{name}"):
                 export()
         made = mock.Mock()
+        made.Dataset.side_effect = lambda axes, coords: {name: (dims, values.shape) for name, (dims, values) in axes.items()}
+        with mock.patch.dict(sys.modules, {"xarray": made}):
+            found = gabion.to_xarray(self.results.soil, "plastic_strain")
+        self.assertEqual(found, {"position": (("time", "point", "position_component"), (6, 3200, 2)),
+                                 "plastic_strain": (("time", "point"), (6, 3200))})
         made.DataFrame.side_effect = dict
         with mock.patch.dict(sys.modules, {"pandas": made}):
             self.assertEqual(set(gabion.to_pandas(gabion.Table(self.write("a.csv", "step,dt\n1,2\n")))), {"step", "dt"})
