@@ -22,8 +22,8 @@ def find_root() -> Path:
     else:
         root, source = HERE.parent, str(HERE)
     if not (root / "scripts" / "run").is_file():
-        raise ImportError(f"gabion: {source} leads to {root}, which has no scripts/run; set GABION_ROOT to the folder of "
-                          "Gabion that has it")
+        raise ImportError(f"gabion: {source} leads to {root}, which has no scripts/run; set GABION_ROOT to the folder "
+                          "of Gabion that has it")
     return root.resolve()
 
 

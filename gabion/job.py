@@ -93,8 +93,8 @@ class Job:
     @property
     def log(self) -> str:
         """What scripts/run and the programs have said so far."""
-        size = os.fstat(self._log).st_size
-        return os.pread(self._log, size, 0).decode(errors="replace")  # the position belongs to the programs, which write
+        size = os.fstat(self._log).st_size  # read from the start: the position belongs to the programs, which write
+        return os.pread(self._log, size, 0).decode(errors="replace")
 
     def progress(self) -> Progress:
         """How far it is now. Before its first step, also while programs are built, time 0."""

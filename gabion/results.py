@@ -78,8 +78,8 @@ class Results(reader.Results):
 
         @raises ResultsError  it fails
         """
-        done = subprocess.run([str(ROOT / "scripts" / "plot"), str(self.folder), *options], capture_output=True, text=True,
-                              check=False)
+        command = [str(ROOT / "scripts" / "plot"), str(self.folder), *options]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise ResultsError(done.stderr.strip())
         paths = [Path(line) for line in done.stdout.splitlines()]
@@ -96,8 +96,8 @@ def stack(series: Series, field: str | None = None) -> np.ndarray:
     values = [_values(series, series.frame(k), field) for k in range(len(series))]
     if len({each.shape for each in values}) > 1:
         counts = [len(each) for each in values]
-        raise ResultsError(f"{series.path}: found {min(counts)} to {max(counts)} points in the frames, allowed: the same "
-                           "number in all; read frame by frame")
+        raise ResultsError(f"{series.path}: found {min(counts)} to {max(counts)} points in the frames, allowed: the "
+                           "same number in all; read frame by frame")
     return np.stack(values)
 
 

@@ -174,7 +174,8 @@ def _plain(value: Any, path: str) -> Any:
     try:
         return json.loads(json.dumps(value, allow_nan=False, default=lambda each: each.tolist()))
     except (ValueError, TypeError, AttributeError) as error:
-        raise SettingError(f"{path}: found {value!r}, allowed: finite numbers, words, lists and objects of them") from error
+        allowed = "finite numbers, words, lists and objects of them"
+        raise SettingError(f"{path}: found {value!r}, allowed: {allowed}") from error
 
 
 def _leaves(value: Any, pointer: str) -> Iterator[str]:

@@ -98,12 +98,12 @@ class Node:
                 error = error.context[0]
             errors.append(error)
         at = "".join(f"/{key}" for key in errors[0].absolute_path)
-        found = json.dumps(errors[0].instance)
-        raise SettingError(f"{path}{at}: found {found[:120]}, allowed: {_allowed(errors[0])}. {self.description}".strip())
+        found, allowed = json.dumps(errors[0].instance)[:120], _allowed(errors[0])
+        raise SettingError(f"{path}{at}: found {found}, allowed: {allowed}. {self.description}".strip())
 
 
-def _allowed(error: "jsonschema.ValidationError") -> str:  # noqa: F821 (imported where it is there)
-    """What a description asks for, in words."""
+def _allowed(error: Any) -> str:
+    """What a description asks for, in words. error: of jsonschema"""
     rule, value = error.validator, error.validator_value
     words = {"type": "{}", "enum": "one of {}", "minimum": ">= {}", "exclusiveMinimum": "> {}", "maximum": "<= {}",
              "exclusiveMaximum": "< {}", "minItems": "at least {} of them", "maxItems": "at most {} of them",

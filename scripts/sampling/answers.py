@@ -91,6 +91,11 @@ def _peak_at(values: np.ndarray) -> int:
     return int(np.argmax(np.abs(values)))
 
 
+def _mean(time: np.ndarray, values: np.ndarray) -> float:
+    """Over time."""
+    return _integral(time, values) / float(time[-1] - time[0]) if len(time) > 1 else float(values[0])
+
+
 def _integral(time: np.ndarray, values: np.ndarray) -> float:
     return float(np.sum(np.diff(time) * (values[1:] + values[:-1]) / 2))
 
@@ -101,6 +106,6 @@ _TAKEN = {
     "peak": lambda time, values: float(values[_peak_at(values)]),
     "time_of_peak": lambda time, values: float(time[_peak_at(values)]),
     "last": lambda time, values: float(values[-1]),
-    "mean": lambda time, values: _integral(time, values) / float(time[-1] - time[0]) if len(time) > 1 else float(values[0]),
+    "mean": _mean,
     "integral": _integral,
 }

@@ -49,7 +49,8 @@ def read_design(reader: PlanReader, parameters: list[Parameter]) -> Design:
     levels = {parameter.name for parameter in parameters if parameter.levels is not None}
     for name in cross:
         if name not in levels or cross.count(name) > 1 or method == "sobol_indices":
-            allowed = "no key cross" if method == "sobol_indices" else f"once each of {', '.join(sorted(levels)) or 'none'}"
+            once = f"once each of {', '.join(sorted(levels)) or 'none'}"
+            allowed = "no key cross" if method == "sobol_indices" else once
             raise PlanError(f"{reader.where}/cross: found {name}, allowed with this plan: {allowed}")
     if len(cross) == len(parameters):
         raise PlanError(f"{reader.where}/cross: found all parameters, allowed: method factorial for that")
@@ -97,7 +98,8 @@ def points_of(parameters: list[Parameter], design: Design, correlations: np.ndar
     crossed = [parameter for parameter in parameters if parameter.name in design.cross]
     levels = itertools.product(*(parameter.levels for parameter in crossed))
     named = [dict(zip((parameter.name for parameter in crossed), values)) for values in levels]
-    return [{parameter.name: (above | point)[parameter.name] for parameter in parameters} for above in named for point in points]
+    names = [parameter.name for parameter in parameters]
+    return [{name: (above | point)[name] for name in names} for above in named for point in points]
 
 
 def _values(parameters: list[Parameter], shares: np.ndarray) -> list[dict[str, Any]]:

@@ -34,13 +34,15 @@ class Evaluation:
             self.of_point[outcome.case.point].append(outcome.case.number)
         self.names = [answer.name for answer in self.plan.answers]
         self.values = {name: study.values(name) for name in self.names}
-        self.answers = {name: np.array([_mean(values[runs]) for runs in self.of_point]) for name, values in self.values.items()}
+        self.answers = {name: np.array([_mean(values[runs]) for runs in self.of_point])
+                        for name, values in self.values.items()}
 
     def write(self) -> None:
         write_table(self.study.folder / "runs.csv", *self.study.table())
         failed = [outcome for outcome in self.study.outcomes if not outcome.completed]
         if failed:
-            say(f"{len(failed)} of {len(self.study.outcomes)} runs are not completed; all that follows is of the others")
+            all_runs = len(self.study.outcomes)
+            say(f"{len(failed)} of {all_runs} runs are not completed; all that follows is of the others")
         if all(not outcome.completed for outcome in self.study.outcomes):
             return
         if self.names:
@@ -82,7 +84,8 @@ class Evaluation:
         for k, (point, runs) in enumerate(zip(self.points, self.of_point)):
             found = [self.values[name][runs] for name in self.names]
             there = [values[np.isfinite(values)] for values in found]
-            rows.append([k, *point.values(), *(value for values in there for value in (_mean(values), standard_error(values)))])
+            means = [value for values in there for value in (_mean(values), standard_error(values))]
+            rows.append([k, *point.values(), *means])
         self.study.report("points", head, rows)
 
     def write_indices(self) -> None:
@@ -93,17 +96,17 @@ class Evaluation:
             groups = values.reshape(-1, len(names) + 2)
             whole = groups[np.isfinite(groups).all(axis=1)]
             if len(whole) < len(groups):
-                say(f"{answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not completed, and "
-                    "are left out")
+                say(f"{answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not completed, "
+                    "and are left out")
             if len(whole) < 2 or not np.isfinite(sobol_indices(whole).first).all():
                 say(f"{answer}: no Sobol indices: it is the same in all runs, or fewer than two groups are whole")
                 continue
             found[answer] = indices = sobol_indices(whole)
-            rows += [[answer, name, float(indices.first[k]), *map(float, indices.first_ends[:, k]), float(indices.total[k]),
-                      *map(float, indices.total_ends[:, k])] for k, name in enumerate(names)]
+            table = np.vstack([indices.first, indices.first_ends, indices.total, indices.total_ends]).T
+            rows += [[answer, name, *map(float, row)] for name, row in zip(names, table)]
         if found:
-            self.study.report("sobol_indices", ["answer", "parameter", "first order", "from", "to", "total", "from", "to"],
-                              rows)
+            head = ["answer", "parameter", "first order", "from", "to", "total", "from", "to"]
+            self.study.report("sobol_indices", head, rows)
             say(f"from, to: {SHARE}")
             self.picture(figures.draw_indices(names, found), "sobol_indices")
 
@@ -123,7 +126,8 @@ class Evaluation:
     def write_fragility(self, fragility: Fragility) -> None:
         study, of = self.study, fragility
         demand, intensity = study.values(of.demand), study.values(of.intensity)
-        capacity = study.values(of.capacity) if isinstance(of.capacity, str) else np.full(len(demand), float(of.capacity))
+        named = isinstance(of.capacity, str)
+        capacity = study.values(of.capacity) if named else np.full(len(demand), float(of.capacity))
         there = np.isfinite(demand) & np.isfinite(intensity) & np.isfinite(capacity)
         if not there.any():
             say(f"{of.name}: no run has demand, capacity and intensity")
@@ -134,8 +138,8 @@ class Evaluation:
                      [[level.intensity, level.runs, level.exceeded, level.share, *level.ends] for level in levels])
         fit = fit_fragility(intensity[there], exceeded)
         if isinstance(fit, Fit):
-            say(f"{of.name}: lognormal with median {fit.median:.6g} and deviation of the logarithm {fit.deviation:.4g}; "
-                f"from, to: {SHARE} of the share")
+            say(f"{of.name}: lognormal with median {fit.median:.6g} and deviation of the logarithm "
+                f"{fit.deviation:.4g}; from, to: {SHARE} of the share")
         else:
             say(f"{of.name}: no curve: {fit}")
         label = f"{of.demand} > {of.capacity}"

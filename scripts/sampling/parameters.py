@@ -62,7 +62,8 @@ def _range(reader: PlanReader) -> tuple[Any, ...]:
     if spacing == "log" and not (low > 0 and high > 0):
         raise inner.fail("from", "from and to > 0 with spacing log")
     values = np.geomspace(low, high, count) if spacing == "log" else np.linspace(low, high, count)
-    whole = all(isinstance(inner.values[key], int) for key in ("from", "to")) and np.array_equal(values, np.rint(values))
+    whole = all(isinstance(inner.values[key], int) for key in ("from", "to"))
+    whole = whole and np.array_equal(values, np.rint(values))
     return tuple(int(value) if whole else float(value) for value in values)
 
 

@@ -18,6 +18,8 @@ from gabion.errors import SettingError  # noqa: E402
 from gabion.scene import Scene  # noqa: E402
 
 MOST_RUNS = 100_000
+PLAN_KEYS = ("scene", "settings", "parameters", "correlations", "design", "repeats", "answers", "bands", "fragility",
+             "ranks")
 SOLVERS = ("mpm", "fem")  # that have ranks
 
 
@@ -102,8 +104,7 @@ class Plan:
 
 def read_plan(path: Path) -> Plan:
     """@raises PlanError  with the place in the file, what was found and what is allowed"""
-    top = PlanReader(read_object(path), f"{path}:", (
-        "scene", "settings", "parameters", "correlations", "design", "repeats", "answers", "bands", "fragility", "ranks"))
+    top = PlanReader(read_object(path), f"{path}:", PLAN_KEYS)
     scene = path.parent / top.text("scene", "a folder, from that of the plan")
     try:
         Scene(scene)

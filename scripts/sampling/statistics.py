@@ -107,8 +107,8 @@ def fit_fragility(intensity: np.ndarray, exceeded: np.ndarray) -> Fit | str:
     if intensity.min() <= 0:
         return f"a lognormal curve needs intensities > 0, found {intensity.min():g}"
     if intensity[~exceeded].max() <= intensity[exceeded].min():
-        return (f"no run below {intensity[exceeded].min():g} exceeds the capacity and all above do: the runs say where the "
-                "curve lies, not how steep it is")
+        return (f"no run below {intensity[exceeded].min():g} exceeds the capacity and all above do: the runs say where "
+                "the curve lies, not how steep it is")
     if np.mean(np.log(intensity[exceeded])) <= np.mean(np.log(intensity[~exceeded])):
         return "the demand exceeds the capacity less often at larger intensity"
     logs = np.log(intensity)

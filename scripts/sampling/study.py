@@ -3,7 +3,6 @@
 
 import json
 import math
-import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from measured import text_of, version
-from plotting.results import Results, ResultsError
+from plotting.results import Results
 from studies.identity import STUDY
 from studies.measures import Curve
 from studies.runner import CORES, Attempt, Runner, Start, print_table, write_table
@@ -60,8 +59,8 @@ class Study:
         self.folder.mkdir(parents=True, exist_ok=True)
         others = [path.name for path in self.folder.iterdir() if not path.name.startswith(".gabion_lock")]
         if others and STUDY not in others:
-            raise PlanError(f"{self.folder}: found {', '.join(sorted(others)[:3])}, allowed: a new or empty folder, or that "
-                            f"of a study, which has a {STUDY}")
+            raise PlanError(f"{self.folder}: found {', '.join(sorted(others)[:3])}, allowed: a new or empty folder, or "
+                            f"that of a study, which has a {STUDY}")
         about = {"plan": json.loads(self.plan.path.read_text(encoding="utf-8")), "scene": str(self.plan.scene),
                  "seed": self.plan.design.seed, "version": version(), "runs": len(self.outcomes)}
         text = json.dumps(about, indent=1) + "\n"
@@ -73,9 +72,8 @@ class Study:
         """Runs that came to a step that cannot be solved are to be run again."""
         for outcome in self.outcomes:
             output = self.runner.folder / outcome.label
-            if output.is_dir() and not Results(output).completed and (output.parent / f"{outcome.label}.run.json").exists():
-                (output.parent / f"{outcome.label}.run.json").unlink()
-                shutil.rmtree(output)
+            if output.is_dir() and not Results(output).completed:
+                self.runner.forget(outcome.label)
 
     def same_before(self, number: int) -> int | None:
         """The first run with the same settings as this one; None: it is the first."""
@@ -100,7 +98,8 @@ class Study:
             first = of_label[label][0]
             print(f"{done} of {len(of_label)}: run {first.case.number} ({label}): {first.status}", flush=True)
 
-        self.runner.attempts([(label, str(self.plan.scene), same[0].case.settings) for label, same in of_label.items()], ended)
+        scene = str(self.plan.scene)
+        self.runner.attempts([(label, scene, same[0].case.settings) for label, same in of_label.items()], ended)
 
     def _read(self, outcome: Outcome, attempt: Attempt) -> None:
         """@raises ResultsError  a completed run without what the plan asks for"""
@@ -131,11 +130,11 @@ class Study:
         rows = []
         for outcome in self.outcomes:
             case = outcome.case
-            given = [case.values[name] if isinstance(case.values[name], (int, float, str)) else json.dumps(case.values[name])
-                     for name in parameters]
+            given = [value if isinstance(value, (int, float, str)) else json.dumps(value)
+                     for value in map(case.values.get, parameters)]
             found = [outcome.answers.get(name, math.nan) for name in answers]
-            rows.append([case.number, case.point, case.repeat, outcome.label, self.plan.design.seed, outcome.status, *given,
-                         *("" if math.isnan(value) else value for value in found)])
+            rows.append([case.number, case.point, case.repeat, outcome.label, self.plan.design.seed, outcome.status,
+                         *given, *("" if math.isnan(value) else value for value in found)])
         return head, rows
 
     def values(self, name: str) -> np.ndarray:

@@ -125,7 +125,7 @@ class Runner:
         if self.reuse and self._has_run(label, identity) and Results(output).completed:
             return 0, output
         print(f"{label}: running", flush=True)
-        self._forget(label)
+        self.forget(label)
         code = subprocess.run(self._command(output, scene, settings), check=False).returncode
         if code == 0:
             self._record(label, identity, scene, settings)
@@ -139,7 +139,7 @@ class Runner:
             return Attempt(0 if results.completed else FAILED_STEP, results)
         if owner_of(output) in (Owner.ALIVE, Owner.UNKNOWN):
             return Attempt(BUSY, None, f"{output}: in use by another program")
-        self._forget(label)
+        self.forget(label)
         shutil.rmtree(output, ignore_errors=True)  # else a run that fails would stand beside it
         self.folder.mkdir(parents=True, exist_ok=True)
         print(f"{label}: running", flush=True)
@@ -155,8 +155,8 @@ class Runner:
         with self._lock:
             if self._stopping:
                 return 128 + signal.SIGTERM
-            process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *command], stdout=log, stderr=subprocess.STDOUT,
-                                       stdin=subprocess.DEVNULL, start_new_session=True)
+            process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *command], stdout=log, start_new_session=True,
+                                       stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT)
             self._processes.add(process)
         try:
             return process.wait(self.start.patience)
@@ -192,7 +192,8 @@ class Runner:
                 "words": list(self.start.words)}
         self._note(label).write_text(json.dumps(note, indent=1) + "\n", encoding="utf-8")
 
-    def _forget(self, label: str) -> None:
+    def forget(self, label: str) -> None:
+        """Its results are to be taken no more."""
         self._note(label).unlink(missing_ok=True)
 
     def _command(self, output: Path, scene: str, settings: list[str]) -> list[str]:

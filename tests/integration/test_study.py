@@ -26,7 +26,8 @@ class Studies(ScriptCase):
         self.plan.write_text(json.dumps({
             "scene": "scene",
             "parameters": {"friction": {"set": f"{material}/friction_angle", "uniform": [15, 35]},
-                           "stiffness": {"set": f"{material}/young_modulus", "lognormal": {"mean": 8e5, "variation": 0.3}}},
+                           "stiffness": {"set": f"{material}/young_modulus",
+                                         "lognormal": {"mean": 8e5, "variation": 0.3}}},
             "design": {"method": "random", "runs": 3, "seed": 1},
             "answers": {"front": {"column": "front", "take": "last"}, "newton": {"summary": "/newton_iterations"}},
             "bands": {"front": {"column": "front"}}}))
@@ -45,7 +46,8 @@ class Studies(ScriptCase):
 
     def assert_same(self, out: str) -> None:
         for table in TABLES:
-            self.assertEqual((self.folder / out / table).read_bytes(), (self.folder / "whole" / table).read_bytes(), table)
+            found, whole = ((self.folder / name / table).read_bytes() for name in (out, "whole"))
+            self.assertEqual(found, whole, table)
 
     def test_a_study_stopped_in_a_run_goes_on_as_the_unbroken_one(self) -> None:
         study = Launch(self.words("out", "--at-once", "1"), self.folder)

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The package gabion: scenes by path, keys of the programs, results as arrays. Runs are in integration/test_python.py."""
+"""The package gabion: scenes by path, keys of the programs, results as arrays.
+
+Runs are in integration/test_python.py.
+"""
 
 import json
 import os
@@ -150,9 +153,10 @@ class Install(ScriptCase):
         version = re.search(r"^project\(\w+ VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
         self.assertEqual(wheel.name, f"gabion-{version}-py3-none-any.whl")
         code = "import gabion; print(gabion.__file__, gabion.ROOT)"
-        done = subprocess.run([sys.executable, "-c", code], cwd=self.folder, capture_output=True, text=True, check=False,
-                              env=os.environ | {"PYTHONPATH": str(self.folder / "installed")})
-        self.assertEqual(done.stdout.split(), [str(self.folder / "installed" / "gabion" / "__init__.py"), str(ROOT)], done.stderr)
+        place = self.folder / "installed"
+        done = subprocess.run([sys.executable, "-c", code], cwd=self.folder, capture_output=True, text=True,
+                              env=os.environ | {"PYTHONPATH": str(place)}, check=False)
+        self.assertEqual(done.stdout.split(), [str(place / "gabion" / "__init__.py"), str(ROOT)], done.stderr)
 
     def test_an_editable_one_names_the_folder(self) -> None:
         self.made("build_editable")
@@ -223,7 +227,8 @@ class Read(ScriptCase):
             with mock.patch.dict(sys.modules, {name: None}), self.assertRaisesRegex(ImportError, f"python3-{name}"):
                 export()
         made = mock.Mock()
-        made.Dataset.side_effect = lambda axes, coords: {name: (dims, values.shape) for name, (dims, values) in axes.items()}
+        made.Dataset.side_effect = lambda axes, coords: {name: (dims, values.shape)
+                                                         for name, (dims, values) in axes.items()}
         with mock.patch.dict(sys.modules, {"xarray": made}):
             found = gabion.to_xarray(self.results.soil, "plastic_strain")
         self.assertEqual(found, {"position": (("time", "point", "position_component"), (6, 3200, 2)),

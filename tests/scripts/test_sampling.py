@@ -30,10 +30,11 @@ def sample(parameters: list[Parameter], design: Design, correlations: object = N
 class Samples(unittest.TestCase):
     def test_distributions_have_their_moments(self) -> None:
         shares = (np.arange(20000) + 0.5) / 20000
+        of_log = np.sqrt((np.e**2 - 1) / 2 - (np.e - 1) ** 2)
         for values, mean, deviation in (({"uniform": [1, 3]}, 2, 1 / np.sqrt(3)),
                                         ({"normal": {"mean": 5, "deviation": 2}}, 5, 2),
                                         ({"lognormal": {"mean": 3, "variation": 0.2}}, 3, 0.6),
-                                        ({"log_uniform": [1, np.e]}, np.e - 1, np.sqrt((np.e**2 - 1) / 2 - (np.e - 1) ** 2))):
+                                        ({"log_uniform": [1, np.e]}, np.e - 1, of_log)):
             drawn = parameter("a", **values).at(shares)
             np.testing.assert_allclose([np.mean(drawn), np.std(drawn)], [mean, deviation], rtol=2e-3)
         self.assertAlmostEqual(parameter("a", lognormal={"median": 3, "log_deviation": 0.2}).at(
@@ -43,10 +44,12 @@ class Samples(unittest.TestCase):
         self.assertEqual(parameter("a", range={"from": 2, "to": 6, "count": 3}).levels, (2, 4, 6))
         self.assertIsInstance(parameter("a", range={"from": 2, "to": 6, "count": 3}).levels[1], int)
         self.assertEqual(parameter("a", range={"from": 0, "to": 1, "count": 3}).levels, (0, 0.5, 1))
-        np.testing.assert_allclose(parameter("a", range={"from": 1, "to": 100, "count": 3, "spacing": "log"}).levels, [1, 10, 100])
+        logarithmic = parameter("a", range={"from": 1, "to": 100, "count": 3, "spacing": "log"})
+        np.testing.assert_allclose(logarithmic.levels, [1, 10, 100])
 
     def test_a_latin_hypercube_has_a_point_in_each_part(self) -> None:
-        points = sample([parameter("a", uniform=[0, 8]), parameter("b", uniform=[0, 8])], Design("latin_hypercube", "", 8, 5))
+        both = [parameter(name, uniform=[0, 8]) for name in "ab"]
+        points = sample(both, Design("latin_hypercube", "", 8, 5))
         for column in points.T:
             self.assertEqual(sorted(np.floor(column)), list(range(8)))
 
@@ -60,10 +63,12 @@ class Samples(unittest.TestCase):
     def test_a_larger_sobol_sample_begins_with_the_smaller_one(self) -> None:
         """So a study that is extended keeps its runs."""
         one = [parameter("a", uniform=[0, 1])]
-        np.testing.assert_array_equal(sample(one, Design("sobol", "", 16, 1))[:8], sample(one, Design("sobol", "", 8, 1)))
+        small, large = (sample(one, Design("sobol", "", count, 1)) for count in (8, 16))
+        np.testing.assert_array_equal(large[:8], small)
 
     def test_correlated_parameters_keep_their_distributions(self) -> None:
-        two = [parameter("a", normal={"mean": 5, "deviation": 2}), parameter("b", lognormal={"median": 1, "log_deviation": 0.5})]
+        two = [parameter("a", normal={"mean": 5, "deviation": 2}),
+               parameter("b", lognormal={"median": 1, "log_deviation": 0.5})]
         a, b = sample(two, Design("sobol", "", 4096, 1), [[1, -0.6], [-0.6, 1]]).T
         self.assertAlmostEqual(float(np.corrcoef(a, np.log(b))[0, 1]), -0.6, delta=0.01)
         np.testing.assert_allclose([a.mean(), a.std(), np.median(b), np.log(b).std()], [5, 2, 1, 0.5], rtol=0.01)
@@ -99,8 +104,10 @@ class Statistics(unittest.TestCase):
         np.testing.assert_allclose([scaled.median, scaled.deviation], [1e6 * fit.median, fit.deviation], rtol=1e-4)
 
     def test_runs_that_do_not_say_the_curve_are_named(self) -> None:
-        for intensity, exceeded, words in (([1, 2, 3, 4], [0, 0, 0, 0], "in no runs"), ([1, 2, 3, 4], [1, 1, 1, 1], "in all runs"),
-                                           ([1, 2, 3, 4], [0, 0, 1, 1], "not how steep"), ([0, 2, 3, 4], [0, 1, 0, 1], "> 0"),
+        for intensity, exceeded, words in (([1, 2, 3, 4], [0, 0, 0, 0], "in no runs"),
+                                           ([1, 2, 3, 4], [1, 1, 1, 1], "in all runs"),
+                                           ([1, 2, 3, 4], [0, 0, 1, 1], "not how steep"),
+                                           ([0, 2, 3, 4], [0, 1, 0, 1], "> 0"),
                                            ([1, 2, 3, 4], [1, 1, 0, 0], "less often at larger")):
             self.assertIn(words, fit_fragility(np.array(intensity, dtype=float), np.array(exceeded, dtype=bool)))
 
@@ -115,7 +122,8 @@ class Statistics(unittest.TestCase):
     def test_standard_error_and_bands(self) -> None:
         self.assertAlmostEqual(standard_error(np.array([1.0, 2, 3])), 1 / np.sqrt(3))
         time = np.array([0, 0.3, 1.0])
-        band = band_of([Curve(time, slope * time) for slope in range(5)] + [Curve(np.array([0, 2.0]), np.array([0, 4.0]))])
+        longer = Curve(np.array([0, 2.0]), np.array([0, 4.0]))
+        band = band_of([*(Curve(time, slope * time) for slope in range(5)), longer])
         self.assertEqual((band.time[-1], band.ends), (1.0, (1.0, 2.0)))
         np.testing.assert_allclose(band.mean, 2 * band.time)
         np.testing.assert_allclose(band.quantiles[2], 2 * band.time)
@@ -138,7 +146,8 @@ class Answers(ScriptCase):
         for words, asked in (("no number in the column x", lambda: curve_of(results, "probes.csv", "x")),
                              ("word is a column of texts", lambda: curve_of(results, "probes.csv", "word")),
                              ("no steps.csv", lambda: curve_of(results, "steps.csv", "x")),
-                             ("nothing at /stepps; there are steps", lambda: Answer("a", pointer="/stepps").of(results)),
+                             ("nothing at /stepps; there are steps",
+                              lambda: Answer("a", pointer="/stepps").of(results)),
                              ("found 'x' at /program", lambda: Answer("a", pointer="/program").of(results))):
             with self.assertRaisesRegex(ResultsError, words):
                 asked()

@@ -55,15 +55,18 @@ class StudyCase(ScriptCase):
         self.out = self.folder / "out"
         self.values = {
             "scene": "scene",
-            "parameters": {"a": {"set": A, "list": [1, 2, 3]}, "b": {"set": B, "range": {"from": 10, "to": 20, "count": 2}}},
+            "parameters": {"a": {"set": A, "list": [1, 2, 3]},
+                           "b": {"set": B, "range": {"from": 10, "to": 20, "count": 2}}},
             "design": {"method": "factorial"},
             "answers": {"end": {"column": "x", "take": "last"}},
         }
 
         def command(runner: Runner, output: Path, scene: str, settings: list[str]) -> list[str]:
-            return [str(self.program), scene, "--output", str(output), *(word for each in settings for word in ("--set", each))]
+            words = [word for each in settings for word in ("--set", each)]
+            return [str(self.program), scene, "--output", str(output), *words]
 
-        for patch in (mock.patch.object(Runner, "_command", command), mock.patch.dict(os.environ, {"RAN": str(self.ran)})):
+        for patch in (mock.patch.object(Runner, "_command", command),
+                      mock.patch.dict(os.environ, {"RAN": str(self.ran)})):
             patch.start()
             self.addCleanup(patch.stop)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -340,12 +343,15 @@ class Plans(StudyCase):
     def test_distributions(self) -> None:
         random = {"method": "random", "runs": 4, "seed": 1}
         for words, values in (
-                (("/a: found none of list, range",), {}), (("/a: found list and uniform of",), {"list": [1], "uniform": [1, 2]}),
+                (("/a: found none of list, range",), {}),
+                (("/a: found list and uniform of",), {"list": [1], "uniform": [1, 2]}),
                 (("/a/list: found [1, 1], allowed: a list of different values",), {"list": [1, 1]}),
-                (("/a/list: found []",), {"list": []}), (("/a/uniform: found [2, 1], allowed: [low, high]",), {"uniform": [2, 1]}),
+                (("/a/list: found []",), {"list": []}),
+                (("/a/uniform: found [2, 1], allowed: [low, high]",), {"uniform": [2, 1]}),
                 (("/a/log_uniform: found [0, 1]", "0 < low"), {"log_uniform": [0, 1]}),
                 (("/a/normal/deviation: found 0, allowed: a number > 0",), {"normal": {"mean": 1, "deviation": 0}}),
-                (("/a/lognormal/variation: found beside median",), {"lognormal": {"median": 1, "log_deviation": 1, "variation": 1}}),
+                (("/a/lognormal/variation: found beside median",),
+                 {"lognormal": {"median": 1, "log_deviation": 1, "variation": 1}}),
                 (("/a/lognormal: found none of median, mean",), {"lognormal": {}}),
                 (("/a/range/to: found 1",), {"range": {"from": 1, "to": 1, "count": 2}}),
                 (("/a/range/count: found 1",), {"range": {"from": 1, "to": 2, "count": 1}}),
@@ -356,10 +362,12 @@ class Plans(StudyCase):
         sample = self.parameter(uniform=[1, 2])
         both = sample | {"b": {"set": B, "uniform": [1, 2]}}
         for words, design in ((("/design/method: found 'grid', allowed: one of factorial",), {"method": "grid"}),
-                              (("/design/runs: found 60", "such as 32 or 64"), {"method": "sobol", "runs": 60, "seed": 1}),
+                              (("/design/runs: found 60", "such as 32 or 64"),
+                               {"method": "sobol", "runs": 60, "seed": 1}),
                               (("/design/seed: found nothing",), {"method": "random", "runs": 4}),
                               (("/a: found a distribution",), {"method": "factorial"}),
-                              (("/design/cross: found a",), {"method": "random", "runs": 4, "seed": 1, "cross": ["a"]})):
+                              (("/design/cross: found a",),
+                               {"method": "random", "runs": 4, "seed": 1, "cross": ["a"]})):
             self.expect(*words, parameters=sample, design=design)
         self.expect("/design/runs: unknown", design={"method": "factorial", "runs": 3})
         random = {"method": "random", "runs": 4, "seed": 1}
@@ -372,13 +380,15 @@ class Plans(StudyCase):
                     correlations=[["a", "b", 0.9], ["b", "c", 0.9], ["a", "c", -0.9]])
 
     def test_the_plan_of_the_page(self) -> None:
-        text = re.search(r"^```json\n(.*?)^```$", (ROOT / "docs" / "studies.md").read_text(), re.MULTILINE | re.DOTALL)[1]
+        page = (ROOT / "docs" / "studies.md").read_text()
+        text = re.search(r"^```json\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1]
         (self.folder / "configs").symlink_to(ROOT / "configs")
         study = Study(read_plan(self.write("plans/plan.json", text)), self.out, None)
         self.assertEqual(len(study.outcomes), json.loads(text)["design"]["runs"])
 
     def test_files_that_are_no_plan(self) -> None:
-        for text, words in (("{", "not JSON"), ('{"scene": "a", "scene": "b"}', "found the key 'scene' twice"), ("[]", "an object")):
+        for text, words in (("{", "not JSON"), ("[]", "an object"),
+                            ('{"scene": "a", "scene": "b"}', "found the key 'scene' twice")):
             with self.subTest(text), self.assertRaisesRegex(PlanError, words):
                 read_plan(self.write("plan.json", text))
         with self.assertRaisesRegex(PlanError, "no such plan"):
