@@ -9,7 +9,7 @@ import sys
 import time
 import weakref
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ._root import ROOT
@@ -98,9 +98,13 @@ class Job:
 
     def progress(self) -> Progress:
         """How far it is now. Before its first step, also while programs are built, time 0."""
+        has_ended = not self.is_running  # before the look: what it leaves is there when it ends
         if self._run is None and self._mark() not in (None, self._before):
             self._run = Run(self.output)
-        return progress_of(self._run) if self._run else Progress(0.0, math.nan, 0, State.RUNNING)
+        now = progress_of(self._run) if self._run else Progress(0.0, math.nan, 0, State.RUNNING)
+        if has_ended and not now.state.is_end:
+            return replace(now, state=State.FAILED, reason=f"exit code {self._process.returncode}")
+        return now
 
     def follow(self, interval: float = INTERVAL) -> Iterator[Progress]:
         """How far it is, every `interval` seconds until it ends."""

@@ -77,6 +77,15 @@ class Runs(ScriptCase):
             self.short.run(self.out)
         self.assertNotIn("\n[mpm] warning", str(raised.exception))
 
+    def test_a_run_that_is_refused_has_failed(self) -> None:
+        self.out.mkdir()
+        (self.out / "notes.txt").write_text("mine")
+        job = self.short.start(self.out)
+        *_, last = job.follow(0.05)
+        self.assertEqual((last.state.value, last.reason), ("failed", "exit code 2"))
+        with self.assertRaisesRegex(gabion.RunError, "out: exit code 2: .* allowed: a new or empty folder"):
+            job.wait()
+
     def test_what_an_earlier_run_left_is_not_taken_for_this_one(self) -> None:
         self.short.run(self.out)
         job = self.short.start(self.out)

@@ -20,7 +20,7 @@ TABLES = ("runs.csv", "answers.csv", "band_front.csv", "rank_correlations.csv")
 class Studies(ScriptCase):
     def setUp(self) -> None:
         super().setUp()
-        self.write_scene({"mpm": soil_of(end=0.2)})
+        self.write_scene({"mpm": soil_of(end=0.1)})
         self.plan = self.folder / "plan.json"
         material = "mpm.json:/bodies/0/material"
         self.plan.write_text(json.dumps({
@@ -44,35 +44,30 @@ class Studies(ScriptCase):
     def rows_of(self, out: str) -> list[Path]:
         return [path for path in (self.folder / out / "runs").glob("*/steps.csv") if path.read_text().count("\n") > 2]
 
-    def assert_same(self, out: str) -> None:
-        for table in TABLES:
-            found, whole = ((self.folder / name / table).read_bytes() for name in (out, "whole"))
-            self.assertEqual(found, whole, table)
-
-    def test_a_study_stopped_in_a_run_goes_on_as_the_unbroken_one(self) -> None:
-        study = Launch(self.words("out", "--at-once", "1"), self.folder)
+    def test_a_stopped_study_goes_on_and_equals_a_job_array(self) -> None:
+        study = Launch(self.words("stopped", "--at-once", "1"), self.folder)
         self.addCleanup(study.end)
-        study.wait_until(lambda: len(self.rows_of("out")) > 1, "steps of the second run")
+        study.wait_until(lambda: len(self.rows_of("stopped")) > 1, "steps of the second run")
         os.kill(study.process.pid, signal.SIGTERM)
         ended = study.wait()
         self.assertEqual(ended.code, 128 + signal.SIGTERM, ended.text)
         self.assertIn("the same command goes on from here", ended.text)
-        said = self.study("out")
-        self.assertEqual(said.count(": running"), 2)  # not the first one
-        self.study("whole")
-        self.assert_same("out")
+        self.assertEqual(self.study("stopped").count(": running"), 2)  # not the first one
+        self.run_array("array")
+        self.assertNotIn(": running", self.study("array"))
+        for table in TABLES:
+            found, whole = ((self.folder / name / table).read_bytes() for name in ("stopped", "array"))
+            self.assertEqual(found, whole, table)
 
-    def test_a_job_array(self) -> None:
-        environment = os.environ | {"PLAN": str(self.plan), "OUTPUT": str(self.folder / "out"),
+    def run_array(self, out: str) -> None:
+        """As Slurm does: a task a run, all at a time."""
+        environment = os.environ | {"PLAN": str(self.plan), "OUTPUT": str(self.folder / out),
                                     "STUDY": str(ROOT / "scripts" / "study")}
         tasks = [subprocess.Popen(["bash", str(SCRIPT)], env=environment | {"SLURM_ARRAY_TASK_ID": str(k)},
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) for k in range(3)]
         for task in tasks:
             text, _ = task.communicate(timeout=launch.TIMEOUT)
             self.assertEqual(task.returncode, 0, text)
-        self.assertNotIn(": running", self.study("out"))
-        self.study("whole")
-        self.assert_same("out")
 
 
 if __name__ == "__main__":
