@@ -17,6 +17,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from gabion.errors import SettingError  # noqa: E402
 from gabion.scene import Scene  # noqa: E402
 
+COLUMNS = ("run", "point", "repeat", "label", "seed", "status")  # of the table of runs, beside parameters and answers
 MOST_RUNS = 100_000
 PLAN_KEYS = ("scene", "settings", "parameters", "correlations", "design", "repeats", "answers", "bands", "fragility",
              "ranks")
@@ -124,6 +125,10 @@ def read_plan(path: Path) -> Plan:
     names = [*(parameter.name for parameter in parameters), *(answer.name for answer in answers)]
     if len(set(names)) < len(names):
         raise PlanError(f"{path}:/answers: found the name of a parameter, allowed: other names")
+    for name in names:
+        if name in COLUMNS:
+            kind = "answers" if any(name == answer.name for answer in answers) else "parameters"
+            raise PlanError(f"{path}:/{kind}: found the name {name}, allowed: none of {', '.join(COLUMNS)}")
     fragilities = [_read_fragility(name, reader, parameters, answers)
                    for name, reader in top.named("fragility", ("demand", "capacity", "intensity")).items()]
     plan = Plan(path, scene.resolve(), settings, parameters, design, correlations, _read_repeats(top), answers, bands,

@@ -16,7 +16,7 @@ from studies.measures import Curve
 from studies.runner import CORES, Attempt, Runner, Start, print_table, write_table
 
 from .answers import curve_of
-from .plan import Case, Plan
+from .plan import COLUMNS, Case, Plan
 from .reader import PlanError
 
 RUNS = "runs"
@@ -126,7 +126,7 @@ class Study:
         """A row a run: its number, point, repeat, label, seed of the design, status, parameters, answers."""
         parameters = [parameter.name for parameter in self.plan.parameters]
         answers = [answer.name for answer in self.plan.answers]
-        head = ["run", "point", "repeat", "label", "seed", "status", *parameters, *answers]
+        head = [*COLUMNS, *parameters, *answers]
         rows = []
         for outcome in self.outcomes:
             case = outcome.case

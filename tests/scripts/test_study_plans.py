@@ -38,6 +38,8 @@ class Plans(StudyCase):
         self.expect("plan.json:/answers/end/take: found 'max', allowed: one of largest",
                     answers={"end": {"column": "x", "take": "max"}})
         self.expect("plan.json:/answers: found the name of a parameter", answers={"a": {"column": "x", "take": "last"}})
+        self.expect("plan.json:/answers: found the name run, allowed: none of run, point",
+                    answers={"run": {"column": "x", "take": "last"}})
         self.expect("plan.json:/answers/end/summary", answers={"end": {"summary": "steps"}})
         self.expect("plan.json:/bands/x/table: found 'walls.csv', allowed: one of probes.csv",
                     bands={"x": {"table": "walls.csv", "column": "x"}})
