@@ -96,10 +96,10 @@ class Evaluation:
             groups = values.reshape(-1, len(names) + 2)
             whole = groups[np.isfinite(groups).all(axis=1)]
             if len(whole) < len(groups):
-                say(f"{answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not completed, "
+                say(f"answer {answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not completed, "
                     "and are left out")
             if len(whole) < 2 or not np.isfinite(sobol_indices(whole).first).all():
-                say(f"{answer}: no Sobol indices: it is the same in all runs, or fewer than two groups are whole")
+                say(f"answer {answer}: no Sobol indices: it is the same in all runs, or fewer than two groups are whole")
                 continue
             found[answer] = indices = sobol_indices(whole)
             table = np.vstack([indices.first, indices.first_ends, indices.total, indices.total_ends]).T
@@ -130,7 +130,7 @@ class Evaluation:
         capacity = study.values(of.capacity) if named else np.full(len(demand), float(of.capacity))
         there = np.isfinite(demand) & np.isfinite(intensity) & np.isfinite(capacity)
         if not there.any():
-            say(f"{of.name}: no run has demand, capacity and intensity")
+            say(f"fragility {of.name}: no run has demand, capacity and intensity")
             return
         exceeded = demand[there] > capacity[there]
         levels = levels_of(intensity[there], exceeded)
@@ -138,10 +138,10 @@ class Evaluation:
                      [[level.intensity, level.runs, level.exceeded, level.share, *level.ends] for level in levels])
         fit = fit_fragility(intensity[there], exceeded)
         if isinstance(fit, Fit):
-            say(f"{of.name}: lognormal with median {fit.median:.6g} and deviation of the logarithm "
+            say(f"fragility {of.name}: lognormal with median {fit.median:.6g} and deviation of the logarithm "
                 f"{fit.deviation:.4g}; from, to: {SHARE} of the share")
         else:
-            say(f"{of.name}: no curve: {fit}")
+            say(f"fragility {of.name}: no curve: {fit}")
         label = f"{of.demand} > {of.capacity}"
         self.picture(figures.draw_fragility(levels, fit if isinstance(fit, Fit) else None, of.intensity, label),
                      f"fragility_{of.name}")
@@ -150,7 +150,7 @@ class Evaluation:
         curves = [outcome.curves[name] for outcome in self.study.outcomes if name in outcome.curves]
         band = band_of(curves)
         if band.ends[0] < band.ends[1]:
-            say(f"{name}: the runs end at {band.ends[0]:g} to {band.ends[1]:g} s; the bands go to the first of these")
+            say(f"band {name}: the runs end at {band.ends[0]:g} to {band.ends[1]:g} s; the bands go to the first of these")
         is_sample = self.plan.design.is_sample and not self.plan.repeats and not self.plan.design.cross
         error = band.error if is_sample else np.full(len(band.time), np.nan)
         rows = [[float(value) if np.isfinite(value) else "" for value in row]

@@ -147,4 +147,3 @@ class Study:
         print(f"\n{name}")
         print_table(head, [[text_of(value) for value in row] for row in rows])
         write_table(self.folder / f"{name}.csv", head, rows)
-

@@ -179,7 +179,7 @@ class Runs(StudyCase):
         self.assertEqual((float(band[-1]["mean"]), band[-1]["standard error"]), (17.0, ""))
         self.assertEqual([(row["a"], row["share"]) for row in self.rows("fragility_f")],
                          [("1.0", "0.5"), ("2.0", "0.5"), ("3.0", "1.0")])
-        self.assertIn("F: lognormal with median", done.stdout)
+        self.assertIn("Fragility f: lognormal with median", done.stdout)
 
     def test_indices_of_a_sum_are_shares_of_its_variance(self) -> None:
         self.values |= {"design": {"method": "sobol_indices", "runs": 8, "seed": 1},
