@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from plotting.results import Frame, Results, Series
+from plotting.results import CONTACT, Frame, Results, Series
 from plotting.style import COLOURS, plt, save
 from plotting.view import AXES, up_axis
 
-PREFIX = "contact_"
 NUM_TIMES = 5
 NUM_BINS = 40
 CORNER = 0.87  # cosine of the turn from which on a line has a corner
@@ -20,8 +19,7 @@ STEEP = 0.99  # sine of the least inclination of what counts as upright
 
 def contact_series(results: Results) -> dict[str, Series]:
     """Name of the interface or wall -> its frames."""
-    paths = sorted(results.folder.glob(f"mpm/{PREFIX}*.xdmf"))
-    return {path.stem.removeprefix(PREFIX): Series(path) for path in paths}
+    return results.contacts
 
 
 def facet_vectors(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -146,7 +144,7 @@ def plot_contact(results: Results, name: str, series: Series, times: list[float]
     for axes in (left, right):
         for corner in profile.corners:
             axes.axhline(corner, color="0.6", lw=0.8, ls=":")
-    return save(figure, out / f"{PREFIX}{name}.png")
+    return save(figure, out / f"{CONTACT}{name}.png")
 
 
 def plot_contacts(results: Results, times: list[float] | None, out: Path) -> list[Path | None]:

@@ -5,10 +5,9 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
-from plotting.results import Results, Table
+from plotting.results import Results, Table, gauge_names
 from plotting.style import COLOURS, legend_beside, new_figure, save
 
-MARK = "section_flux"  # the column that only gauges have
 # Label of a panel, columns that are drawn solid and dashed.
 PANELS = (
     ("depth [m]", "depth", "top"),
@@ -17,11 +16,6 @@ PANELS = (
     ("mass passed\n[kg{}]", "passed_mass", ""),
     ("pressure [Pa]", "pressure", "dynamic_pressure"),
 )
-
-
-def gauge_names(table: Table) -> list[str]:
-    """Such as "soil.toe", in the order of the columns."""
-    return [name.removesuffix("." + MARK) for name in table.names if name.endswith("." + MARK)]
 
 
 def _draw_panel(axes: Axes, table: Table, gauges: list[str], columns: tuple[str, str]) -> None:

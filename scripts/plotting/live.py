@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A results folder that is read on while a run writes it: tables, log, and what has come of the run."""
 
-import contextlib
 import csv
-import json
 import math
 import re
 import time
@@ -12,7 +10,7 @@ from pathlib import Path
 
 from plotting.account import Cuts, Ledger, Steps
 from plotting.lock import MARKER, Owner, owner_of
-from plotting.results import ResultsError
+from plotting.results import RESOLVED, SUMMARY, ResultsError, is_completed, object_of
 
 STEPS_SHOWN = 60
 QUIET = 10  # [s] without a new row from which on somebody asks why
@@ -102,17 +100,13 @@ class Run:
             self._error = line.partition("error: ")[2] or self._error
             for name, program, pid in HERE.findall(line):
                 self.participants[name] = (program, int(pid))
-        summary = self.folder / "summary.json"
-        if summary.exists():
-            with contextlib.suppress(ValueError):
-                self.summary = json.loads(summary.read_text(encoding="utf-8"))
+        summary = object_of(self.folder / SUMMARY)
+        self.summary = self.summary if summary is None else summary
 
     def _read_settings(self) -> None:
-        config = self.folder / "resolved_config.json"
-        if math.isnan(self.end) and config.exists():
-            with contextlib.suppress(ValueError):  # half written: looked at again
-                files = json.loads(config.read_text(encoding="utf-8")).values()
-                self.end = next((file["time"]["end"] for file in files if "time" in file), math.nan)
+        if math.isnan(self.end):
+            files = (object_of(self.folder / RESOLVED) or {}).values()  # half written: looked at again
+            self.end = next((file["time"]["end"] for file in files if "time" in file), math.nan)
 
     @property
     def num_cuts(self) -> int:
@@ -125,7 +119,7 @@ class Run:
 
     def state(self) -> State:
         if self.summary is not None:
-            if self.summary.get("completed"):
+            if is_completed(self.summary):
                 return State.COMPLETED
             by_signal = self.summary.get("reason", "").startswith("interrupted by signal")
             return State.STOPPED if by_signal else State.FAILED

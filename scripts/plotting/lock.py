@@ -88,16 +88,20 @@ def _open_locked(path: Path, operation: int) -> int:
 
 
 @contextlib.contextmanager
-def writing(folder: Path, script: str) -> Iterator[None]:
-    """While this lasts no run moves the folder away, and no second script of this name writes there. A run under way
-    goes on: it writes other files. Raises ResultsError: a run is just beginning there, or the same script is at work."""
+def writing(folder: Path, script: str, shared: bool = False) -> Iterator[None]:
+    """While this lasts no run moves the folder away, and no second script of this name writes there, but for others of
+    its kind where all are `shared`. A run under way goes on: it writes other files. Raises ResultsError: a run is just
+    beginning there, or the same script is at work."""
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     with contextlib.ExitStack() as stack:
         stack.callback(os.close, _open_locked(folder / LOCK, fcntl.LOCK_SH))
         own = folder / f"{LOCK}_{script}"
-        file = _open_locked(own, fcntl.LOCK_EX)
+        file = _open_locked(own, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
         stack.callback(os.close, file)
+        if shared:
+            yield
+            return
         stack.callback(own.unlink, missing_ok=True)
         since = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime())
         signed = {"program": f"scripts/{script}", **process.this_process().to_fields(), "since": since}

@@ -11,6 +11,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+SUMMARY, RESOLVED = "summary.json", "resolved_config.json"
+CONTACT = "contact_"  # begins the name of frames of an interface or wall
+
 
 class ResultsError(Exception):
     """A results folder, file or column that is missing or cannot be read."""
@@ -57,6 +60,14 @@ def _numbers_or_texts(cells: list[str]) -> np.ndarray:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
         return np.array(cells, dtype=object)
+
+
+GAUGE_MARK = ".section_flux"  # ends a column that only gauges have
+
+
+def gauge_names(table: Table) -> list[str]:
+    """Such as "soil.toe", in the order of the columns."""
+    return [name.removesuffix(GAUGE_MARK) for name in table.names if name.endswith(GAUGE_MARK)]
 
 
 def require_time(option: str, time: float, first: float, last: float) -> None:
@@ -146,6 +157,21 @@ class Series:
         return values.reshape(size) if size else values
 
 
+def object_of(path: Path) -> dict | None:
+    """The object in a JSON file of a run; None: there is no file, or a run under way has written half of it."""
+    if not path.exists():
+        return None
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        return None
+
+
+def is_completed(summary: dict | None) -> bool:
+    """Whether a summary.json says that its run came to its end. One that does not say so did not, as for the programs."""
+    return summary is not None and summary.get("completed") is True
+
+
 class Results:
     """What a results folder holds; what is missing is None."""
 
@@ -174,6 +200,12 @@ class Results:
         return soil
 
     @property
+    def contacts(self) -> dict[str, Series]:
+        """Name of an interface or rigid wall -> its frames, with the pressure of the soil on its facets."""
+        paths = sorted(self.folder.glob(f"mpm/{CONTACT}*.xdmf"))
+        return {path.stem.removeprefix(CONTACT): Series(path) for path in paths}
+
+    @property
     def structures(self) -> list[Series]:
         """Results of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]
@@ -185,21 +217,29 @@ class Results:
         return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
 
     @cached_property
-    def _resolved(self) -> list[tuple[str, dict]]:
-        """Settings with all defaults: name of the file, what is in it."""
-        places = (self.folder / "resolved_config.json", *sorted(self.folder.glob("*/resolved_config.json")))
-        return [item for path in places if path.exists()
-                for item in json.loads(path.read_text(encoding="utf-8")).items()]
+    def resolved(self) -> dict[str, dict]:
+        """Name of a file of the scene -> its settings with all defaults. Of further solvers with their folder.
+
+        @raises ResultsError  the run has ended, and one of the files is no JSON
+        """
+        found: dict[str, dict] = {}
+        for path in (self.folder / RESOLVED, *sorted(self.folder.glob(f"*/{RESOLVED}"))):
+            files = object_of(path)
+            if files is None and path.exists() and self.summary is not None:
+                raise ResultsError(f"{path}: not a complete JSON file")
+            for name, settings in (files or {}).items():
+                found[name if name not in found else f"{path.parent.name}/{name}"] = settings
+        return found
 
     @property
     def gravity(self) -> list[float] | None:
         """Gravity of the first resolved settings that have it [m/s^2]; None without."""
-        return next((settings["gravity"] for _, settings in self._resolved
+        return next((settings["gravity"] for settings in self.resolved.values()
                      if isinstance(settings, dict) and settings.get("gravity")), None)
 
     def settings(self, name: str) -> dict:
         """Resolved settings of a file such as mpm.json; empty: there are none."""
-        return next((settings for file, settings in self._resolved if file == name), {})
+        return self.resolved.get(name, {})
 
     @property
     def origin(self) -> np.ndarray:
@@ -213,5 +253,9 @@ class Results:
 
     @property
     def summary(self) -> dict | None:
-        path = self.folder / "summary.json"
-        return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+        return object_of(self.folder / SUMMARY)
+
+    @property
+    def completed(self) -> bool:
+        """Whether the run came to its end."""
+        return is_completed(self.summary)

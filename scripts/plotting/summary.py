@@ -4,7 +4,7 @@
 import numpy as np
 
 from plotting.history import FORCES, displacement_columns, is_rigid_wall, probe_points, wall_columns
-from plotting.results import Results
+from plotting.results import Results, is_completed
 
 
 def summary_lines(results: Results) -> list[str]:
@@ -26,7 +26,7 @@ def summary_lines(results: Results) -> list[str]:
 def _run_line(summary: dict) -> str:
     wall = summary.get("wall_seconds")
     total = wall.get("total") if isinstance(wall, dict) else wall
-    end = "completed" if summary.get("completed", True) else f"STOPPED: {summary.get('reason', '?')}"
+    end = "completed" if is_completed(summary) else f"STOPPED: {summary.get('reason', '?')}"
     took = "" if total is None else f" in {total:.1f} s"
     return f"{summary.get('program', 'Run')} {end} at t = {summary.get('end_time', float('nan')):.6g} s{took}"
 

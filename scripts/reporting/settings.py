@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings of a run as its programs read them, and what a reader wants to know of them first."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +11,7 @@ MATERIAL = ("density", "young_modulus", "poisson_ratio", "friction_angle", "dila
 
 def settings_files(results: Results) -> dict[str, dict]:
     """Name of a file of the scene -> its settings with all defaults. Of further solvers with their folder."""
-    found: dict[str, dict] = {}
-    for path in (results.folder / "resolved_config.json", *sorted(results.folder.glob("*/resolved_config.json"))):
-        if not path.exists():
-            continue
-        try:
-            files = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError:  # half written
-            continue
-        for name, settings in files.items():
-            found[name if name not in found else f"{path.parent.name}/{name}"] = settings
-    return found
+    return results.resolved
 
 
 def overview(files: dict[str, dict]) -> list[tuple[str, str]]:

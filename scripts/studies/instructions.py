@@ -9,7 +9,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from plotting.results import ResultsError
+from plotting.results import Results, ResultsError, object_of
 from studies.runner import ROOT, Runner, folder_of
 
 SOLVER = ROOT / "build" / "release" / "bin" / "mpm_solver"
@@ -88,6 +88,13 @@ def solve(folder: Path, settings: dict, command: list, environment: dict[str, st
     return done.stderr
 
 
+def has_run(folder: Path, settings: dict, file: str = "mpm.json") -> bool:
+    """Whether `solve` has run these settings here to their end."""
+    if not (folder / "out").is_dir() or object_of(folder / file) != json.loads(json.dumps(settings)):
+        return False
+    return Results(folder / "out").completed
+
+
 def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
     """Run that many steps under callgrind."""
     settings = scene(*form)
@@ -103,7 +110,7 @@ def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
         raise ResultsError(f"{folder.name}: no count of callgrind\n{said[-600:]}")
     listing = subprocess.run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", counts], check=True,
                              capture_output=True, text=True).stdout
-    summary = json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["solver"]
+    summary = Results(folder / "out").summary["solver"]
     return Count(summary["points"], summary["newton"]["iterations"], summary["linear_iterations"], int(total.group(1)),
                  inclusive(listing, r"gabion::mpm::InternalForces<\d>::evaluate"),
                  inclusive(listing, r"gabion::LinearSolver<\d>::solve"))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plotting.history import displacement_columns, probe_points
-from plotting.results import Results, ResultsError
+from plotting.results import Results, ResultsError, is_completed
 
 
 @dataclass
@@ -50,7 +50,7 @@ class Measured:
         self.results = results
         self.point = point
         self.summary = results.summary
-        if self.summary is None or not self.summary.get("completed", True):
+        if not is_completed(self.summary):
             raise ResultsError(f"{results.folder}: the run did not come to its end")
 
     def table(self, file: str):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.path import Path as Polygon
 
-from plotting.results import Results, ResultsError
+from plotting.results import Results, ResultsError, is_completed
 from studies.runner import Attempt
 from studies.throw import FACE, Throw
 
@@ -43,7 +43,7 @@ def verdict(summary: dict) -> str:
 
     @raises ResultsError  it does not say why
     """
-    if summary.get("completed", False):
+    if is_completed(summary):
         return "end"
     if not summary.get("reason"):
         raise ResultsError("a run ended without a reason")

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The two posts: equal forces, displacements by their stiffness, sliding block."""
 
-import json
-
 import numpy as np
 
+from plotting.results import RESOLVED, object_of
 from studies.balances import Row, ledger_rows
 from studies.measures import Curve, Measured
 from studies.slope_checks import sliding_rows
@@ -23,8 +22,7 @@ class Post:
         def of_step(column: str) -> float:
             return Curve(steps["time"], steps[f"{interface}.{column}"]).mean_of_last(LAST)
 
-        path = run.results.folder / folder / "resolved_config.json"
-        settings = json.loads(path.read_text(encoding="utf-8"))["fem.json"]
+        settings = object_of(run.results.folder / folder / RESOLVED)["fem.json"]
         low, high = (np.array(settings["mesh"]["box"][corner]) for corner in ("low", "high"))
         moved = Curve(probes["time"], probes[f"{participant}.head.ux"])
         self.young = settings["material"]["young_modulus"]

@@ -6,7 +6,9 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.instructions import FORMS, SOLVER, solve
+import numpy as np
+
+from studies.instructions import FORMS, SOLVER, has_run, solve
 from studies.runner import Runner, folder_of
 from studies.size import read, refined
 
@@ -89,7 +91,7 @@ def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None
 
 def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
     """Those of an earlier run where they may be taken, else of a new one."""
-    if runner.reuse and (folder / "out" / "summary.json").exists():
+    if runner.reuse and has_run(folder, settings):
         return folder / "out"
     print(f"{folder.name}: running", flush=True)
     return launch(folder, settings, ranks, restart)
@@ -98,8 +100,8 @@ def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: P
 def count_of(out: Path) -> Count:
     summary, steps = read(out)
     soil = summary["solver"]
-    seconds = sum(float(step["wall_seconds"]) for step in steps)
-    count = Count(soil["points"], len(steps), soil["newton_iterations"], soil["linear_iterations"], seconds,
+    seconds = float(np.sum(steps["wall_seconds"]))
+    count = Count(soil["points"], steps.num_rows, soil["newton_iterations"], soil["linear_iterations"], seconds,
                   soil["peak_memory"]["largest_rank"], summary["cpu_seconds"])
     if "ranks" in soil:
         of_ranks, traffic = soil["ranks"], soil["mpi"]

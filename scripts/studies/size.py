@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How time and memory of the soil grow with its points."""
 
-import csv
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
-from statistics import median
 
+import numpy as np
+
+from plotting.results import Results, Table
 from studies.instructions import FORMS, SOLVER, scene, solve
 from studies.runner import Runner, folder_of
 
@@ -41,22 +41,22 @@ def refined(form: tuple[str, str, str], times: int) -> dict:
     return settings
 
 
-def read(out: Path) -> tuple[dict, list[dict]]:
+def read(out: Path) -> tuple[dict, Table]:
     """Summary and steps of a run."""
-    with (out / "steps.csv").open(encoding="utf-8") as table:
-        return json.loads((out / "summary.json").read_text(encoding="utf-8")), list(csv.DictReader(table))
+    results = Results(out)
+    return results.summary, results.table("steps.csv")
 
 
-def row(name: str, summary: dict, steps: list[dict], smallest: dict) -> list:
+def row(name: str, summary: dict, steps: Table, smallest: dict) -> list:
     """Row of a run. smallest: summary of that with the fewest points; memory counts from there."""
     soil, phases = summary["solver"], summary["solver"]["wall_seconds"]
     total = summary["wall_seconds"]["solve"] + summary["wall_seconds"]["accept"]
     shares = [sum(phases.get(phase, 0) for phase in group) / total for group in PHASES.values()]
-    iterations = sum(int(step["newton_iterations"]) for step in steps)
-    each = median(float(step["wall_seconds"]) / int(step["newton_iterations"]) for step in steps)
+    iterations = int(np.sum(steps["newton_iterations"]))
+    each = float(np.median(steps["wall_seconds"] / steps["newton_iterations"]))
     points = soil["points"] - smallest["solver"]["points"]
     memory = soil["peak_memory"]["largest_rank"] - smallest["solver"]["peak_memory"]["largest_rank"]
-    return [name, soil["points"], iterations / len(steps), median(float(step["wall_seconds"]) for step in steps),
+    return [name, soil["points"], iterations / steps.num_rows, float(np.median(steps["wall_seconds"])),
             1e6 * each / soil["points"], *(f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)]),
             memory / points / 1e3 if points else ""]
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plotting.results import Results, ResultsError
+from studies.instructions import has_run
 from studies.runner import ROOT, Runner
 
 SOLVER = ROOT / "build" / "release" / "bin" / "fem_solver"
@@ -56,7 +57,7 @@ def scene(cells: tuple[int, int, int], regime: str, linear: dict) -> dict:
 def run(folder: Path, settings: dict, reuse: bool) -> Run:
     """@raises ResultsError  the run failed"""
     memory = folder / "memory.json"
-    if reuse and memory.exists():
+    if reuse and memory.exists() and has_run(folder, settings, "fem.json"):
         return Run(Results(folder / "out"), json.loads(memory.read_text(encoding="utf-8")))
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

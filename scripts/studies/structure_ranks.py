@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A large structure on several MPI ranks: memory, time of a step, a frame, a checkpoint."""
 
-import json
-
-from studies.instructions import solve
+from plotting.results import Results
+from studies.instructions import has_run, solve
 from studies.ranks import THREADS, mpirun
 from studies.runner import Runner
 from studies.solvers import CELL, MATERIAL, SOLVER
@@ -28,11 +27,11 @@ def scene(edge: int) -> dict:
 
 def summary_of(runner: Runner, edge: int, ranks: int) -> dict:
     folder = runner.folder / f"{edge}_{ranks}"
-    summary = folder / "out" / "summary.json"
-    if not (runner.reuse and summary.exists()):
+    settings = scene(edge)
+    if not (runner.reuse and has_run(folder, settings, "fem.json")):
         print(f"{folder.name}: running", flush=True)
-        solve(folder, scene(edge), [*mpirun(ranks), SOLVER, "--log-level", "warn"], THREADS, "fem.json")
-    return json.loads(summary.read_text(encoding="utf-8"))
+        solve(folder, settings, [*mpirun(ranks), SOLVER, "--log-level", "warn"], THREADS, "fem.json")
+    return Results(folder / "out").summary
 
 
 def structure_ranks(runner: Runner) -> None:
