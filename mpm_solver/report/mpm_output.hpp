@@ -4,8 +4,10 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -17,15 +19,20 @@ namespace gabion::mpm {
 template <int dim>
 class MpmOutput {
  public:
+  using MoreFields = std::function<std::vector<OutputField>(const MaterialPoints<dim>&)>;
   /// @param folder  empty: nothing is written
-  MpmOutput(MPI_Comm comm, const std::string& folder);
+  /// @param more    fields of the points that are written too
+  MpmOutput(MPI_Comm comm, const std::string& folder, MoreFields more);
   /// @note Collective.
   void write(double time, const MaterialPoints<dim>& points);
   /// Size of a frame before compression.
-  static std::int64_t frame_bytes(std::int64_t num_points);
+  std::int64_t frame_bytes(std::int64_t num_points) const;
 
  private:
+  std::vector<OutputField> fields(const MaterialPoints<dim>& points) const;
+
   MPI_Comm comm_;
+  MoreFields more_;
   std::optional<XdmfSeries> series_;
 };
 

@@ -149,10 +149,11 @@ Evaluation Equilibrium<dim>::assess(Sums sums, std::int32_t worst) {
   result.likely_last = first_evaluation_ && (parts_.nearly_linear || sums.neighbours > 0);
   if (sums.inadmissible > 0) {
     result.admissible = false;
-    result.reason =
-        shared().first_text(worst < 0 ? ""
-                                      : fmt::format("{} would be squeezed below {} of its volume",
-                                                    describe_point(worst), min_J_ratio));
+    result.reason = shared().first_text(
+        worst < 0 ? ""
+                  : fmt::format("{} would be squeezed below {} of its volume{}",
+                                describe_point(worst), min_J_ratio,
+                                parts_.points.is_wet(worst) ? ", or its pores be closed" : ""));
     return result;
   }
   first_evaluation_ = false;

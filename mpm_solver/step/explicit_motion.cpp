@@ -98,7 +98,9 @@ void ExplicitMotion<dim>::begin_path(int count) {
   const bool elastic = std::ranges::all_of(
       parts_.stress.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
   if (elastic) return;
-  tau_ = points.tau;
+  std::vector<Symmetric<dim>> room;
+  const auto tau = skeleton_stresses<dim>(parts_.stress.bodies, points, room);
+  tau_.assign(tau.begin(), tau.end());
   if (count > 1) path_ = points.history;
   internal_.forget();
 }
@@ -110,7 +112,7 @@ void ExplicitMotion<dim>::advance_path() {
   const StressParts<dim>& parts = parts_.stress;
   result_.plastic_work += plastic_work<dim>(parts.weights, parts.trial, parts.points, tau_);
   for (std::int32_t e = 0; e < parts.points.size(); ++e) {
-    tau_[parts.weights.point[e]] = parts.trial.tau[e];
+    tau_[parts.weights.point[e]] = parts.trial.effective_tau(e);
   }
 }
 
@@ -122,9 +124,11 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share
   const bool admissible = internal_.evaluate(result_.du, nullptr, worst);
   if (!shared.all(admissible)) {
     const std::string own =
-        worst < 0 ? ""
-                  : fmt::format("material point {} would be squeezed below {} of its volume",
-                                parts_.stress.points.id[worst], min_J_ratio);
+        worst < 0
+            ? ""
+            : fmt::format("material point {} would be squeezed below {} of its volume{}",
+                          parts_.stress.points.id[worst], min_J_ratio,
+                          parts_.stress.points.is_wet(worst) ? ", or its pores be closed" : "");
     throw ConvergenceError("explicit step: " + shared.first_text(own), "inadmissible");
   }
   Forces forces{.body = parts_.body_force(share), .internal = internal_.forces(), .A = {}};

@@ -29,7 +29,7 @@ struct SoilModel {
   double wave_speed = 0;                 ///< the largest [m/s]
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
   std::vector<char> elastic;             ///< of each body: it has an elastic law
-  std::vector<double> moduli;            ///< of P waves, of each body [Pa]
+  std::vector<double> moduli;            ///< of P waves of the skeleton, of each body [Pa]
   bool stressed = false;                 ///< a body has initial stress
   std::vector<std::string> wall_groups;  ///< of all phases, each once
   /// Facet groups through which soil may leave: all with `outside` `remove`, else those of

@@ -33,6 +33,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
         points);
   }
   for_each_field<dim>([&](const char*, auto field) { (points.*field).shrink_to_fit(); });
+  add_water<dim>(settings.bodies, points);
   if (settings.tpic) add_gradients(points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
@@ -160,7 +161,7 @@ void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
       [&]<class Value>(const char* name, std::vector<Value> MaterialPoints<dim>::*field) {
         const std::size_t size = (points.*field).size();
         const bool optional = name == std::string("half_length") || name == std::string("grad_v") ||
-                              name == std::string("grad_a");
+                              name == std::string("grad_a") || name == std::string("water");
         require(size == count || (optional && size == 0),
                 "saved state: points.{}: found {} values for {} points", name, size, count);
       });

@@ -291,9 +291,9 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());
   }
-  const double dissipated = implicit
-                                ? plastic_work<dim>(soil_.weights(), trial_, points, points.tau)
-                                : explicit_.plastic_work();
+  const double dissipated =
+      implicit ? plastic_work<dim>(soil_.weights(), trial_, points, model_.settings.bodies)
+               : explicit_.plastic_work();
   balance.quadrature_loss = unstored_work(soil_.weights(), trial_, points);
   accept_stresses(soil_.weights(), trial_, points);
   const std::vector<std::int32_t> cell_n = points.cell;

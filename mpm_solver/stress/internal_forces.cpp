@@ -88,7 +88,7 @@ bool InternalForces<dim>::group_stress(const Law& law, std::int32_t g, const Mat
   GroupStress& known = known_[g];
   known = {.is_known = false, .has_A = with_K, .H = H};
   PointStresses<dim>& stresses = work_->stresses;
-  stresses.start(group.first, group.last);
+  stresses.start(group.body, group.first, group.last);
   for (std::int32_t e = group.first; e < group.last; ++e) stresses.set_gradient(e, H);
   if (!stresses.evaluate(parts_, law, with_K, request.worst)) return false;
   for (std::int32_t e = group.first; e < group.last; ++e) {
