@@ -157,8 +157,13 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
     body.material = read_material<dim>(item.object("material"));
     settings.initial_stress.emplace_back();
+    if (auto water = item.optional_object("water")) {
+      body.water =
+          read_pore_water(std::move(*water), body.material.density, skeleton_modulus(body));
+    }
     if (auto stress = item.optional_object("initial_stress")) {
-      settings.initial_stress.back() = read_initial_stress<dim>(*stress, body.material);
+      settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
+      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(), body);
     }
     item.finish();
     settings.bodies.push_back(std::move(body));
@@ -222,6 +227,12 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   LockingCure cure = default_locking_cure(settings.bodies);
   const bool given = in.has("method");
   const bool fbar = in.choice_or("method", cure.average_volumes ? "fbar" : "none") == "fbar";
+  const auto wet = std::find_if(settings.bodies.begin(), settings.bodies.end(),
+                                [](const Body<dim>& body) { return body.water.has_value(); });
+  if (!fbar && wet != settings.bodies.end()) {
+    in.fail("method",
+            fmt::format("found \"none\" with the pore water of \"{}\", allowed: fbar", wet->name));
+  }
   in.finish();
   return given ? LockingCure{fbar, "as mpm.json says"} : cure;
 }
@@ -312,6 +323,9 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   check_grid_mesh(in, settings.grid, settings.phases);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
+  for (auto& body : settings.bodies) {
+    if (body.water) body.water->specific_weight = body.water->density * settings.gravity.norm();
+  }
   in.vector("origin", dim);
   read_motion(in, settings);
   settings.quadrature = read_quadrature(in, settings);
@@ -322,10 +336,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
     settings.step_control = read_step_control(*item, any_implicit(settings.phases));
   }
   double modulus = 0;
-  for (const auto& body : settings.bodies) {
-    modulus = std::max(modulus, std::visit([](const auto& law) { return law.p_wave_modulus(); },
-                                           body.material.law));
-  }
+  for (const auto& body : settings.bodies) modulus = std::max(modulus, skeleton_modulus(body));
   require_no_snap_back(settings);
   const double penalty_unit = modulus / mean_cell_size(settings.grid);
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);

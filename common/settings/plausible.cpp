@@ -66,6 +66,14 @@ const std::vector<PlausibleRange> of_soil = {
     {"material/yield_stress", 0.1, 1e5, "Pa", "next to none", "more than any mud has", pressures},
     {"material/consistency", 1e-4, 1e6, "Pa s^n", "thinner than water", "thicker than any mud",
      viscosities},
+    {"water/porosity", 0.2, 0.7, "", "less than most soil has", "more than most soil has", {}},
+    {"water/bulk_modulus", 1e6, 5e9, "Pa", "softer than water with much air", "stiffer than water",
+     pressures},
+    {"water/density", 900, 1300, "kg/m^3", "lighter than water", "heavier than brine", densities},
+    {"water/grain_density", 2200, 3300, "kg/m^3", "lighter than most grains",
+     "heavier than most grains", densities},
+    {"water/cavitation_pressure", 100, 1e6, "Pa", "next to none", "more than pore water bears",
+     pressures},
 };
 
 const PlausibleRange structure_density = {"material/density",

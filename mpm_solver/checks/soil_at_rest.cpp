@@ -42,8 +42,7 @@ WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t b) {
   const double g = settings.gravity.norm();
   WeightedColumn column;
   column.density = material.density;
-  column.p_wave_modulus =
-      std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+  column.p_wave_modulus = undrained_modulus(settings.bodies[b]);
   column.gravity = g;
   if (g > 0) column.height = mean_depth<dim>(settings.layouts[b].mesh, settings.gravity / g);
   return column;
@@ -71,8 +70,30 @@ std::string free_of_stress_text(const MpmSettings<dim>& settings) {
       fmt::join(names, ", "), period);
 }
 
+namespace {
+
+// Weight that comes onto pore water leaves the skeleton without stress, and so without friction.
+template <int dim>
+void warn_of_weight_on_water(const MpmSettings<dim>& settings) {
+  if (settings.gravity.isZero(0)) return;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const Body<dim>& body = settings.bodies[b];
+    if (!body.water || settings.initial_stress[b]) continue;
+    const double Q = body.water->modulus(), M = skeleton_modulus(body);
+    log::warn(
+        "{}/{}: found \"water\" without \"initial_stress\": the weight comes onto undrained soil, "
+        "of whose confined load the water bears {:.3g} %, and leaves the skeleton next to no "
+        "effective stress, so no friction. Soil at rest before: \"initial_stress\" with "
+        "\"water_table\"",
+        settings.bodies_where, b, 100 * Q / (Q + M));
+  }
+}
+
+}  // namespace
+
 template <int dim>
 void log_soil_at_rest(const MpmSettings<dim>& settings) {
+  warn_of_weight_on_water(settings);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     log_own_weight(fmt::format("{}/{}/material", settings.bodies_where, b), column_of(settings, b));
   }

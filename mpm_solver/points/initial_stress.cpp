@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/materials/spectral.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 
 namespace gabion::mpm {
@@ -69,19 +72,38 @@ std::string borne(const MaterialLaw<dim>& law, double s) {
 /// State of one point at depth d.
 template <int dim>
 struct Geostatic {
-  double s = 0;  // -tau_v [Pa]
+  double s = 0;  // -tau_v of the skeleton [Pa]
   double J = 1;
+  double p = 0;        // of the pore water [Pa]
+  double density = 0;  // over V0 [kg/m^3]
+  double water = 0;    // content of the pores, 0: dry
   MaterialState<dim> state;
-  Symmetric<dim> tau = Symmetric<dim>::Zero();
+  Symmetric<dim> tau = Symmetric<dim>::Zero();  // of the skeleton [Pa]
+
+  Symmetric<dim> total_tau() const {
+    Symmetric<dim> total = tau;
+    total.template head<3>().array() -= J * p;
+    return total;
+  }
 };
 
+// What the skeleton carries at depth d [Pa].
 template <int dim>
-Geostatic<dim> geostatic(const MaterialLaw<dim>& law, double k0, double weight, double d) {
+double load_on_skeleton(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
+  const double density = at_rest.body.material.density, g = -at_rest.gravity[dim - 1];
+  if (!at_rest.body.water) return density * g * d;
+  const PoreWater& water = *at_rest.body.water;
+  const double above = std::clamp(stress.surface - *stress.water_table, 0.0, std::max(0.0, d));
+  return g * (water.density_above(density, stress.saturation_above) * above +
+              (density - water.density) * (d - above));
+}
+
+template <int dim>
+Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, double k0, double load) {
   const double lambda = first_lame_constant(law), mu = shear_modulus(law);
   const double C = (3 * lambda + 2 * mu) / (1 + 2 * k0);
   const bool small_strain = std::holds_alternative<LinearElastic<dim>>(law);
   Geostatic<dim> result;
-  const double load = weight * d;
   result.s = small_strain ? load : 2 * load / (1 + std::sqrt(1 + 2 * load / C));
   const double volumetric = -result.s / C;
   for (int i = 0; i < 3; ++i) {
@@ -92,6 +114,25 @@ Geostatic<dim> geostatic(const MaterialLaw<dim>& law, double k0, double weight, 
   }
   if (!small_strain) result.J = std::exp(volumetric);
   return result;
+}
+
+template <int dim>
+Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
+  const Body<dim>& body = at_rest.body;
+  auto soil =
+      skeleton_at_rest<dim>(body.material.law, stress.k0, load_on_skeleton(stress, at_rest, d));
+  soil.density = body.material.density;
+  if (!body.water) return soil;
+  const PoreWater& water = *body.water;
+  const double depth_in_water = *stress.water_table - (stress.surface - d);
+  if (depth_in_water <= 0) {
+    soil.density = water.density_above(body.material.density, stress.saturation_above);
+    return soil;
+  }
+  soil.p = -water.density * at_rest.gravity[dim - 1] * depth_in_water;
+  soil.density = water.dry_density(body.material.density) + water.pores(soil.J) * water.density;
+  soil.water = water.content_at(soil.p, soil.J);
+  return soil;
 }
 
 }  // namespace
@@ -115,6 +156,17 @@ KeyTable initial_stress_keys() {
                    "(1 - nu).")
            .in(at_least(1))
            .or_else(1),
+       key::number("water_table", "m",
+                   "Height of the water table, level; at most `surface`. Below it the soil is "
+                   "saturated, with hydrostatic pressure and K0 of the effective stress; above it "
+                   "it is dry.")
+           .or_none()
+           .only("where the body has `water`, and then required"),
+       key::number("saturation_above", "",
+                   "Share of the pores above the water table whose water weighs, without pressure.")
+           .in({.low = 0, .high = 1, .high_open = true, .allowed = "a number in [0, 1)"})
+           .or_else(0)
+           .only("where the body has `water`"),
        key::number("max_displacement", "",
                    "Largest initial displacement that is accepted, the one that would balance the "
                    "initial stress, over the mean cell size.")
@@ -122,8 +174,29 @@ KeyTable initial_stress_keys() {
            .or_else(InitialStress{}.max_displacement)}};
 }
 
+namespace {
+
+// What only a body with pore water has.
+void read_water_table(ConfigReader& in, bool has_water, InitialStress& stress) {
+  for (const char* key : {"water_table", "saturation_above"}) {
+    if (!has_water && in.has(key)) {
+      in.fail(key, "found without pore water, allowed: only where the body has \"water\"");
+    }
+  }
+  if (!has_water) return;
+  stress.water_table = in.optional_number("water_table");
+  if (!stress.water_table) {
+    in.fail("water_table",
+            "found none, but the body has \"water\", allowed: the height of its water table");
+  }
+  stress.saturation_above = in.number("saturation_above");
+}
+
+}  // namespace
+
 template <int dim>
-InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material) {
+InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
+  const Material<dim>& material = body.material;
   if (std::holds_alternative<NeoHookean<dim>>(material.law)) {
     in.fail("k0", fmt::format("found with the law {}, allowed: linear_elastic or a law with "
                               "Hencky's elasticity",
@@ -139,8 +212,31 @@ InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material
   stress.k0 = ocr * stress.k0 - (ocr - 1) * elastic;
   stress.surface = in.number("surface");
   stress.max_displacement = in.number("max_displacement");
+  read_water_table(in, body.water.has_value(), stress);
   in.finish();
   return stress;
+}
+
+// A body whose own surface lies under water would need a pool that presses on it. The surface of a
+// layer under layers of other densities is not its own.
+template <int dim>
+void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
+                      Body<dim>& body) {
+  if (!stress.water_table) return;
+  const double table = *stress.water_table;
+  const auto box = box_around(mesh);
+  const double top = box.max()[dim - 1], bottom = box.min()[dim - 1];
+  if (table > stress.surface && stress.surface <= top + 1e-9 * (top - bottom)) {
+    in.fail("water_table",
+            fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
+                        "\"surface\"",
+                        table, stress.surface));
+  }
+  if (table <= bottom) {
+    log::warn("{}: found {:g}, below all of the body, which begins at {:g}: it is dry",
+              in.where("water_table"), table, bottom);
+  }
+  body.water->table = table;
 }
 
 template <int dim>
@@ -152,12 +248,11 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
       gravity[dim - 1] < 0 && gravity.template head<dim - 1>().isZero(0),
       "{}: found gravity ({:.4g}), allowed: gravity against the last axis, present from the start",
       stress.where, fmt::join(gravity.data(), gravity.data() + dim, ", "));
-  const double weight = -body.material.density * gravity[dim - 1];
   std::string problem;
   for (std::int32_t p = points.body_starts[at_rest.number];
        p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
-    const auto soil = geostatic<dim>(body.material.law, stress.k0, weight, d);
+    const auto soil = geostatic<dim>(stress, at_rest, d);
     StressUpdate<dim> now;
     const bool borne_by_law =
         d >= 0 && update<dim>(body.material.law, Matrix<dim>::Zero(), soil.state, now, nullptr) &&
@@ -174,12 +269,16 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
       break;
     }
     points.V0[p] /= soil.J;
-    points.m[p] /= soil.J;
+    points.m[p] =
+        soil.density == body.material.density ? points.m[p] / soil.J : soil.density * points.V0[p];
     points.J[p] = soil.J;
     points.history[p] = soil.state;
-    points.tau[p] = soil.tau;
+    points.tau[p] = soil.total_tau();
     points.energy[p] = now.energy;
     points.a[p].setZero();
+    if (!body.water) continue;
+    points.water[p] = soil.water;
+    if (soil.water > 0) points.energy[p] += body.water->at(soil.water, soil.J).energy;
   }
   require<ConfigError>(max_over_ranks(comm, problem.empty() ? 0 : 1) == 0, "{}",
                        problem.empty() ? stress.where + ": refused on another rank" : problem);
@@ -190,14 +289,16 @@ Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>
                               double height) {
   const double d = stress.surface - height;
   if (d <= 0) return Vector<dim>::Zero();
-  const Material<dim>& material = at_rest.body.material;
-  const double weight = -material.density * at_rest.gravity[dim - 1];
-  const auto soil = geostatic<dim>(material.law, stress.k0, weight, d);
-  return soil.tau.template head<dim>() / soil.J;
+  const auto soil = geostatic<dim>(stress, at_rest, d);
+  return soil.total_tau().template head<dim>() / soil.J;
 }
 
-template InitialStress read_initial_stress<2>(ConfigReader, const Material<2>&);
-template InitialStress read_initial_stress<3>(ConfigReader, const Material<3>&);
+template InitialStress read_initial_stress<2>(ConfigReader, const Body<2>&);
+template InitialStress read_initial_stress<3>(ConfigReader, const Body<3>&);
+template void take_water_table<2>(const ConfigReader&, const Mesh<2>&, const InitialStress&,
+                                  Body<2>&);
+template void take_water_table<3>(const ConfigReader&, const Mesh<3>&, const InitialStress&,
+                                  Body<3>&);
 template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
                                     MaterialPoints<2>&);
 template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,

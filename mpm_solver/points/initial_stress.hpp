@@ -13,9 +13,12 @@ namespace gabion::mpm {
 
 /// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
 struct InitialStress {
-  double k0 = 0;                     ///< >= 0
-  double surface = 0;                ///< [m] height of the surface, without pressure on it
-  double max_displacement = 1e-3;    ///< by the cell size: what the check of balance may find
+  double k0 = 0;                   ///< >= 0
+  double surface = 0;              ///< [m] height of the surface, without pressure on it
+  double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
+  /// Of a body with pore water: height of the water table [m].
+  std::optional<double> water_table = std::nullopt;
+  double saturation_above = 0;       ///< share of the pores that is filled above the water table
   std::string where, where_surface;  ///< file and pointer of k0 and of surface, for messages
 };
 
@@ -25,11 +28,20 @@ struct InitialStress {
 ///
 /// With an over-consolidation ratio, unloading is elastic:
 /// K0 = OCR K0_nc - (OCR - 1) nu / (1 - nu).
+///
+/// Of a body with pore water also "water_table", required, and "saturation_above".
 /// @throws ConfigError  also for a law without Hencky's or linear elasticity, or without phi
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>
-InitialStress read_initial_stress(ConfigReader in, const Material<dim>& material);
+InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body);
 KeyTable initial_stress_keys();
+
+/// Let a body with pore water know its water table; nothing for others.
+/// @param in  of the initial stress
+/// @throws ConfigError  the table lies above the surface of the body, as that of a pool
+template <int dim>
+void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
+                      Body<dim>& body);
 
 /// A body under gravity.
 template <int dim>
@@ -48,6 +60,15 @@ struct BodyAtRest {
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
 /// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
 ///
+/// With pore water, below the table at the depth d_w, this is the stress of the skeleton, and
+///
+///     s + s^2 / (2 C) = g [rho_above min(d, d_w) + (rho - rho_w) <d - d_w>] ,  p = rho_w g <d -
+///     d_w> , m = V0 [rho_dry + (J - 1 + n0) rho_w] ,  rho_dry = rho - n0 rho_w , tau = tau' - J p
+///     1
+///
+/// is exact for water of constant density: sigma' grows by (rho - rho_w) g / J. Above the table
+/// points are dry but for their weight, rho_above = rho_dry + n0 saturation_above rho_w.
+///
 /// @throws ConfigError  point above the surface, other direction of gravity, or stress that the law
 ///                      does not bear; names the point and what it would bear
 /// @note Collective on comm.
@@ -55,7 +76,8 @@ template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points);
 
-/// Cauchy stresses along the axes that the same law gives at a height; none above the surface [Pa].
+/// Cauchy stresses along the axes that the same law gives at a height, those of the pore water
+/// included; none above the surface [Pa].
 template <int dim>
 Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                               double height);

@@ -183,6 +183,17 @@ std::int64_t lay_points(const PointLayout<dim>& layout, double density, const Po
 }
 
 template <int dim>
+void add_water(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& points) {
+  const auto is_wet = [](const Body<dim>& body) { return body.water.has_value(); };
+  if (std::none_of(bodies.begin(), bodies.end(), is_wet)) return;
+  for (const auto& body : bodies) {
+    const std::size_t b = &body - bodies.data();
+    const auto count = static_cast<std::size_t>(points.body_starts[b + 1]);
+    points.water.resize(count, body.water ? body.water->content_at(0, 1) : 0);
+  }
+}
+
+template <int dim>
 void add_gradients(MaterialPoints<dim>& points) {
   points.grad_v.assign(points.x.size(), Matrix<dim>::Zero());
   points.grad_a.assign(points.x.size(), Matrix<dim>::Zero());
@@ -270,6 +281,8 @@ template std::int32_t find_point<2>(const MaterialPoints<2>&, std::int64_t);
 template std::int32_t find_point<3>(const MaterialPoints<3>&, std::int64_t);
 template void remove_points<2>(std::span<const std::int32_t>, MaterialPoints<2>&);
 template void remove_points<3>(std::span<const std::int32_t>, MaterialPoints<3>&);
+template void add_water<2>(const std::vector<Body<2>>&, MaterialPoints<2>&);
+template void add_water<3>(const std::vector<Body<3>>&, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
 template void add_internal<2>(MaterialPoints<2>&);

@@ -11,6 +11,7 @@
 #include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/tensor.hpp"
+#include "mpm_solver/points/pore_water.hpp"
 
 namespace gabion::mpm {
 
@@ -19,7 +20,20 @@ template <int dim>
 struct Body {
   std::string name;
   Material<dim> material;
+  std::optional<PoreWater> water = std::nullopt;  ///< none: dry
 };
+
+/// Modulus of P waves of a body without its water [Pa].
+template <int dim>
+double skeleton_modulus(const Body<dim>& body) {
+  return std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
+}
+/// The same with it: that of undrained soil.
+template <int dim>
+double undrained_modulus(const Body<dim>& body) {
+  const double M = skeleton_modulus(body);
+  return body.water ? M + body.water->modulus() : M;
+}
 
 /// State of the material points of one rank at an accepted time, one entry per point in each array.
 /// Ordered by id; points of one body are contiguous. A rank has the points of its part of space
@@ -42,12 +56,16 @@ struct MaterialPoints {
   std::vector<InternalState> internal;      ///< the same; empty unless a law remembers it
   std::vector<std::int32_t> cell;           ///< of the background grid that holds x
   std::vector<std::int64_t> id;             ///< number in the whole run, from 0
+  /// Pore water of each point when it is free of pressure, over V0, 0: dry; empty where no body has
+  /// any (PoreWater::at).
+  std::vector<double> water;
   /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
   std::vector<Vector<dim>> half_length;   ///< of the domain along each axis, uncut [m]
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
   std::vector<std::int64_t> body_ids;  ///< first id of each body, and the number of ids; of a run
 
   std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
+  bool is_wet(std::int32_t p) const { return !water.empty() && water[p] > 0; }
   bool has_gradients() const { return !grad_v.empty(); }
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(body_starts.size()) - 1; }
 };
@@ -73,6 +91,7 @@ constexpr void for_each_field(const Visit& visit) {
   visit("history", &Points::history);
   visit("internal", &Points::internal);
   visit("cell", &Points::cell);
+  visit("water", &Points::water);
   visit("half_length", &Points::half_length);
 }
 
@@ -82,6 +101,13 @@ constexpr void for_each_history_field(const Visit& visit) {
   visit("e", &MaterialState<dim>::e);
   visit("plastic_strain", &MaterialState<dim>::plastic_strain);
   visit("gap", &MaterialState<dim>::gap);
+}
+
+/// J p of the pore water of a point; 0 of a dry one [Pa].
+template <int dim>
+double pore_tau(const Body<dim>& body, const MaterialPoints<dim>& points, std::int32_t p) {
+  if (!body.water || !points.is_wet(p)) return 0;
+  return points.J[p] * body.water->at(points.water[p], points.J[p]).p;
 }
 
 /// How a body is filled with points.
@@ -157,6 +183,11 @@ void add_gradients(MaterialPoints<dim>& points);
 /// Give the points the internal variables of laws, all zero.
 template <int dim>
 void add_internal(MaterialPoints<dim>& points);
+
+/// Fill the pores of the points of bodies that have water, without pressure.
+/// @pre all bodies are laid, free of stress
+template <int dim>
+void add_water(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& points);
 
 /// Append the points of one body: each cell of the body mesh gets the points of `point_rule`, with
 /// the volume of the cell shared by the rule's weights.

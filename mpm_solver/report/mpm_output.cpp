@@ -113,16 +113,22 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points,
 }  // namespace
 
 template <int dim>
-std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points,
-                                         const std::vector<Body<dim>>& bodies) {
+std::vector<OutputField> MpmOutput<dim>::fields(const MaterialPoints<dim>& points) const {
+  std::vector<OutputField> all = frame_fields<dim>(points, bodies_);
+  for (OutputField& field : more_(points)) all.push_back(std::move(field));
+  return all;
+}
+
+template <int dim>
+std::int64_t MpmOutput<dim>::frame_bytes(std::int64_t num_points) const {
   return XdmfSeries::frame_bytes(num_points, CellType::point1, num_points,
-                                 frame_fields<dim>(MaterialPoints<dim>(), bodies));
+                                 fields(MaterialPoints<dim>()));
 }
 
 template <int dim>
 MpmOutput<dim>::MpmOutput(MPI_Comm comm, const std::string& folder,
-                          const std::vector<Body<dim>>& bodies)
-    : comm_(comm), bodies_(bodies) {
+                          const std::vector<Body<dim>>& bodies, MoreFields more)
+    : comm_(comm), bodies_(bodies), more_(std::move(more)) {
   if (!folder.empty()) series_.emplace(folder, "soil", comm);
 }
 
@@ -130,15 +136,15 @@ template <int dim>
 void MpmOutput<dim>::write(double time, const MaterialPoints<dim>& points) {
   if (!series_) return;
   const NumberedRows rows(comm_, points.id, points.body_ids.back());
-  std::vector<OutputField> fields = frame_fields(points, bodies_);
-  for (OutputField& field : fields) {
+  std::vector<OutputField> all = fields(points);
+  for (OutputField& field : all) {
     field.make = [own = std::move(field.make), &rows, width = field.components] {
       return rows.gather_rows(own(), width);
     };
   }
   const auto x = flat(points.x);
   const Values x_of_rows = rows.gather_rows(Values(x.begin(), x.end()), dim);
-  series_->write({.time = time, .dim = dim, .coordinates = x_of_rows, .fields = std::move(fields)});
+  series_->write({.time = time, .dim = dim, .coordinates = x_of_rows, .fields = std::move(all)});
 }
 
 template class MpmOutput<2>;

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,17 +20,23 @@ namespace gabion::mpm {
 template <int dim>
 class MpmOutput {
  public:
+  using MoreFields = std::function<std::vector<OutputField>(const MaterialPoints<dim>&)>;
   /// @param folder  empty: nothing is written
   /// @param bodies  have to live as long
-  MpmOutput(MPI_Comm comm, const std::string& folder, const std::vector<Body<dim>>& bodies);
+  /// @param more    fields of the points that are written too
+  MpmOutput(MPI_Comm comm, const std::string& folder, const std::vector<Body<dim>>& bodies,
+            MoreFields more);
   /// @note Collective.
   void write(double time, const MaterialPoints<dim>& points);
   /// Size of a frame before compression.
-  static std::int64_t frame_bytes(std::int64_t num_points, const std::vector<Body<dim>>& bodies);
+  std::int64_t frame_bytes(std::int64_t num_points) const;
 
  private:
+  std::vector<OutputField> fields(const MaterialPoints<dim>& points) const;
+
   MPI_Comm comm_;
   const std::vector<Body<dim>>& bodies_;
+  MoreFields more_;
   std::optional<XdmfSeries> series_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/report/water_output.hpp"
 
 namespace gabion::mpm {
 
@@ -56,7 +57,8 @@ Json explicit_json(const SubstepCounts& counts) {
 template <int dim>
 SoilReport<dim>::SoilReport(const SoilModel<dim>& model, const std::string& output_folder)
     : model_(model),
-      output_(model.comm, output_folder, model.settings.bodies),
+      output_(model.comm, output_folder, model.settings.bodies,
+              [&model](const auto& points) { return water_fields(model.settings.bodies, points); }),
       contact_output_(model, output_folder) {}
 
 template <int dim>
@@ -78,6 +80,7 @@ void SoilReport<dim>::log_start(const SoilState<dim>& state,
                 : fmt::format("damped by exp(-{:g}) while sqrt(stress / density) crosses a cell, "
                               "where soil does not flow",
                               damping));
+  log_water(model_);
   log::info("stresses summed over {}", quadrature_name(model_.settings.quadrature));
   log::info(
       "background grid: {} cells, {} nodes, mean size {:.4g} m; elastic wave speed {:.4g} m/s",
@@ -102,6 +105,7 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
   for (const auto& probe : settings.probes) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("{}.u{}", probe.name, axes[d]));
   }
+  for (const auto& name : water_probe_names(settings)) names.push_back(name);
   for (const auto& group : model_.wall_groups) {
     for (int d = 0; d < dim; ++d) names.push_back(fmt::format("wall.{}.f{}", group, axes[d]));
   }
@@ -136,6 +140,7 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
     if (std::isfinite(state.probe_ends[k / dim])) motion[k] = no_value;
   }
   append(motion);
+  append(water_probe_values(model_, state));
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
   append(state.gauges.values(state.points));
@@ -194,31 +199,32 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
     log::info("explicit: {} substeps in {} solutions", step.explicit_steps().counts().substeps,
               step.explicit_steps().counts().solutions);
   }
-  Json summary = {{"basis", basis_name(model_.grid.basis)},
-                  {"quadrature", quadrature_name(settings.quadrature)},
-                  {"locking", locking},
-                  {"bodies", settings.bodies.size()},
-                  {"points", num_points},
-                  {"grid_cells", model_.grid.num_cells()},
-                  {"grid_nodes", model_.grid.num_nodes_total()},
-                  {"frame_bytes", MpmOutput<dim>::frame_bytes(num_points, settings.bodies) +
-                                      ContactOutput<dim>::frame_bytes(settings)},
-                  {"capped_domains", static_cast<std::int64_t>(sums[0])},
-                  {"phases", settings.phases.size()},
-                  {"initial_displacement", step.initial_displacement()},
-                  {"small_cuts", small_cuts(step)},
-                  {"removed_points", state.removed_points},
-                  {"removed_mass", removed_masses(model_, state)},
-                  {"linear_solver", linear.method_name()},
-                  {"factorisations", linear.factorisations()},
-                  {"linear_fallbacks", linear.fallbacks()},
-                  {"solutions", newton.solutions()},
-                  {"newton_iterations", newton.iterations()},
-                  {"newton", newton.json()},
-                  {"explicit", explicit_json(step.explicit_steps().counts())},
-                  {"linear_iterations", step.implicit_steps().linear_iterations()},
-                  {"memory", memory_.json(model_.comm)},
-                  {"wall_seconds", times.seconds()}};
+  Json summary = {
+      {"basis", basis_name(model_.grid.basis)},
+      {"quadrature", quadrature_name(settings.quadrature)},
+      {"locking", locking},
+      {"bodies", settings.bodies.size()},
+      {"points", num_points},
+      {"grid_cells", model_.grid.num_cells()},
+      {"grid_nodes", model_.grid.num_nodes_total()},
+      {"frame_bytes", output_.frame_bytes(num_points) + ContactOutput<dim>::frame_bytes(settings)},
+      {"capped_domains", static_cast<std::int64_t>(sums[0])},
+      {"phases", settings.phases.size()},
+      {"initial_displacement", step.initial_displacement()},
+      {"small_cuts", small_cuts(step)},
+      {"removed_points", state.removed_points},
+      {"removed_mass", removed_masses(model_, state)},
+      {"linear_solver", linear.method_name()},
+      {"factorisations", linear.factorisations()},
+      {"linear_fallbacks", linear.fallbacks()},
+      {"solutions", newton.solutions()},
+      {"newton_iterations", newton.iterations()},
+      {"newton", newton.json()},
+      {"explicit", explicit_json(step.explicit_steps().counts())},
+      {"linear_iterations", step.implicit_steps().linear_iterations()},
+      {"memory", memory_.json(model_.comm)},
+      {"wall_seconds", times.seconds()}};
+  if (const Json water = water_summary(model_); !water.is_null()) summary["water"] = water;
   append_ends(model_, state, summary);
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;

@@ -99,7 +99,9 @@ void ExplicitMotion<dim>::begin_path(int count) {
   const bool elastic = std::ranges::all_of(
       parts_.stress.bodies, [](const Body<dim>& body) { return is_elastic(body.material.law); });
   if (elastic) return;
-  tau_ = points.tau;
+  std::vector<Symmetric<dim>> room;
+  const auto tau = skeleton_stresses<dim>(parts_.stress.bodies, points, room);
+  tau_.assign(tau.begin(), tau.end());
   if (count > 1) path_ = {.history = points.history, .internal = points.internal};
   internal_.forget();
 }
@@ -111,7 +113,7 @@ void ExplicitMotion<dim>::advance_path() {
   const StressParts<dim>& parts = parts_.stress;
   result_.plastic_work += plastic_work<dim>(parts.weights, parts.trial, parts.points, tau_);
   for (std::int32_t e = 0; e < parts.points.size(); ++e) {
-    tau_[parts.weights.point[e]] = parts.trial.tau[e];
+    tau_[parts.weights.point[e]] = parts.trial.effective_tau(e);
   }
 }
 

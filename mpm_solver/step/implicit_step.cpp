@@ -128,7 +128,8 @@ StepEnd<dim> ImplicitStep<dim>::end() {
   }
   end.balance = step_balance(*equilibrium_, du(), end.motion);
   const MaterialPoints<dim>& points = parts_.state.points;
-  end.plastic_work = plastic_work<dim>(parts_.soil.weights(), parts_.trial, points, points.tau);
+  end.plastic_work =
+      plastic_work<dim>(parts_.soil.weights(), parts_.trial, points, parts_.model.settings.bodies);
   return end;
 }
 

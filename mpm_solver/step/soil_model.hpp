@@ -31,7 +31,7 @@ struct SoilModel {
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
   std::vector<char> elastic;             ///< of each body: it has an elastic law
   bool remembers_internal = false;       ///< a body has a law with internal variables
-  std::vector<double> moduli;            ///< of P waves, of each body [Pa]
+  std::vector<double> moduli;            ///< of P waves of the skeleton, of each body [Pa]
   std::vector<double> weights;           ///< pressure under each body by its own weight [Pa]
   bool stressed = false;                 ///< a body has initial stress
   std::vector<std::string> wall_groups;  ///< of all phases, each once

@@ -33,6 +33,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
         points);
   }
   for_each_field<dim>([&](const char*, auto field) { (points.*field).shrink_to_fit(); });
+  add_water<dim>(settings.bodies, points);
   if (settings.tpic) add_gradients(points);
   if (model.remembers_internal) add_internal(points);
   const Phase& phase = settings.phases.front();
@@ -161,7 +162,8 @@ void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
       [&]<class Value>(const char* name, std::vector<Value> MaterialPoints<dim>::*field) {
         const std::size_t size = (points.*field).size();
         const bool optional = name == std::string("half_length") || name == std::string("grad_v") ||
-                              name == std::string("grad_a") || name == std::string("internal");
+                              name == std::string("grad_a") || name == std::string("water") ||
+                              name == std::string("internal");
         require(size == count || (optional && size == 0),
                 "saved state: points.{}: found {} values for {} points", name, size, count);
       });

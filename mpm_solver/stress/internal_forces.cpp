@@ -35,6 +35,7 @@ std::string refusal_text(Refusal refusal) {
   if (refusal == Refusal::squeezed) {
     return fmt::format("would be squeezed below {} of its volume", min_J_ratio);
   }
+  if (refusal == Refusal::pores_closed) return "would be squeezed until its pores are closed";
   return "strains more in this step than its law finds a stress for";
 }
 
@@ -97,7 +98,7 @@ bool InternalForces<dim>::group_stress(const Law& law, std::int32_t g, const Mat
   GroupStress& known = known_[g];
   known = {.is_known = false, .has_A = with_K, .H = H};
   PointStresses<dim>& stresses = work_->stresses;
-  stresses.start(group.first, group.last);
+  stresses.start(group.body, group.first, group.last);
   for (std::int32_t e = group.first; e < group.last; ++e) stresses.set_gradient(e, H);
   if (!stresses.evaluate(parts_, law, with_K, request.worst)) return false;
   for (std::int32_t e = group.first; e < group.last; ++e) {

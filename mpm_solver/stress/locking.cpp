@@ -25,6 +25,7 @@ std::string cause_of_locking(const Law& law) {
 template <int dim>
 LockingCure default_locking_cure(const std::vector<Body<dim>>& bodies) {
   for (const auto& body : bodies) {
+    if (body.water) return {true, fmt::format("body \"{}\" has pore water", body.name)};
     const std::string cause =
         std::visit([](const auto& law) { return cause_of_locking(law); }, body.material.law);
     if (!cause.empty()) return {true, fmt::format("body \"{}\" {}", body.name, cause)};

@@ -11,6 +11,7 @@
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/stress/point_gradient.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
+#include "mpm_solver/stress/undrained.hpp"
 
 namespace gabion::mpm {
 
@@ -41,13 +42,16 @@ class PointStresses {
  public:
   using Batch = PointBatch<dim>;
 
-  void start(std::int32_t first, std::int32_t last) {
+  /// @param body  that all of them belong to
+  void start(std::int32_t body, std::int32_t first, std::int32_t last) {
+    body_ = body;
     first_ = first;
     count_ = last - first;
     batches_.resize((count_ + Batch::size - 1) / Batch::size);
   }
   void start(const PointWeights<dim>& weights, const GroupRange& range) {
-    start(weights.groups[range.first].first, weights.groups[range.last - 1].last);
+    const CellGroup& group = weights.groups[range.first];
+    start(group.body, group.first, weights.groups[range.last - 1].last);
   }
   std::int32_t first() const { return first_; }
   /// Number of points of a batch.
@@ -114,9 +118,8 @@ class PointStresses {
 
   /// Set P, A if wanted, and the trial state.
   /// @param worst  set to the point that makes the state inadmissible
-  /// @returns false when a law gives no stress, or only to a point squeezed below min_J_ratio of
-  /// its
-  ///          volume
+  /// @returns false when a law gives no stress, a point would be squeezed below min_J_ratio of its
+  ///          volume, or its pores be closed
   template <class Law>
   bool evaluate(const StressParts<dim>& parts, const Law& law, bool with_A, RefusedPoint& worst) {
     fill_up();
@@ -137,7 +140,8 @@ class PointStresses {
       }
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
-    return true;
+    const std::optional<PoreWater>& water = parts.bodies[body_].water;
+    return !water || add_water(parts, *water, with_A, worst);
   }
 
  private:
@@ -183,6 +187,33 @@ class PointStresses {
       if (!parts.trial.internal.empty())
         parts.path->internal[p] = parts.trial.internal[entry(b, l)];
     }
+  }
+  // What the pore water bears, in all batches.
+  bool add_water(const StressParts<dim>& parts, const PoreWater& water, bool with_A,
+                 RefusedPoint& worst) {
+    TrialPoints<dim>& trial = parts.trial;
+    trial.pore_tau.resize(trial.tau.size(), 0.0);
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      PoreStress stress;
+      for (int l = 0; l < Batch::size; ++l) {
+        const std::int32_t e = entry(b, l), p = parts.weights.point[e];
+        if (!parts.points.is_wet(p)) continue;
+        const double J = parts.points.J[p] * trial.J_ratio[e];
+        if (!water.admits(J)) {
+          worst = {p, Refusal::pores_closed};
+          return false;
+        }
+        const PorePressure pore = water.at(parts.points.water[p], J);
+        stress.Jp[l] = J * pore.p;
+        stress.Jq[l] = J * pore.stiffness;
+        if (l >= points_of(b)) continue;
+        trial.tau[e].template head<3>().array() -= J * pore.p;
+        trial.energy[e] += pore.energy;
+        trial.pore_tau[e] = J * pore.p;
+      }
+      add_pore_stress<dim>(stress, with_A, batches_[b]);
+    }
+    return true;
   }
   static BatchResults<dim> place(const StressParts<dim>& parts, std::int32_t entry) {
     TrialPoints<dim>& trial = parts.trial;
@@ -246,7 +277,7 @@ class PointStresses {
     return n;
   }
 
-  std::int32_t first_ = 0;
+  std::int32_t body_ = 0, first_ = 0;
   int count_ = 0;
   std::vector<Batch> batches_;
   Spare spare_;

@@ -51,7 +51,12 @@ void add_volumetric_strain(const Law&, double strain, MaterialState<dim>& state)
   }
 }
 
-/// Volumes of the groups, by body and first cell of the patch.
+/// A volume and by how much another exceeds it [m^3].
+struct VolumePair {
+  double V, excess;
+};
+
+/// Sums of volumes over the points of each group, by body and first cell of the patch.
 template <int dim>
 class GroupVolumes {
  public:
@@ -62,15 +67,13 @@ class GroupVolumes {
         num_parts_(owners.grid.splits_border ? SoilBorder<dim>::num_parts : 1),
         sums_(static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), {}) {}
 
-  void add(std::int32_t body, std::int32_t p, double theta) {
-    const double V = points_.V0[p] * points_.J[p];
-    const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
+  void add(std::int32_t body, std::int32_t p, const VolumePair& of_point) {
     if (const std::int64_t group = group_of(body, p); group != last_) {
       last_ = group;
       last_sums_ = &sums_.at(group);
     }
-    (*last_sums_)[0] += V * (1 + smaller);
-    (*last_sums_)[1] -= V * smaller;
+    (*last_sums_)[0] += of_point.V;
+    (*last_sums_)[1] += of_point.excess;
   }
   /// Groups with points of this rank in cells of others: the owner adds up and answers.
   void sum() {
@@ -91,7 +94,7 @@ class GroupVolumes {
       add_sums(packet);
     }
   }
-  /// ln (sum V / sum V exp(-theta)) of the point's group.
+  /// ln (1 + sum excess / sum V) of the point's group.
   double strain(std::int32_t body, std::int32_t p) {
     if (const std::int64_t group = group_of(body, p); group != last_) {
       last_ = group;
@@ -172,12 +175,38 @@ class GroupVolumes {
   std::int32_t num_cells_;
   int num_parts_;  // of a cell
   using Sums = std::array<double, 2>;
-  SparseList<Sums> sums_;  // of each group: V free of stress, and how much V exceeds it
+  SparseList<Sums> sums_;  // of each group
   // Of the group that was asked for last: points of one group follow one another.
   std::int64_t last_ = -1;
   Sums* last_sums_ = nullptr;
   double last_strain_ = 0;
 };
+
+// The volume at which a point is free of stress, and how much its own exceeds it.
+template <int dim>
+VolumePair stress_free(const MaterialPoints<dim>& points, std::int32_t p, double theta) {
+  const double V = points.V0[p] * points.J[p];
+  const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
+  return {V * (1 + smaller), -V * smaller};
+}
+
+// The volume of the pores of a point under the pressure of water at rest, and how much that of its
+// pores exceeds it.
+template <int dim>
+VolumePair hydrostatic(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p) {
+  const double at_rest = -water.hydrostatic(points.x[p][dim - 1]) / water.bulk_modulus;
+  const double m = points.water[p] * std::exp(at_rest);
+  return {points.V0[p] * m, points.V0[p] * (water.pores(points.J[p]) - m)};
+}
+
+// The strain that brings the pores of a point to exp(strain) of that volume.
+template <int dim>
+double pore_strain(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p,
+                   double strain) {
+  const auto [at_rest, excess] = hydrostatic(water, points, p);
+  const double change = (at_rest * std::expm1(strain) - excess) / points.V0[p];
+  return std::log1p(change / points.J[p]);
+}
 
 // Change the volume of one point by the strain d. Returns the elastic energy it loses.
 template <class Law, int dim>
@@ -197,11 +226,105 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   return lost;
 }
 
+// The same where the law is given with what the pore water bears. The water cavitates.
+template <class Law, int dim>
+double change_volume(const Law& law, const PoreWater& water, double d, std::int32_t p,
+                     MaterialPoints<dim>& points) {
+  const double before = points.energy[p];
+  change_volume(law, d, p, points);
+  require(water.admits(points.J[p]), "mpm_solver: a shared volume closes the pores");
+  const PorePressure pore = water.at(points.water[p], points.J[p]);
+  points.tau[p].template head<3>().array() -= points.J[p] * pore.p;
+  points.energy[p] += pore.energy;
+  return points.V0[p] * (before - points.energy[p]);
+}
+
+// Change the volume of the pores of a point by the strain d; the skeleton gets no other stress, but
+// what has opened without stress opens or closes with them. Returns the energy the water loses.
+template <int dim>
+double change_pores(const PoreWater& water, double d, std::int32_t p, MaterialPoints<dim>& points) {
+  double& J = points.J[p];
+  const PorePressure before = water.at(points.water[p], J);
+  const double Jp = J * before.p;
+  J *= std::exp(d);
+  require(water.admits(J), "mpm_solver: shared water closes the pores");
+  double& gap = points.history[p].gap;
+  if (gap > 0) gap = std::max(0.0, gap + d);
+  const PorePressure after = water.at(points.water[p], J);
+  points.tau[p].template head<3>().array() += Jp - J * after.p;
+  points.energy[p] += after.energy - before.energy;
+  return points.V0[p] * (before.energy - after.energy);
+}
+
+/// Points with pore water: those of a group share its pressure, unless it cavitates.
+template <int dim>
+class SharedWater {
+ public:
+  SharedWater(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
+              MaterialPoints<dim>& points)
+      : owners_(owners), bodies_(bodies), points_(points) {
+    if (!points.water.empty()) drained_.assign(points.size(), 1);
+  }
+
+  /// Whether the volume of a point follows from its skeleton: it is dry, or its water cavitates.
+  bool is_of_skeleton(std::int32_t p) const { return drained_.empty() || drained_[p]; }
+
+  /// Returns the energy that is lost [J]. @note Collective.
+  double share() {
+    if (std::ranges::none_of(bodies_, [](const auto& body) { return body.water.has_value(); })) {
+      return 0;
+    }
+    GroupVolumes<dim> volumes(owners_, points_);
+    for_each_wet([&](const PoreWater& water, std::int32_t b, std::int32_t p) {
+      volumes.add(b, p, hydrostatic(water, points_, p));
+    });
+    volumes.sum();
+    double lost = 0;
+    for_each_wet([&](const PoreWater& water, std::int32_t b, std::int32_t p) {
+      const double strain = volumes.strain(b, p);
+      const double p_group = water.hydrostatic(height_of_group(p)) - water.bulk_modulus * strain;
+      drained_[p] = p_group < -water.cavitation;
+      if (drained_[p]) return;
+      const double d = pore_strain(water, points_, p, strain);
+      if (std::abs(d) > same_strain) lost += change_pores(water, d, p, points_);
+    });
+    return lost;
+  }
+
+ private:
+  template <class Act>
+  void for_each_wet(const Act& act) {
+    for (std::int32_t b = 0; b < points_.num_bodies(); ++b) {
+      if (!bodies_[b].water) continue;
+      for (std::int32_t p = points_.body_starts[b]; p < points_.body_starts[b + 1]; ++p) {
+        if (points_.cell[p] >= 0 && points_.is_wet(p)) act(*bodies_[b].water, b, p);
+      }
+    }
+  }
+  // The same for all points of a group [m].
+  double height_of_group(std::int32_t p) const {
+    Vector<dim> corners[max_cell_nodes];
+    const BackgroundGrid<dim>& grid = owners_.grid;
+    grid.corners(grid.first_of_patch(points_.cell[p]), corners);
+    const int n = grid.nodes_per_cell();
+    double sum = 0;
+    for (int i = 0; i < n; ++i) sum += corners[i][dim - 1];
+    return sum / n;
+  }
+
+  const CellOwners<dim>& owners_;
+  const std::vector<Body<dim>>& bodies_;
+  MaterialPoints<dim>& points_;
+  std::vector<char> drained_;  // of each point; empty: no body has water
+};
+
 }  // namespace
 
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
                      MaterialPoints<dim>& points) {
+  SharedWater<dim> water(owners, bodies, points);
+  double lost = water.share();
   GroupVolumes<dim> volumes(owners, points);
   std::vector<double> theta(points.size(), 0.0);
   const auto for_each_point = [&](const auto& act) {
@@ -209,7 +332,7 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
       std::visit(
           [&](const auto& law) {
             for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-              if (points.cell[p] >= 0) act(law, b, p);
+              if (points.cell[p] >= 0 && water.is_of_skeleton(p)) act(law, b, p);
             }
           },
           bodies[b].material.law);
@@ -217,17 +340,17 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
   };
   for_each_point([&](const auto& law, std::int32_t b, std::int32_t p) {
     theta[p] = volumetric_strain(law, points.history[p]);
-    volumes.add(b, p, theta[p]);
+    volumes.add(b, p, stress_free(points, p, theta[p]));
   });
   volumes.sum();
-  double lost = 0;
   const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid};
   for_each_point([&]<class Law>(const Law& law, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
     if (!(std::abs(d) > same_strain)) return;
     LawInStep<Law, dim> in_step{law, {}};
     if constexpr (RemembersInternal<Law>) in_step.context = at_once.of_point(points, p);
-    lost += change_volume(in_step, d, p, points);
+    lost += points.is_wet(p) ? change_volume(in_step, *bodies[b].water, d, p, points)
+                             : change_volume(in_step, d, p, points);
   });
   sum_over_ranks(owners.comm, std::span<double>(&lost, 1));
   return lost;

@@ -18,6 +18,17 @@ namespace gabion::mpm {
 /// new strain to its surface. Averaged increments (AveragedForces) keep one strain in a group; only
 /// points that enter it, dilate or forget what they opened are changed here.
 ///
+/// Saturated points share the pressure of their water instead, beyond that of water at rest, p_h at
+/// their height:
+///
+///     c_p = content_p exp(-p_h / K_w) ,  m_p = J_p - 1 + n0 ,
+///     m_p <- c_p sum_q V0_q m_q / sum_q V0_q c_q
+///
+/// The group keeps its volume and its water. The skeleton keeps the stress that its points
+/// remember: without drainage effective stress belongs to the grains. A gap changes with ln J_p.
+/// Water at rest under a level table stays as it is. Groups whose water cavitates share strains as
+/// dry points do.
+///
 /// Points may have entered cells of other ranks: these ranks then exchange the sums of such groups.
 ///
 /// @pre   the points are located; those outside the grid (cell -1) are left as they are

@@ -11,10 +11,24 @@ double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& tr
   double work = 0;
   for (std::int32_t e = 0; e < points.size(); ++e) {
     const std::int32_t p = weights.point[e];
-    const Symmetric<dim> mean_tau = (tau[p] + trial.tau[e]) / 2;
+    const Symmetric<dim> mean_tau = (tau[p] + trial.effective_tau(e)) / 2;
     work += weights.volume[e] * contract<dim>(mean_tau, trial.plastic_increment[e]);
   }
   return work;
+}
+
+template <int dim>
+std::span<const Symmetric<dim>> skeleton_stresses(const std::vector<Body<dim>>& bodies,
+                                                  const MaterialPoints<dim>& points,
+                                                  std::vector<Symmetric<dim>>& room) {
+  if (points.water.empty()) return points.tau;
+  room = points.tau;
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+      room[p].template head<3>().array() += pore_tau<dim>(bodies[b], points, p);
+    }
+  }
+  return room;
 }
 
 template <int dim>
@@ -47,6 +61,12 @@ template double plastic_work<2>(const PointWeights<2>&, const TrialPoints<2>&,
                                 const MaterialPoints<2>&, std::span<const Symmetric<2>>);
 template double plastic_work<3>(const PointWeights<3>&, const TrialPoints<3>&,
                                 const MaterialPoints<3>&, std::span<const Symmetric<3>>);
+template std::span<const Symmetric<2>> skeleton_stresses<2>(const std::vector<Body<2>>&,
+                                                            const MaterialPoints<2>&,
+                                                            std::vector<Symmetric<2>>&);
+template std::span<const Symmetric<3>> skeleton_stresses<3>(const std::vector<Body<3>>&,
+                                                            const MaterialPoints<3>&,
+                                                            std::vector<Symmetric<3>>&);
 template double unstored_work<2>(const PointWeights<2>&, const TrialPoints<2>&,
                                  const MaterialPoints<2>&);
 template double unstored_work<3>(const PointWeights<3>&, const TrialPoints<3>&,

@@ -19,6 +19,7 @@ struct TrialPoints {
   std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
   std::vector<YieldRegion> region;
   std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
+  std::vector<double> pore_tau;         ///< J p of the pore water; empty where no body has any [Pa]
   /// Room for the points of a rank.
   void resize(const MaterialPoints<dim>& points) {
     const std::size_t n = points.x.size();
@@ -29,14 +30,36 @@ struct TrialPoints {
     plastic_increment.resize(n);
     region.resize(n);
     internal.resize(points.internal.size());
+    if (!pore_tau.empty()) pore_tau.assign(n, 0.0);
+  }
+  /// Kirchhoff stress of the skeleton [Pa].
+  Symmetric<dim> effective_tau(std::int32_t e) const {
+    Symmetric<dim> stress = tau[e];
+    if (!pore_tau.empty()) stress.template head<3>().array() += pore_tau[e];
+    return stress;
   }
 };
 
 /// Plastic work of this rank's points on their way to the trial state [J].
-/// @param tau  stresses where the way began, one a point [Pa]
+/// @param tau  stresses of the skeleton where the way began, one a point [Pa]
 template <int dim>
 double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                     const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau);
+
+/// Stresses of the skeleton of the points in the accepted state [Pa]: their own, or in `room` where
+/// a body has pore water.
+template <int dim>
+std::span<const Symmetric<dim>> skeleton_stresses(const std::vector<Body<dim>>& bodies,
+                                                  const MaterialPoints<dim>& points,
+                                                  std::vector<Symmetric<dim>>& room);
+
+/// Plastic work from the accepted state.
+template <int dim>
+double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
+                    const MaterialPoints<dim>& points, const std::vector<Body<dim>>& bodies) {
+  std::vector<Symmetric<dim>> room;
+  return plastic_work<dim>(weights, trial, points, skeleton_stresses<dim>(bodies, points, room));
+}
 
 /// What forces over the volumes of PointWeights do on the way from the accepted state to the trial
 /// state that turns into neither heat nor elastic energy of this rank's points [J].

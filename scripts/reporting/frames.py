@@ -12,7 +12,7 @@ from plotting.scene import ScenePlot, label_of, scalar
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
 MAX_GROUND = 12_000  # triangles
-FIELDS = ("displacement", "velocity", "plastic_strain", "pressure")
+FIELDS = ("displacement", "velocity", "excess_pore_pressure", "plastic_strain", "pressure")
 
 
 def text_of(array: np.ndarray) -> str:

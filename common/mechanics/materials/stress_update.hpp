@@ -27,8 +27,9 @@ using InternalState = Eigen::Vector2d;
 
 /// Why a law gives no stress: the step has to be shorter.
 enum class Refusal {
-  squeezed,  ///< det(1 + H) <= 0
-  unsolved   ///< an equation of the law has no solution that was found
+  squeezed,     ///< det(1 + H) <= 0
+  unsolved,     ///< an equation of the law has no solution that was found
+  pores_closed  ///< the pores of saturated soil would be
 };
 
 /// What holds a point at the end of a step.

@@ -27,7 +27,19 @@ constexpr double prandtl = 2 + M_PI;
 struct Form {
   std::string type = "quad4", basis = "linear", locking = "fbar";
   bool by_facets = false;  ///< else tied by boundary points
+  bool saturated = false;  ///< soil with friction and pore water, else Tresca soil
 };
+
+/// Soil with friction and cohesion whose pore water keeps its volume, and with psi = 0 its mean
+/// effective stress of 0: its undrained strength is c again.
+void saturate(const Footing& footing, Json& soil) {
+  constexpr double phi = 20;
+  Json& material = soil["material"];
+  material = elastic_soil("mohr_coulomb", footing.E, 0.3, 1990);
+  material["friction_angle"] = phi;
+  material["cohesion"] = footing.c / std::cos(phi * M_PI / 180);
+  soil["water"] = {{"porosity", 0.4}, {"cavitation_pressure", 1e6}};
+}
 
 /// What pushes the soil.
 Json rough_plate(const Footing& footing, double h, bool by_facets) {
@@ -50,7 +62,7 @@ Json footing_scene(const Footing& footing, const Form& form, int cells) {
   const std::vector<int> count = {static_cast<int>(width * cells), static_cast<int>(depth * cells)};
   Json material = elastic_soil("tresca", footing.E, footing.nu, 1000);
   material["cohesion"] = footing.c;
-  return {
+  Json json = {
       {"dimension", 2},
       {"analysis", "quasi_static"},
       {"grid", box({0, 0}, {width, depth + h}, {count[0], count[1] + 1}, type)},
@@ -62,6 +74,8 @@ Json footing_scene(const Footing& footing, const Form& form, int cells) {
       {"locking", {{"method", form.locking}}},
       {"newton", {{"max_iterations", 60}}},
       {"linear_solver", {{"method", "lu"}}}};
+  if (form.saturated) saturate(footing, json["bodies"][0]);
+  return json;
 }
 
 /// q / c at the end of each step. @param cells  under half of the footing
@@ -116,6 +130,17 @@ TEST(StripFooting, quad4_reaches_prandtls_limit) {
 
 TEST(StripFooting, tri3_reaches_prandtls_limit) {
   check_footing("tri3");
+}
+
+TEST(StripFooting, saturated_soil_reaches_prandtls_limit) {
+  const auto q = push({.saturated = true}, 8);
+  EXPECT_LT(last_growth(q), 0.01);
+  verify({.id = "V11",
+          .what = "limit load q / (c cos phi) of a strip footing, Mohr-Coulomb with pore water, "
+                  "psi = 0, quad4, F-bar, 8 cells under half of it",
+          .exact = prandtl,
+          .computed = q.back(),
+          .bound = 0.065});
 }
 
 /// @param cells  under half of the footing on the finer grid, twice those on the coarser one

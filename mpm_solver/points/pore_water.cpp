@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/points/pore_water.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/log.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Grains of soil weigh about 2650 kg/m^3; outside this range the density was given otherwise.
+constexpr double lightest_grains = 2200, heaviest_grains = 3300;
+// Density that follows from the grains and the one that is given may differ by this share.
+constexpr double same_density = 1e-3;
+
+// Warn where the water is not stiff beside the skeleton.
+void warn_of_soft_water(const ConfigReader& in, const PoreWater& water, double skeleton_modulus) {
+  const double ratio = water.modulus() / skeleton_modulus;
+  if (ratio >= least_water_stiffness) return;
+  log::warn(
+      "{}: found {:g}, over the porosity {:.3g} times the modulus of P waves of the soil: of a "
+      "confined load the water carries only {:.3g} %; from {:.3g} Pa on it is 95 %",
+      in.where("bulk_modulus"), water.bulk_modulus, ratio, 100 * ratio / (1 + ratio),
+      least_water_stiffness * skeleton_modulus * water.porosity);
+}
+
+// Grains that follow from the density of the saturated soil.
+void check_grains(ConfigReader& in, const PoreWater& water, double saturated_density) {
+  const double n = water.porosity;
+  const double grains = water.dry_density(saturated_density) / (1 - n);
+  if (!(grains > water.density)) {
+    in.fail("porosity",
+            fmt::format("found {:g} with the material's density {:g}, so grains of {:.4g} kg/m^3, "
+                        "allowed: grains heavier than the water, {:g}; the density of a material "
+                        "with \"water\" is that of the saturated soil",
+                        n, saturated_density, grains, water.density));
+  }
+  if (const auto given = in.optional_number("grain_density")) {
+    const double expected = (1 - n) * *given + n * water.density;
+    if (std::abs(expected - saturated_density) > same_density * expected) {
+      in.fail("grain_density",
+              fmt::format("found {:g}, with which saturated soil of porosity {:g} has the density "
+                          "{:.6g}, allowed: that of the material, {:g}",
+                          *given, n, expected, saturated_density));
+    }
+  } else if (grains < lightest_grains || grains > heaviest_grains) {
+    log::warn(
+        "{}: found {:g} with the material's density {:g}, so grains of {:.4g} kg/m^3, where most "
+        "soil has 2600 to 2800; the density of a material with \"water\" is that of the saturated "
+        "soil",
+        in.where("porosity"), n, saturated_density, grains);
+  }
+}
+
+}  // namespace
+
+double PoreWater::content_at(double p, double J) const {
+  return pores(J) * std::exp(p / bulk_modulus);
+}
+
+PorePressure PoreWater::at(double content, double J) const {
+  const double m = pores(J);
+  const double opened = (m - content) / content;
+  const double p = -bulk_modulus * std::log1p(opened);
+  const auto energy_of = [&](double x) {
+    return bulk_modulus * content * ((1 + x) * std::log1p(x) - x);
+  };
+  if (p >= -cavitation) return {p, bulk_modulus * J / m, energy_of(opened)};
+  const double at_limit = std::expm1(cavitation / bulk_modulus);
+  return {-cavitation, 0, energy_of(at_limit) + cavitation * content * (opened - at_limit)};
+}
+
+double PoreWater::hydrostatic(double height) const {
+  return table ? specific_weight * std::max(0.0, *table - height) : 0;
+}
+
+KeyTable pore_water_keys() {
+  return {
+      "water",
+      "Pore water that has no time to drain: `density` of the material is then that of the "
+      "saturated soil, its law that of the effective stress. Needs `locking` `fbar`.",
+      {key::number("porosity", "", "Volume of the pores over that of the soil, free of stress.")
+           .in(inside(0, 1)),
+       key::number("bulk_modulus", "Pa",
+                   "Bulk modulus of the water, 2.2e9 without air; less for longer explicit steps, "
+                   "but 20 times `porosity` times the modulus of P waves of the soil or more.")
+           .in(positive())
+           .or_else(2.2e9),
+       key::number("density", "kg/m^3", "Density of the water.").in(positive()).or_else(1000),
+       key::number("cavitation_pressure", "Pa",
+                   "Suction beyond which the water gives way; 0: pores that open fill with air.")
+           .in(non_negative())
+           .or_else(0),
+       key::number("grain_density", "kg/m^3",
+                   "Density of the grains, to check that of the saturated soil, (1 - porosity) "
+                   "grain_density + porosity density.")
+           .in(positive())
+           .or_none()}};
+}
+
+PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus) {
+  PoreWater water;
+  water.porosity = in.number("porosity");
+  water.bulk_modulus = in.number("bulk_modulus");
+  water.density = in.number("density");
+  water.cavitation = in.number("cavitation_pressure");
+  check_grains(in, water, saturated_density);
+  warn_of_soft_water(in, water, skeleton_modulus);
+  in.finish();
+  return water;
+}
+
+}  // namespace gabion::mpm
