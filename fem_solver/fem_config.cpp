@@ -214,6 +214,7 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   for (const auto& item : s.loads) used.insert(item.group);
   for (const auto& item : s.tractions) used.insert(item.group);
   for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
+  for (const auto& item : s.line_materials) used.insert(item.group);
   for (const auto& [name, facets] : s.mesh.facet_groups) {
     if (used.contains(name)) continue;
     log::warn("{}: nothing uses the facet group \"{}\" of {}", in.where("mesh"), name, s.mesh.file);
@@ -296,25 +297,48 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
 namespace {
 
 template <int dim>
-std::vector<CellMaterial<dim>> read_materials(ConfigReader& in) {
+void read_materials(ConfigReader& in, FemSettings<dim>& s) {
   if (in.has("material") == in.has("materials")) {
     in.fail("material", fmt::format("found {}, allowed: either \"material\", of all cells, or "
                                     "\"materials\", each of a group of cells",
                                     in.has("material") ? "both" : "neither"));
   }
-  if (in.has("material")) return {read_cell_material<dim>(in.object("material"), false)};
-  std::vector<CellMaterial<dim>> materials;
+  if (in.has("material")) {
+    s.materials = {read_cell_material<dim>(in.object("material"), false)};
+    return;
+  }
   std::set<std::string> groups;
+  std::size_t count = 0;
   for (auto& item : in.objects("materials")) {
-    materials.push_back(read_cell_material<dim>(item, true));
-    const std::string& group = materials.back().group;
+    const std::string group = item.text("group");
+    if (std::ranges::find(line_laws, item.choice("law")) != line_laws.end()) {
+      s.line_materials.push_back(read_line_material(item));
+    } else {
+      s.materials.push_back(read_cell_material<dim>(item, true));
+    }
     if (!groups.insert(group).second) {
-      in.fail(fmt::format("materials/{}/group", materials.size() - 1),
+      in.fail(fmt::format("materials/{}/group", count),
               fmt::format("found \"{}\" a second time, allowed: each group once", group));
     }
+    ++count;
   }
-  if (materials.empty()) in.fail("materials", "found [], allowed: at least one material");
-  return materials;
+  if (count == 0) in.fail("materials", "found [], allowed: at least one material");
+}
+
+template <int dim>
+RankedMesh<dim> read_mesh_with_lines(const Scene& scene, ConfigReader& in,
+                                     const FemSettings<dim>& s, MPI_Comm comm) {
+  std::set<std::string> lines;
+  for (const LineMaterial& material : s.line_materials) lines.insert(material.group);
+  auto ranked = read_mesh_of_rank<dim>(scene, in, comm, lines);
+  const std::int32_t num_cells = ranked.ranks.num_cells_of_all(ranked.mesh);
+  if (s.materials.empty() && num_cells > 0) {
+    in.fail("materials",
+            fmt::format("found materials of lines only, and a mesh of {} cells of type "
+                        "{}, allowed: a material for each cell",
+                        num_cells, name(ranked.mesh.cell_type)));
+  }
+  return ranked;
 }
 
 }  // namespace
@@ -323,8 +347,8 @@ template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Comm comm) {
   FemSettings<dim> s;
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
-  s.materials = read_materials<dim>(in);
-  auto ranked = read_mesh_of_rank<dim>(scene, in, comm);
+  read_materials<dim>(in, s);
+  auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);
   s.gravity = read_vector<dim>(in, "gravity");

@@ -15,6 +15,7 @@
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
 #include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/time/time_function.hpp"
 
@@ -88,6 +89,7 @@ struct FemSettings : MotionSettings<dim> {
   Mesh<dim> mesh;                             ///< the part of this rank
   MeshRanks ranks;                            ///< how it lies in the whole
   std::vector<CellMaterial<dim>> materials;   ///< of all cells, or each of a group of cells
+  std::vector<LineMaterial> line_materials;   ///< each of a group of lines
   bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
   Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
   std::vector<SupportSettings> supports;

@@ -18,7 +18,7 @@ Key group_key(const std::string& sentence) {
 KeyTable support_keys() {
   return {"support",
           "Nodes that do not move. A component of a group is fixed once.",
-          {group_key("Facet group whose nodes are held."),
+          {group_key("Group of facets or points whose nodes are held."),
            key::texts("components", "Components of the displacement that are zero.")
                .among(all_components)
                .not_empty()
@@ -28,14 +28,14 @@ KeyTable support_keys() {
            key::boolean("report_moment",
                         "Adds the columns moment_GROUP_z, in 3D moment_GROUP_x, ...: of the "
                         "reactions, at their present places, about the centre of the group's "
-                        "facets before loading.")
+                        "facets, or points, before loading.")
                .or_else(SupportSettings{}.report_moment)}};
 }
 
 KeyTable prescribed_keys() {
   return {"prescribed",
           "One component of the displacement of a group as a function of time.",
-          {group_key("Facet group whose nodes are moved."),
+          {group_key("Group of facets or points whose nodes are moved."),
            key::choice("component", all_components, "Component of the displacement."),
            key::number("rate", "m/s", "The displacement is this times t.").or_none(),
            time_table_key(
@@ -48,7 +48,7 @@ KeyTable load_keys() {
       "load",
       "A force on the node at a point, or in equal parts on the nodes of a group.",
       {key::vector("point", "m", "Coordinates of a node in the reference configuration.").or_none(),
-       group_key("Facet group whose nodes share the force.").or_none(),
+       group_key("Group of facets or points whose nodes share the force.").or_none(),
        key::vector("force", "N", "The resultant; in 2D per metre of thickness."),
        time_table_key("", factor_sentence)},
       {"point", "group"}};
@@ -92,8 +92,8 @@ std::vector<Key> model_keys() {
           .without("matrices")
           .without("materials"),
       key::objects("materials", group_material_keys(),
-                   "Each of a group of cells, in place of `material`; each cell is in one of the "
-                   "groups.")
+                   "Each of a group of cells or lines, in place of `material`; each cell is in one "
+                   "of the groups.")
           .or_none()
           .without("matrices"),
       key::object("matrices", matrix_keys(), "The structure as matrices, in place of a mesh.")

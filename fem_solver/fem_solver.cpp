@@ -89,7 +89,7 @@ State FemSolver<dim>::save_state() {
   own.visit_state(writer, nodes);
   if (own.history) {
     const CellIntegrals<dim>& cells = step_.equilibrium().cells();
-    HistoryRows rows{.cells = ranks.own_cells(settings_.mesh.num_cells()),
+    HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
                      .width = static_cast<std::int64_t>(cells.history_width()),
                      .values = cells.history_rows(*own.history)};
     own.visit_history(writer, rows);
@@ -140,11 +140,13 @@ CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
             saved.values.size(), saved.cells.size(), width);
   });
   std::vector<std::int32_t> wanted;
-  for (const std::int64_t c : ranks.own_cells(settings_.mesh.num_cells())) {
+  for (const std::int64_t c : ranks.own_elements(settings_.mesh)) {
     wanted.push_back(static_cast<std::int32_t>(c));
   }
+  const Mesh<dim>& mesh = settings_.mesh;
   const NumberedValues holders(ranks.alone() ? MPI_COMM_SELF : ranks.comm(), saved.cells, wanted,
-                               ranks.num_cells_of_all(settings_.mesh), "saved state: cells");
+                               ranks.num_cells_of_all(mesh) + ranks.num_lines_of_all(mesh),
+                               "saved state: cells");
   const std::vector<double> rows = holders.send(saved.values, static_cast<int>(width));
   return std::make_shared<const std::vector<double>>(cells.history_of_rows(rows));
 }

@@ -6,6 +6,7 @@
 
 #include "common/base/log.hpp"
 #include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/line_material.hpp"
 
 namespace gabion::fem {
 
@@ -139,9 +140,25 @@ KeyTable cell_material_keys() {
 }
 
 KeyTable group_material_keys() {
-  KeyTable table = material_table("material_of_group", "Material of the cells of a group.");
+  KeyTable table =
+      material_table("material_of_group", "Material of the cells or lines of a group.");
+  std::vector<std::string> laws = laws_of_cells;
+  laws.insert(laws.end(), line_laws.begin(), line_laws.end());
+  table.keys.front() =
+      key::choice("law", laws,
+                  "Law of the stress; of lines `truss`, `cable` (slack where "
+                  "shorter than without stress) or `brake` (a cable with a brake).");
+  for (Key& key : table.keys) {
+    if (key.name == "poisson_ratio" || key.name == "formulation") {
+      key = key.when("law", laws_of_cells);
+    }
+  }
+  const auto lines = line_keys();
+  table.keys.insert(table.keys.end(), lines.begin(), lines.end());
   table.keys.insert(table.keys.begin(),
-                    key::text("group", "Group of cells: a physical group of the mesh's file."));
+                    key::text("group",
+                              "Group of cells, or of curves whose lines are cells: a "
+                              "physical group of the mesh's file."));
   return table;
 }
 

@@ -145,6 +145,10 @@ void write_matrices(const FemSettings<dim>& settings, const Json& resolved, MPI_
   require<ConfigError>(settings.prescribed.empty() && conditions.constant_after(0),
                        "--write-matrices: found \"prescribed\" or a \"table\" of a load, allowed: "
                        "supports and constant loads");
+  require<ConfigError>(settings.line_materials.empty(),
+                       "--write-matrices: found line cells (\"law\" \"{}\"), allowed: a structure "
+                       "without, for a cable is not linear",
+                       settings.line_materials.empty() ? "" : settings.line_materials[0].law_name);
   std::filesystem::create_directories(folder);
   Equilibrium<dim> equilibrium(settings, conditions, comm);
   const std::size_t num_dofs = equilibrium.num_dofs();

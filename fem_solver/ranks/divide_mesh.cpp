@@ -27,12 +27,13 @@ MeshPart<dim> part_of_box(const BoxShape<dim>& box, MPI_Comm comm) {
 }
 
 template <int dim>
-std::vector<Vector<dim>> cell_centres(const Mesh<dim>& mesh) {
+std::vector<Vector<dim>> element_centres(const Mesh<dim>& mesh) {
   std::vector<Vector<dim>> centres;
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+  for (std::int32_t e = 0; e < mesh.num_elements(); ++e) {
     Vector<dim> sum = Vector<dim>::Zero();
-    for (const std::int32_t i : mesh.cell(c)) sum += mesh.nodes[i];
-    centres.push_back(sum / mesh.nodes_per_cell());
+    const auto nodes = mesh.element(e);
+    for (const std::int32_t i : nodes) sum += mesh.nodes[i];
+    centres.push_back(sum / static_cast<int>(nodes.size()));
   }
   return centres;
 }
@@ -57,6 +58,22 @@ std::string take_text(Packet& packet) {
   return {text.begin(), text.end()};
 }
 
+void put_groups(Packet& packet, const NumberGroups& groups) {
+  packet.put(std::ssize(groups));
+  for (const auto& [name, members] : groups) {
+    put_text(packet, name);
+    put_list(packet, members);
+  }
+}
+NumberGroups take_groups(Packet& packet) {
+  NumberGroups groups;
+  for (auto left = packet.take<std::ptrdiff_t>(); left > 0; --left) {
+    const std::string name = take_text(packet);
+    groups[name] = take_list<std::int32_t>(packet);
+  }
+  return groups;
+}
+
 template <int dim>
 Packet packed(const MeshPart<dim>& part) {
   Packet packet;
@@ -72,15 +89,15 @@ Packet packed(const MeshPart<dim>& part) {
     put_list(packet, facets);
     put_list(packet, part.numbers.facets.at(name));
   }
-  packet.put(std::ssize(mesh.cell_groups));
-  for (const auto& [name, cells] : mesh.cell_groups) {
-    put_text(packet, name);
-    put_list(packet, cells);
+  put_list(packet, mesh.lines);
+  for (const auto* groups : {&mesh.cell_groups, &mesh.line_groups, &mesh.node_groups}) {
+    put_groups(packet, *groups);
   }
-  put_list(packet, part.numbers.nodes);
-  put_list(packet, part.numbers.cells);
-  packet.put(part.numbers.num_nodes);
-  packet.put(part.numbers.num_cells);
+  const PartNumbers& numbers = part.numbers;
+  for (const auto* list : {&numbers.nodes, &numbers.cells, &numbers.lines}) put_list(packet, *list);
+  for (const auto count : {numbers.num_nodes, numbers.num_cells, numbers.num_lines}) {
+    packet.put(count);
+  }
   return packet;
 }
 
@@ -98,14 +115,17 @@ MeshPart<dim> unpacked(Packet packet) {
     mesh.facet_groups[name] = take_list<std::int32_t>(packet);
     part.numbers.facets[name] = take_list<std::int64_t>(packet);
   }
-  for (auto left = packet.take<std::ptrdiff_t>(); left > 0; --left) {
-    const std::string name = take_text(packet);
-    mesh.cell_groups[name] = take_list<std::int32_t>(packet);
+  mesh.lines = take_list<std::int32_t>(packet);
+  for (auto* groups : {&mesh.cell_groups, &mesh.line_groups, &mesh.node_groups}) {
+    *groups = take_groups(packet);
   }
-  part.numbers.nodes = take_list<std::int32_t>(packet);
-  part.numbers.cells = take_list<std::int32_t>(packet);
-  part.numbers.num_nodes = packet.take<std::int32_t>();
-  part.numbers.num_cells = packet.take<std::int32_t>();
+  PartNumbers& numbers = part.numbers;
+  for (auto* list : {&numbers.nodes, &numbers.cells, &numbers.lines}) {
+    *list = take_list<std::int32_t>(packet);
+  }
+  for (auto* count : {&numbers.num_nodes, &numbers.num_cells, &numbers.num_lines}) {
+    *count = packet.take<std::int32_t>();
+  }
   return part;
 }
 
@@ -113,12 +133,12 @@ MeshPart<dim> unpacked(Packet packet) {
 template <int dim>
 MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
   const int rank = rank_of(comm), size = num_ranks(comm);
-  std::vector<Vector<dim>> centres = cell_centres(whole);
+  std::vector<Vector<dim>> centres = element_centres(whole);
   const auto partition = bisect<dim>(comm, size, centres);
-  std::vector<int> rank_of_cell;
-  for (const Vector<dim>& x : centres) rank_of_cell.push_back(partition.rank_of(x));
+  std::vector<int> rank_of_element;
+  for (const Vector<dim>& x : centres) rank_of_element.push_back(partition.rank_of(x));
   centres = {};
-  MeshParts<dim> parts(whole, std::move(rank_of_cell));
+  MeshParts<dim> parts(whole, std::move(rank_of_element));
   MeshPart<dim> own;
   if (rank == 0) own = parts.take(0);
   for (int other = 1; other < size; ++other) {
@@ -133,12 +153,13 @@ MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
 }  // namespace
 
 template <int dim>
-RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm) {
+RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm,
+                                  const std::set<std::string>& lines) {
   const ConfigReader in = fem.object("mesh");
   const bool one_material = !fem.has("materials");
   RankedMesh<dim> ranked;
   if (num_ranks(comm) == 1) {
-    ranked.mesh = read_mesh<dim>(scene, in);
+    ranked.mesh = read_mesh<dim>(scene, in, lines);
     if (one_material) warn_of_cell_groups(ranked.mesh, fem.where("mesh"));
     if (!ranked.mesh.file.empty()) ranked.connection = connection_of(ranked.mesh);
     return ranked;
@@ -155,18 +176,22 @@ RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Com
     Mesh<dim> whole;
     together<ConfigError>(comm, [&] {
       if (rank_of(comm) != 0) return;
-      whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source));
+      whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source), lines);
       ranked.connection = connection_of(whole);
     });
     if (one_material) warn_of_cell_groups(whole, fem.where("mesh"));
     part = part_of_mesh(whole, comm);
   }
-  ranked.ranks = MeshRanks(comm, std::move(part.numbers), part.mesh.facet_groups);
+  FacetGroups groups = part.mesh.node_groups;
+  for (const auto& [name, facets] : part.mesh.facet_groups) groups[name] = facets;
+  ranked.ranks = MeshRanks(comm, std::move(part.numbers), groups);
   ranked.mesh = std::move(part.mesh);
   return ranked;
 }
 
-template RankedMesh<2> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm);
-template RankedMesh<3> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm);
+template RankedMesh<2> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm,
+                                         const std::set<std::string>&);
+template RankedMesh<3> read_mesh_of_rank(const Scene&, ConfigReader&, MPI_Comm,
+                                         const std::set<std::string>&);
 
 }  // namespace gabion::fem

@@ -3,6 +3,9 @@
 
 #include <mpi.h>
 
+#include <set>
+#include <string>
+
 #include "common/mechanics/mesh/connected_parts.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/settings/config_reader.hpp"
@@ -23,10 +26,12 @@ struct RankedMesh {
 /// This rank's part of a mesh: space is parted by planes so that the ranks have equal numbers of
 /// cells (bisect). Of a box each rank makes its own bricks alone; a file is read by the first rank,
 /// which sends the parts one after the other.
-/// @param fem  reader of fem.json; its "mesh" is read
+/// @param fem    reader of fem.json; its "mesh" is read
+/// @param lines  groups whose lines are cells
 /// @throws ConfigError  as read_mesh(); on all ranks
 /// @note Collective.
 template <int dim>
-RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm);
+RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Comm comm,
+                                  const std::set<std::string>& lines = {});
 
 }  // namespace gabion::fem

@@ -31,10 +31,10 @@ std::int32_t place_in(std::span<const std::int32_t> numbers, std::int32_t number
 
 }  // namespace
 
-MeshRanks::MeshRanks(MPI_Comm comm, PartNumbers numbers, const FacetGroups& facets)
+MeshRanks::MeshRanks(MPI_Comm comm, PartNumbers numbers, const FacetGroups& groups)
     : comm_(comm), numbers_(std::move(numbers)), shared_(comm, numbers_.nodes, numbers_.num_nodes) {
   if (alone()) return;
-  for (const auto& [name, group] : facets) {
+  for (const auto& [name, group] : groups) {
     group_nodes_[name] = nodes_of(group, shared_, numbers_.nodes.size());
   }
 }
@@ -53,6 +53,12 @@ std::vector<std::int64_t> MeshRanks::owned_nodes(std::int32_t num_nodes) const {
     if (shared_.owns(i)) nodes.push_back(node_of_all(i));
   }
   return nodes;
+}
+
+std::vector<std::int64_t> MeshRanks::own_lines(std::int32_t num_lines) const {
+  std::vector<std::int64_t> lines;
+  for (std::int32_t l = 0; l < num_lines; ++l) lines.push_back(line_of_all(l));
+  return lines;
 }
 
 std::vector<std::int64_t> MeshRanks::own_cells(std::int32_t num_cells) const {

@@ -22,9 +22,9 @@ class MeshRanks {
  public:
   /// One rank, which has all.
   MeshRanks() = default;
-  /// @param facets   those of the part, see Mesh::facet_groups; the same names on all ranks
+  /// @param groups   nodes of the part's facet and node groups; the same names on all ranks
   /// @note Collective.
-  MeshRanks(MPI_Comm comm, PartNumbers numbers, const FacetGroups& facets);
+  MeshRanks(MPI_Comm comm, PartNumbers numbers, const FacetGroups& groups);
 
   bool alone() const { return shared_.alone(); }
   MPI_Comm comm() const { return comm_; }
@@ -33,6 +33,7 @@ class MeshRanks {
   /// Number of a node or cell of the part in the whole.
   std::int32_t node_of_all(std::int32_t i) const { return alone() ? i : numbers_.nodes[i]; }
   std::int32_t cell_of_all(std::int32_t c) const { return alone() ? c : numbers_.cells[c]; }
+  std::int32_t line_of_all(std::int32_t l) const { return alone() ? l : numbers_.lines[l]; }
   /// Numbers in the whole of the held nodes, ascending.
   template <int dim>
   std::vector<std::int32_t> held_nodes(const Mesh<dim>& part) const {
@@ -49,6 +50,17 @@ class MeshRanks {
   std::vector<std::int64_t> owned_nodes(std::int32_t num_nodes) const;
   /// Numbers in the whole of the cells of the part, ascending.
   std::vector<std::int64_t> own_cells(std::int32_t num_cells) const;
+  /// The same of its lines.
+  std::vector<std::int64_t> own_lines(std::int32_t num_lines) const;
+  /// Cells of the part, then lines, whose numbers follow those of all cells.
+  template <int dim>
+  std::vector<std::int64_t> own_elements(const Mesh<dim>& part) const {
+    std::vector<std::int64_t> elements = own_cells(part.num_cells());
+    for (const std::int64_t l : own_lines(part.num_lines())) {
+      elements.push_back(num_cells_of_all(part) + l);
+    }
+    return elements;
+  }
   /// Of the nodes that this rank owns, in their order. @param values  of the held ones
   template <class Value>
   std::vector<Value> owned(std::vector<Value> values, int width) const {
@@ -70,8 +82,12 @@ class MeshRanks {
   std::int32_t num_cells_of_all(const Mesh<dim>& part) const {
     return alone() ? part.num_cells() : numbers_.num_cells;
   }
+  template <int dim>
+  std::int32_t num_lines_of_all(const Mesh<dim>& part) const {
+    return alone() ? part.num_lines() : numbers_.num_lines;
+  }
 
-  /// Held nodes of a facet group, ascending, whichever rank has its facets.
+  /// Held nodes of a group of facets or nodes, ascending, whichever rank has its facets.
   /// @throws ConfigError  see Mesh::group_nodes
   template <int dim>
   std::vector<std::int32_t> group_nodes(const Mesh<dim>& part, const std::string& group,

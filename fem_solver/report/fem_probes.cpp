@@ -84,13 +84,28 @@ double facet_area(std::span<const Vector<dim>> corners) {
   }
 }
 
-/// Centre of area of a group's facets, of all ranks, before loading.
+/// Mean place of a group's nodes, of all ranks, before loading.
+template <int dim>
+Vector<dim> centre_of_nodes(const FemSettings<dim>& settings, const SupportSettings& support) {
+  std::vector<double> sums(dim + 1, 0.0);
+  const MeshRanks& ranks = settings.ranks;
+  for (const auto i : ranks.group_nodes(settings.mesh, support.group, support.where)) {
+    if (!ranks.shared().owns(i)) continue;
+    for (int c = 0; c < dim; ++c) sums[c] += settings.mesh.nodes[i][c];
+    sums[dim] += 1;
+  }
+  ranks.shared().total(sums);
+  return Eigen::Map<const Vector<dim>>(sums.data()) / sums[dim];
+}
+
+/// Centre of area of a group's facets, of all ranks, before loading; without facets of its nodes.
 template <int dim>
 Vector<dim> centre_of_facets(const FemSettings<dim>& settings, const SupportSettings& support) {
   const Mesh<dim>& mesh = settings.mesh;
   const std::size_t n = num_nodes(facet_type(mesh.cell_type));
-  const auto& facets = mesh.facets(support.group, support.where);
   std::vector<double> sums(dim + 1, 0.0);
+  if (!mesh.facet_groups.contains(support.group)) return centre_of_nodes(settings, support);
+  const auto& facets = mesh.facets(support.group, support.where);
   for (std::size_t f = 0; f < facets.size(); f += n) {
     std::vector<Vector<dim>> corners;
     Vector<dim> middle = Vector<dim>::Zero();
@@ -149,6 +164,13 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
     yields_ = true;
     if (!material.group.empty()) names_.push_back("plastic_strain_" + material.group);
   }
+  for (const LineMaterial& material : settings.line_materials) {
+    names_.insert(names_.end(), {"axial_max_" + material.group, "axial_min_" + material.group});
+    if (!material.brake) continue;
+    brakes_ = true;
+    names_.push_back("brake_run_" + material.group);
+  }
+  if (brakes_) names_.push_back("brake_work");
 }
 
 template <int dim>
@@ -211,6 +233,29 @@ void FemProbes<dim>::add_plastic(const StructureState& state, const CellIntegral
   values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
+/// Of each group of lines; of all ranks.
+template <int dim>
+void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
+                               std::vector<double>& values) const {
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  const std::span<const double> history =
+      state.history ? std::span<const double>(*state.history) : std::span<const double>();
+  for (std::size_t b = 0; b < cells.line_blocks().size(); ++b) {
+    const LineBlock<dim>& block = cells.line_blocks()[b];
+    const auto own = cells.of_line_block(history, b);
+    double largest = none, minus_least = none, run = none;
+    for (const double force : block.forces(state.motion.u, own)) {
+      largest = std::max(largest, force);
+      minus_least = std::max(minus_least, -force);
+    }
+    for (const double each : own) run = std::max(run, each);
+    values.push_back(ranks_.shared().largest(largest));
+    values.push_back(-ranks_.shared().largest(minus_least));
+    if (block.material().brake) values.push_back(ranks_.shared().largest(run));
+  }
+  if (brakes_) values.push_back(state.brake_work);
+}
+
 template <int dim>
 std::vector<double> FemProbes<dim>::values(const StructureState& state,
                                            const Equilibrium<dim>& equilibrium) const {
@@ -244,6 +289,7 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   result[energies + 1] = state.elastic_energy;
   result[energies + 2] = state.external_work;
   add_plastic(state, equilibrium.cells(), result);
+  add_lines(state, equilibrium.cells(), result);
   return result;
 }
 

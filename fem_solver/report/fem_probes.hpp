@@ -15,7 +15,8 @@ namespace gabion::fem {
 /// elastic_energy, external_work [J], momentum_<c> [kg m/s], then reaction_<group>_<c> [N] of the
 /// supports that ask for it (force of the support on the structure), and moment_<group>_<c> [N m];
 /// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
-/// and of each group.
+/// and of each group; of each group of lines the largest and the least force, axial_max_<group> and
+/// axial_min_<group> [N], and what brakes ran at most, brake_run_<group> [m]; brake_work [J].
 template <int dim>
 class FemProbes {
  public:
@@ -44,6 +45,8 @@ class FemProbes {
                   std::vector<double>& values) const;
   void add_plastic(const StructureState& state, const CellIntegrals<dim>& cells,
                    std::vector<double>& values) const;
+  void add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
+                 std::vector<double>& values) const;
   static Point locate(const FemSettings<dim>& settings, const ProbeSettings<dim>& probe);
 
   const MeshRanks& ranks_;
@@ -52,6 +55,7 @@ class FemProbes {
   std::vector<Point> points_;
   std::vector<Reaction> reactions_;
   bool yields_ = false;
+  bool brakes_ = false;  // there are some
 };
 
 }  // namespace gabion::fem

@@ -16,6 +16,7 @@ StructureReport<dim>::StructureReport(const FemSettings<dim>& settings,
   num_constrained_ = static_cast<std::int64_t>(shared.total(static_cast<double>(own)));
   if (output_folder.empty()) return;
   output_.emplace(settings, output_folder);
+  if (!settings.line_materials.empty()) line_output_.emplace(settings, output_folder);
 }
 
 template <int dim>
@@ -26,6 +27,7 @@ std::vector<double> StructureReport<dim>::probes(const StructureState& state) co
 template <int dim>
 void StructureReport<dim>::write_frame(double time, const StructureState& state) {
   if (output_) output_->write(time, state, step_.equilibrium());
+  if (line_output_) line_output_->write(time, state, step_.equilibrium());
 }
 
 template <int dim>
@@ -36,16 +38,21 @@ Json StructureReport<dim>::summary() const {
   Json result = step_.summary();
   result["nodes"] = num_nodes;
   result["unknowns"] = num_nodes * dim - num_constrained_;
-  result["frame_bytes"] = FemOutput<dim>::frame_bytes(settings_);
+  result["frame_bytes"] =
+      FemOutput<dim>::frame_bytes(settings_) + LineOutput<dim>::frame_bytes(settings_);
   result["cells"] = ranks.num_cells_of_all(mesh);
   result["cell_type"] = name(mesh.cell_type);
-  result["material"] = settings_.materials.front().law_name;
-  if (settings_.materials.size() > 1) {
-    result.erase("material");
+  if (settings_.materials.size() == 1 && settings_.line_materials.empty()) {
+    result["material"] = settings_.materials.front().law_name;
+  } else {
     for (const auto& material : settings_.materials) {
       result["materials"][material.group] = material.law_name;
     }
+    for (const auto& material : settings_.line_materials) {
+      result["materials"][material.group] = material.law_name;
+    }
   }
+  if (!settings_.line_materials.empty()) result["lines"] = ranks.num_lines_of_all(mesh);
   result["analysis"] = settings_.dynamic ? "dynamic" : "static";
   return result;
 }

@@ -8,6 +8,7 @@
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/report/fem_output.hpp"
 #include "fem_solver/report/fem_probes.hpp"
+#include "fem_solver/report/line_output.hpp"
 #include "fem_solver/step/structure_step.hpp"
 
 namespace gabion::fem {
@@ -35,6 +36,7 @@ class StructureReport {
   FemProbes<dim> probes_;
   std::int64_t num_constrained_ = 0;  // unknowns of all ranks
   std::optional<FemOutput<dim>> output_;
+  std::optional<LineOutput<dim>> line_output_;
 };
 
 }  // namespace gabion::fem

@@ -20,12 +20,14 @@ namespace gabion::fem {
 namespace {
 
 constexpr std::size_t large_dofs = 3000;  // in space
+constexpr double support_share = 1e-2;    // of the stiffness of taut lines
 
 template <int dim>
 CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   std::optional<CellIntegrals<dim>> cells;
   together<ConfigError>(settings.ranks.comm(), [&] {
-    cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks);
+    cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
+                  settings.line_materials);
   });
   return std::move(*cells);
 }
@@ -48,6 +50,16 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
           "fem_solver: found {} ranks for a mesh that is {}", num_ranks(comm),
           ranks_.alone() ? "whole" : "divided");
   for (const auto dof : conditions.constrained_dofs()) constrained_[dof] = 1;
+  find_wave_speed(settings);
+  set_history(nullptr);
+  forces_.internal.assign(num_dofs_, 0.0);
+  forces_.inertia.assign(num_dofs_, 0.0);
+  u_trial_.resize(num_dofs_);
+  a_mean_.resize(num_dofs_);
+}
+
+template <int dim>
+void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
   for (const CellMaterial<dim>& material : settings.materials) {
     std::visit(
         [&](const auto& law) {
@@ -56,11 +68,21 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
         },
         material.law);
   }
-  set_history(nullptr);
-  forces_.internal.assign(num_dofs_, 0.0);
-  forces_.inertia.assign(num_dofs_, 0.0);
-  u_trial_.resize(num_dofs_);
-  a_mean_.resize(num_dofs_);
+  for (const LineMaterial& material : settings.line_materials) {
+    wave_speed_ = std::max(wave_speed_, std::sqrt(material.young_modulus / material.density));
+  }
+}
+
+template <int dim>
+bool Equilibrium<dim>::brace(double share) {
+  brace_share_ = share;
+  return shared().largest(cells_.line_blocks().empty() ? 0 : 1) > 0;
+}
+
+template <int dim>
+bool Equilibrium<dim>::support(bool on) {
+  support_ = on;
+  return shared().largest(cells_.line_blocks().empty() ? 0 : 1) > 0;
 }
 
 template <int dim>
@@ -85,9 +107,13 @@ template <int dim>
 void Equilibrium<dim>::find_history(StructureState& state) const {
   state.history.reset();
   state.plastic_work = 0;
+  state.brake_work = 0;
   if (!history_n_) return;
   state.history = std::make_shared<const std::vector<double>>(trial_history_);
   if (cells_.yields()) state.plastic_work = shared().total(cells_.plastic_work(trial_history_));
+  if (!cells_.line_blocks().empty()) {
+    state.brake_work = shared().total(cells_.brake_work(trial_history_));
+  }
 }
 
 template <int dim>
@@ -124,8 +150,13 @@ typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const 
   } else {
     shared().sum(internal, dim);
   }
+  const double line_share = support_ ? std::max(support_share, brace_share_) : brace_share_;
+  if (K && line_share > 0) cells_.add_line_stiffness(line_share, *K);
   std::string fault;
-  if (const std::int32_t c = stresses.inadmissible_cell; c >= 0) {
+  if (const std::int32_t c = stresses.inadmissible_cell; c >= cells_.num_cells()) {
+    fault =
+        fmt::format("{} in line {}", stresses.fault, ranks_.line_of_all(c - cells_.num_cells()));
+  } else if (c >= 0) {
     fault = fmt::format("{} in cell {}", stresses.fault, ranks_.cell_of_all(c));
   }
   return {.internal = internal, .inertia = inertia, .energy = stresses.energy, .fault = fault};

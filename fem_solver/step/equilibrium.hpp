@@ -51,6 +51,10 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
+  /// At slack lines, whose force has a kink at the stress-free length.
+  bool brace(double share) override;
+  /// At lines without force, which hold their nodes in no direction across.
+  bool support(bool on) override;
   double increment_scale() const override { return smallest_cell_size_; }
   const SharedNodes& shared() const override { return ranks_.shared(); }
   std::string describe_node(std::size_t i) const override {
@@ -61,8 +65,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// with backward differences, so that a ramp does not ring.
   StructureMotion motion_after(std::span<const double> du) const;
 
-  /// History at the end of the step and its plastic work, of the last evaluation, which was
-  /// admissible, into a state.
+  /// History at the end of the step, its plastic work and that of brakes, of the last evaluation,
+  /// which was admissible, into a state.
   /// @note Collective.
   void find_history(StructureState& state) const;
 
@@ -97,6 +101,7 @@ class Equilibrium final : public NewtonProblem<dim> {
 
  private:
   HistoryStep history_step();
+  void find_wave_speed(const FemSettings<dim>& settings);
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
 
@@ -135,6 +140,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   double dt_ = 0;
   bool with_inertia_ = false;
   NodalForces forces_;
+  double brace_share_ = 0;
+  bool support_ = false;
   CellHistory history_n_;
   std::vector<double> trial_history_;
   std::vector<double> u_trial_, a_mean_, buffer_;

@@ -25,16 +25,17 @@ constexpr std::int64_t widest_front_static = 1000;
 constexpr double factor_bytes = 9;                  // of unknowns x front
 constexpr double largest_factor = 4.0 * (1 << 30);  // [bytes]
 
-/// Cells of each node, as compressed rows.
+/// Cells and lines of each node, as compressed rows.
 template <int dim>
 struct CellsOfNodes {
   explicit CellsOfNodes(const Mesh<dim>& mesh) : starts(mesh.nodes.size() + 1, 0) {
     for (const std::int32_t i : mesh.cells) ++starts[i + 1];
+    for (const std::int32_t i : mesh.lines) ++starts[i + 1];
     for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
-    cells.resize(mesh.cells.size());
+    cells.resize(mesh.cells.size() + mesh.lines.size());
     std::vector<std::int64_t> next(starts.begin(), starts.end() - 1);
-    for (std::size_t k = 0; k < mesh.cells.size(); ++k)
-      cells[next[mesh.cells[k]]++] = static_cast<std::int32_t>(k / mesh.nodes_per_cell());
+    for (std::int32_t e = 0; e < mesh.num_elements(); ++e)
+      for (const std::int32_t i : mesh.element(e)) cells[next[i]++] = e;
   }
   std::vector<std::int64_t> starts;
   std::vector<std::int32_t> cells;
@@ -90,7 +91,7 @@ class Walker {
       last = std::exchange(front, {});
       for (const std::int32_t i : last) {
         for (std::int64_t k = of_nodes_.starts[i]; k < of_nodes_.starts[i + 1]; ++k)
-          for (const std::int32_t j : mesh_.cell(of_nodes_.cells[k])) reach(j, mark, front);
+          for (const std::int32_t j : mesh_.element(of_nodes_.cells[k])) reach(j, mark, front);
       }
       if (!ranks_.alone()) reach_with_others(mark, front);
     }

@@ -50,6 +50,7 @@ void StructureState::visit_state(StateVisitor& visitor, std::vector<std::int64_t
 
 void StructureState::visit_history(StateVisitor& visitor, HistoryRows& rows) {
   visitor.real("plastic_work", plastic_work);
+  visitor.real("brake_work", brake_work);
   visitor.integer("history_width", rows.width);
   visitor.list("cells", rows.cells);
   visitor.list("history", rows.values);

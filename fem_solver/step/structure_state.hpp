@@ -63,6 +63,7 @@ struct StructureState {
   bool balanced = false;      ///< the motion solves the equations under f_ext and f_step
   double elastic_energy = 0;  ///< [J]
   double plastic_work = 0;    ///< of the cells since the virgin state [J]
+  double brake_work = 0;      ///< that brakes of lines took since time 0 [J]
   CellHistory history;
   double external_work = 0;  ///< of loads, interface forces and reactions since time 0 [J]
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton

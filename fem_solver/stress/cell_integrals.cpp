@@ -28,17 +28,25 @@ bool can_be_enhanced(CellType type) {
 template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
                                   std::span<const CellMaterial<dim>> materials, bool lumped_mass,
-                                  const MeshRanks& ranks)
+                                  const MeshRanks& ranks,
+                                  std::span<const LineMaterial> line_materials)
     : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
-      cell_nodes_(mesh.cells) {
+      cell_nodes_(mesh.cells),
+      line_nodes_(mesh.lines) {
   double smallest_volume = std::numeric_limits<double>::infinity();
   for (std::int32_t c = 0; c < num_cells_; ++c) {
     smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
   }
   smallest_cell_size_ = cube_side<dim>(smallest_volume);
+  for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
+    const auto ends = mesh.line(l);
+    const double length = (mesh.nodes[ends[1]] - mesh.nodes[ends[0]]).norm();
+    smallest_cell_size_ = std::min(smallest_cell_size_, length);
+  }
   make_blocks(mesh, materials, ranks);
+  make_line_blocks(mesh, line_materials, lumped_mass, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
@@ -55,6 +63,16 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
   auto cells = cells_of_materials<dim>(mesh, materials, ranks);
   for (std::size_t m = 0; m < materials.size(); ++m) {
     blocks_.emplace_back(mesh, materials[m], std::move(cells[m]), ranks);
+  }
+}
+
+template <int dim>
+void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh,
+                                          std::span<const LineMaterial> materials, bool lumped,
+                                          const MeshRanks& ranks) {
+  auto lines = lines_of_materials<dim>(mesh, materials, ranks);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped);
   }
 }
 
@@ -92,6 +110,7 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
 
 template <int dim>
 void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
+  for (const auto& block : line_blocks_) block.add_mass_times(a, f);
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     for (int k = 0; k < dim; ++k) f[i * dim + k] += lumped_masses_[i] * a[i * dim + k];
   }
@@ -113,6 +132,7 @@ void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<dou
 
 template <int dim>
 void CellIntegrals<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
+  for (const auto& block : line_blocks_) block.add_mass(scale, K);
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     if (lumped_masses_[i] != 0) {
       K.add_diagonal(static_cast<std::int32_t>(i), scale * lumped_masses_[i]);
@@ -141,7 +161,10 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   for (std::size_t c = 0; c < offsets.size(); ++c) {
     offsets[c] = static_cast<std::int32_t>(c) * nodes_per_cell_;
   }
-  K.set_pattern(num_nodes_, offsets, cell_nodes_);
+  std::vector<std::int32_t> nodes = cell_nodes_;
+  nodes.insert(nodes.end(), line_nodes_.begin(), line_nodes_.end());
+  while (offsets.size() <= num_elements()) offsets.push_back(offsets.back() + 2);
+  K.set_pattern(num_nodes_, offsets, nodes);
 }
 
 template <int dim>
@@ -158,7 +181,20 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
     if (sum.inadmissible_cell >= 0) return sum;
     first += block.history_size();
   }
+  for (const auto& block : line_blocks_) {
+    const HistoryStep own = history.part(first, block.history_size());
+    StressIntegral lines = block.add_internal(u, f_int, K, own);
+    lines.energy += sum.energy;
+    sum = lines;
+    if (sum.inadmissible_cell >= 0) return sum;
+    first += block.history_size();
+  }
   return sum;
+}
+
+template <int dim>
+void CellIntegrals<dim>::add_line_stiffness(double share, BlockMatrix<dim>& K) const {
+  for (const auto& block : line_blocks_) block.add_stiffness(share, K);
 }
 
 template <int dim>
@@ -167,6 +203,15 @@ std::span<const double> CellIntegrals<dim>::of_block(std::span<const double> his
   std::size_t first = 0;
   for (std::size_t b = 0; b < block; ++b) first += blocks_[b].history_size();
   return history.subspan(first, blocks_[block].history_size());
+}
+
+template <int dim>
+std::span<const double> CellIntegrals<dim>::of_line_block(std::span<const double> history,
+                                                          std::size_t block) const {
+  std::size_t first = 0;
+  for (const auto& cells : blocks_) first += cells.history_size();
+  for (std::size_t b = 0; b < block; ++b) first += line_blocks_[b].history_size();
+  return history.subspan(first, line_blocks_[block].history_size());
 }
 
 template <int dim>
@@ -199,6 +244,38 @@ double CellIntegrals<dim>::plastic_work(std::span<const double> history) const {
 }
 
 template <int dim>
+double CellIntegrals<dim>::brake_work(std::span<const double> history) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
+    sum += line_blocks_[b].brake_work(of_line_block(history, b));
+  }
+  return sum;
+}
+
+template <int dim>
+std::vector<double> CellIntegrals<dim>::line_forces(std::span<const double> u,
+                                                    std::span<const double> history) const {
+  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
+    const auto lines = line_blocks_[b].lines();
+    const auto forces = line_blocks_[b].forces(u, of_line_block(history, b));
+    for (std::size_t k = 0; k < lines.size(); ++k) result[lines[k]] = forces[k];
+  }
+  return result;
+}
+
+template <int dim>
+std::vector<double> CellIntegrals<dim>::line_runs(std::span<const double> history) const {
+  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
+    const auto lines = line_blocks_[b].lines();
+    const auto runs = of_line_block(history, b);
+    for (std::size_t k = 0; k < runs.size(); ++k) result[lines[k]] = runs[k];
+  }
+  return result;
+}
+
+template <int dim>
 double CellIntegrals<dim>::largest_rotation(std::span<const double> u) const {
   double largest = 0;
   for (const auto& block : blocks_) largest = std::max(largest, block.largest_rotation(u));
@@ -209,6 +286,7 @@ template <int dim>
 std::size_t CellIntegrals<dim>::history_size() const {
   std::size_t sum = 0;
   for (const auto& block : blocks_) sum += block.history_size();
+  for (const auto& block : line_blocks_) sum += block.history_size();
   return sum;
 }
 
@@ -216,6 +294,7 @@ template <int dim>
 std::size_t CellIntegrals<dim>::history_width() const {
   std::size_t widest = 0;
   for (const auto& block : blocks_) widest = std::max(widest, block.history_width());
+  for (const auto& block : line_blocks_) widest = std::max(widest, block.history_width());
   return widest;
 }
 
@@ -224,7 +303,7 @@ bool CellIntegrals<dim>::yields() const {
   return std::ranges::any_of(blocks_, [](const auto& block) { return block.yields(); });
 }
 
-/// Call visit(place in a history, place in rows, number of values) for each cell.
+/// Call visit(place in a history, place in rows, number of values) for each cell and line.
 template <int dim>
 template <class Visit>
 void CellIntegrals<dim>::for_each_cell_history(const Visit& visit) const {
@@ -235,11 +314,18 @@ void CellIntegrals<dim>::for_each_cell_history(const Visit& visit) const {
       place += block.history_width();
     }
   }
+  for (const auto& block : line_blocks_) {
+    for (const std::int32_t l : block.lines()) {
+      visit(place, static_cast<std::size_t>(num_cells_ + l) * history_width(),
+            block.history_width());
+      place += block.history_width();
+    }
+  }
 }
 
 template <int dim>
 std::vector<double> CellIntegrals<dim>::history_rows(std::span<const double> history) const {
-  std::vector<double> rows(static_cast<std::size_t>(num_cells_) * history_width(), 0.0);
+  std::vector<double> rows(num_elements() * history_width(), 0.0);
   for_each_cell_history([&](std::size_t place, std::size_t row, std::size_t size) {
     std::ranges::copy(history.subspan(place, size), rows.begin() + row);
   });

@@ -6,21 +6,24 @@
 #include <vector>
 
 #include "fem_solver/stress/cell_block.hpp"
+#include "fem_solver/stress/line_block.hpp"
 
 namespace gabion::fem {
 
-/// Integrals over the cells of a mesh, or a rank's part of one, in the reference configuration:
-/// sums over the cells of this rank alone, block by block. The history of the cells is that of the
-/// blocks, one after the other; it is empty where no block has any.
+/// Integrals over the cells and lines of a mesh, or a rank's part of one, in the reference
+/// configuration: sums over those of this rank alone, block by block, lines behind the others. The
+/// history is that of the blocks, one after the other; it is empty where no block has any.
 template <int dim>
 class CellIntegrals {
  public:
   /// @param materials  of all cells, or each of a group of cells
   /// @param ranks      for the number of a cell in messages
+  /// @param line_materials  each of a group of lines
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; one without material,
-  ///                      or with two; a formulation that its type does not have
+  ///                      or with two, as of a line; a formulation that its type does not have
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
-                bool lumped_mass, const MeshRanks& ranks = {});
+                bool lumped_mass, const MeshRanks& ranks = {},
+                std::span<const LineMaterial> line_materials = {});
 
   /// f_int,a = sum_q w_q P(H_q) dN_a/dX, H = sum_a u_a (x) dN_a/dX, and on demand
   /// K_ab = sum_q w_q dN_a/dX . dP/dH . dN_b/dX.
@@ -30,6 +33,10 @@ class CellIntegrals {
   /// @param         history  of history_size() values each
   StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
                               BlockMatrix<dim>* K, HistoryStep history = {}) const;
+
+  /// A share of the stiffness of all lines when they are taut, in all directions: for Newton's
+  /// method where they are slack, or without a force that holds their nodes across.
+  void add_line_stiffness(double share, BlockMatrix<dim>& K) const;
 
   /// f += M a. [N]
   void add_mass_times(std::span<const double> a, std::span<double> f) const;
@@ -46,23 +53,31 @@ class CellIntegrals {
   /// Equivalent plastic strain of each cell, mean over its quadrature points; 0 where none yields.
   std::vector<double> cell_plastic_strains(std::span<const double> history) const;
   double plastic_work(std::span<const double> history) const;  ///< [J]
+  double brake_work(std::span<const double> history) const;    ///< of brakes of lines [J]
+  /// Force along each line, tension positive, num_lines [N].
+  std::vector<double> line_forces(std::span<const double> u, std::span<const double> history) const;
+  /// What the brake of each line has run, num_lines [m]; 0 of lines without.
+  std::vector<double> line_runs(std::span<const double> history) const;
 
   /// Largest angle by which a cell of a law of small strain has turned, from the polar
   /// decomposition of the mean of F over its quadrature points [rad]; 0 without such cells.
   double largest_rotation(std::span<const double> u) const;
 
-  /// V^(1/dim) [m]; infinite without cells.
+  std::int32_t num_cells() const { return num_cells_; }  ///< without lines
+  /// The least V^(1/dim) of cells and length of lines [m]; infinite without any.
   double smallest_cell_size() const { return smallest_cell_size_; }
 
   std::size_t history_size() const;   ///< number of values; those of the virgin state are 0
   std::size_t history_width() const;  ///< the largest of a cell
   bool yields() const;                ///< a block does
   std::span<const CellBlock<dim>> blocks() const { return blocks_; }
+  std::span<const LineBlock<dim>> line_blocks() const { return line_blocks_; }
   /// The part of a history that is of this block.
   std::span<const double> of_block(std::span<const double> history, std::size_t block) const;
+  std::span<const double> of_line_block(std::span<const double> history, std::size_t block) const;
 
-  /// Between a history and rows by cell of the mesh, num_cells x history_width(), zero behind what
-  /// a cell has.
+  /// Between a history and rows by cell of the mesh, then by line, x history_width(), zero behind
+  /// what one has.
   std::vector<double> history_rows(std::span<const double> history) const;
   std::vector<double> history_of_rows(std::span<const double> rows) const;
 
@@ -74,6 +89,9 @@ class CellIntegrals {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
             static_cast<std::size_t>(nodes_per_cell_)};
   }
+  void make_line_blocks(const Mesh<dim>& mesh, std::span<const LineMaterial> materials, bool lumped,
+                        const MeshRanks& ranks);
+  std::size_t num_elements() const { return num_cells_ + line_nodes_.size() / 2; }
   template <class Visit>
   void for_each_cell_history(const Visit& visit) const;
 
@@ -82,6 +100,8 @@ class CellIntegrals {
   std::int32_t num_cells_ = 0;
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<CellBlock<dim>> blocks_;
+  std::vector<std::int32_t> line_nodes_;  // lines x 2
+  std::vector<LineBlock<dim>> line_blocks_;
   std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped
   std::vector<double> lumped_masses_;  // num_nodes [kg]; empty when consistent
   double smallest_cell_size_ = 0;

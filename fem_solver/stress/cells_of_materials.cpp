@@ -27,16 +27,59 @@ const std::vector<std::int32_t>& find_cells(const Mesh<dim>& mesh,
                   names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
+template <int dim>
+std::string centre_text(const Mesh<dim>& mesh, std::span<const std::int32_t> nodes) {
+  Vector<dim> centre = Vector<dim>::Zero();
+  for (const std::int32_t i : nodes) centre += mesh.nodes[i] / static_cast<int>(nodes.size());
+  return fmt::format("({:.6g})", fmt::join(centre.data(), centre.data() + dim, ", "));
+}
+
 /// Number in the whole mesh and centre.
 template <int dim>
 std::string describe_cell(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c) {
-  Vector<dim> centre = Vector<dim>::Zero();
-  for (const std::int32_t i : mesh.cell(c)) centre += mesh.nodes[i] / mesh.nodes_per_cell();
-  return fmt::format("cell {} near ({:.6g})", ranks.cell_of_all(c),
-                     fmt::join(centre.data(), centre.data() + dim, ", "));
+  return fmt::format("cell {} near {}", ranks.cell_of_all(c), centre_text(mesh, mesh.cell(c)));
+}
+
+template <int dim>
+const std::vector<std::int32_t>& find_lines(const Mesh<dim>& mesh, const LineMaterial& material) {
+  const auto found = mesh.line_groups.find(material.group);
+  if (found != mesh.line_groups.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, nodes] : mesh.node_groups) names.push_back(name);
+  for (const auto& [name, facets] : mesh.facet_groups) {
+    if (dim == 2) names.push_back(name);
+  }
+  throw ConfigError(fmt::format(
+      "{}: found \"law\" \"{}\" of group \"{}\", which is none of lines; allowed: a physical group "
+      "of curves; {} has beside cells: {}",
+      material.where, material.law_name, material.group, mesh.file.empty() ? "a box" : mesh.file,
+      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 }  // namespace
+
+template <int dim>
+std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<dim>& mesh,
+                                                          std::span<const LineMaterial> materials,
+                                                          const MeshRanks& ranks) {
+  std::vector<std::vector<std::int32_t>> lines;
+  std::vector<const LineMaterial*> of_line(mesh.num_lines(), nullptr);
+  for (const LineMaterial& material : materials) {
+    lines.push_back(find_lines(mesh, material));
+    for (const std::int32_t l : lines.back()) {
+      require<ConfigError>(of_line[l] == nullptr, [&] {
+        return fmt::format(
+            "{}: found line {} near {} of {} in the groups \"{}\" and \"{}\", allowed: each line "
+            "in "
+            "one group of \"materials\"",
+            material.where, ranks.line_of_all(l), centre_text(mesh, mesh.line(l)), mesh.file,
+            of_line[l]->group, material.group);
+      });
+      of_line[l] = &material;
+    }
+  }
+  return lines;
+}
 
 template <int dim>
 std::vector<std::vector<std::int32_t>> cells_of_materials(
@@ -79,6 +122,13 @@ template std::vector<std::vector<std::int32_t>> cells_of_materials(const Mesh<2>
                                                                    const MeshRanks&);
 template std::vector<std::vector<std::int32_t>> cells_of_materials(const Mesh<3>&,
                                                                    std::span<const CellMaterial<3>>,
+                                                                   const MeshRanks&);
+
+template std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<2>&,
+                                                                   std::span<const LineMaterial>,
+                                                                   const MeshRanks&);
+template std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<3>&,
+                                                                   std::span<const LineMaterial>,
                                                                    const MeshRanks&);
 
 }  // namespace gabion::fem

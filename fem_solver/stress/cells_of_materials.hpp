@@ -7,6 +7,7 @@
 
 #include "common/mechanics/mesh/mesh.hpp"
 #include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 
 namespace gabion::fem {
@@ -17,5 +18,12 @@ namespace gabion::fem {
 template <int dim>
 std::vector<std::vector<std::int32_t>> cells_of_materials(
     const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials, const MeshRanks& ranks);
+
+/// Lines of each material: those of its group.
+/// @throws ConfigError  a group of lines that the mesh does not have; a line in two of the groups
+template <int dim>
+std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<dim>& mesh,
+                                                          std::span<const LineMaterial> materials,
+                                                          const MeshRanks& ranks);
 
 }  // namespace gabion::fem

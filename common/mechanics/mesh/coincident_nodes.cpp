@@ -27,8 +27,8 @@ Vector<dim> odd_direction() {
 template <int dim>
 double coincidence_distance(const Mesh<dim>& mesh) {
   double shortest = std::numeric_limits<double>::infinity();  // squared
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    const auto cell = mesh.cell(c);
+  for (std::int32_t e = 0; e < mesh.num_elements(); ++e) {
+    const auto cell = mesh.element(e);
     for (std::size_t a = 0; a < cell.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
         shortest = std::min(shortest, (mesh.nodes[cell[a]] - mesh.nodes[cell[b]]).squaredNorm());

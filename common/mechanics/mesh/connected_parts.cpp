@@ -24,19 +24,19 @@ std::string place_text(const Vector<dim>& x) {
 template <int dim>
 std::vector<std::int32_t> find_parts(const Mesh<dim>& mesh, MeshConnection<dim>& connection) {
   DisjointSets sets(mesh.nodes.size());
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    for (const std::int32_t i : mesh.cell(c)) sets.join(mesh.cell(c)[0], i);
+  for (std::int32_t e = 0; e < mesh.num_elements(); ++e) {
+    for (const std::int32_t i : mesh.element(e)) sets.join(mesh.element(e)[0], i);
   }
   std::vector<std::int32_t> part(mesh.nodes.size(), -1);  // part of the least node of each set
-  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
-    std::int32_t& number = part[sets.find(mesh.cell(c)[0])];
+  for (std::int32_t e = 0; e < mesh.num_elements(); ++e) {
+    std::int32_t& number = part[sets.find(mesh.element(e)[0])];
     if (number < 0) {
       number = static_cast<std::int32_t>(connection.parts.size());
       connection.parts.emplace_back();
     }
-    ConnectedPart<dim>& of_cell = connection.parts[number];
-    ++of_cell.num_cells;
-    for (const std::int32_t i : mesh.cell(c)) of_cell.box.extend(mesh.nodes[i]);
+    ConnectedPart<dim>& of_element = connection.parts[number];
+    ++of_element.num_cells;
+    for (const std::int32_t i : mesh.element(e)) of_element.box.extend(mesh.nodes[i]);
   }
   for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) part[i] = part[sets.find(i)];
   return part;
@@ -48,8 +48,10 @@ template <int dim>
 MeshConnection<dim> connection_of(const Mesh<dim>& mesh) {
   MeshConnection<dim> connection;
   const auto part = find_parts(mesh, connection);
-  for (const auto& [name, facets] : mesh.facet_groups) {
-    for (const std::int32_t i : facets) connection.parts[part[i]].groups.insert(name);
+  for (const auto* groups : {&mesh.node_groups, &mesh.facet_groups}) {
+    for (const auto& [name, nodes] : *groups) {
+      for (const std::int32_t i : nodes) connection.parts[part[i]].groups.insert(name);
+    }
   }
   const auto first = nodes_in_place<dim>(mesh.nodes, coincidence_distance(mesh));
   std::vector<char> is_shared(first.size(), 0), between_parts(first.size(), 0);

@@ -11,12 +11,12 @@
 
 namespace gabion {
 
-/// Cells of a mesh that hang together by their nodes.
+/// Cells and lines of a mesh that hang together by their nodes.
 template <int dim>
 struct ConnectedPart {
-  std::int32_t num_cells = 0;
+  std::int32_t num_cells = 0;          ///< with lines
   Eigen::AlignedBox<double, dim> box;  ///< around it [m]
-  std::set<std::string> groups;        ///< facet groups that have nodes of it
+  std::set<std::string> groups;        ///< groups of facets and nodes that have nodes of it
   std::int32_t num_touching = 0;       ///< of its nodes: a node of another part is in their place
 };
 

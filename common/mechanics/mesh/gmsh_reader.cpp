@@ -14,6 +14,7 @@
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/mesh/doubled_elements.hpp"
 #include "common/mechanics/mesh/gmsh_file.hpp"
+#include "common/mechanics/mesh/gmsh_lines.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 
 namespace gabion {
@@ -37,9 +38,27 @@ CellType cell_type_of(int gmsh_type) {
   }
 }
 
+/// A type of cells whose facets are those of the file; for meshes of lines alone.
+template <int dim>
+CellType type_of_facets(const GmshFile& file, const std::string& path) {
+  std::optional<CellType> result;
+  for (const auto& block : file.element_blocks) {
+    const CellType facet = cell_type_of(block.type);
+    if (dim == 2 || dimension(facet) != dim - 1) continue;
+    const CellType type = facet == CellType::tri3 ? CellType::tet4 : CellType::hex8;
+    require<ConfigError>(
+        !result || *result == type,
+        "{}: section $Elements: found facets of types tri3 and quad4 beside lines, "
+        "allowed: one type a mesh",
+        path);
+    result = type;
+  }
+  return result.value_or(dim == 2 ? CellType::quad4 : CellType::hex8);
+}
+
 /// The one type of the cells of dimension `dim`.
 template <int dim>
-CellType find_cell_type(const GmshFile& file, const std::string& path) {
+CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_lines) {
   std::optional<CellType> result;
   int highest = -1;
   for (const auto& block : file.element_blocks) {
@@ -57,6 +76,7 @@ CellType find_cell_type(const GmshFile& file, const std::string& path) {
                        "{}: section $Elements: found elements of dimension {}, "
                        "allowed: a mesh of dimension {}",
                        path, highest, dim);
+  if (!result && has_lines) return type_of_facets<dim>(file, path);
   require<ConfigError>(result.has_value(),
                        "{}: section $Elements: found no cells of dimension {} (the "
                        "highest dimension is {}); a Gmsh file holds only elements of "
@@ -77,16 +97,19 @@ std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
   return index;
 }
 
-/// Collects nodes in the order of the file, those of cells only.
+/// Collects nodes in the order of the file, those of cells and lines only.
 template <int dim>
 class MeshBuilder {
  public:
-  MeshBuilder(const GmshFile& file, const std::string& path)
+  MeshBuilder(const GmshFile& file, const std::string& path, const LineGroupNames& lines)
       : file_(file),
         path_(path),
+        lines_(lines),
         position_of_tag_(index_nodes(file, path)),
         origin_{.file = file, .path = path, .cells = {}, .facets = {}} {
-    mesh_.cell_type = find_cell_type<dim>(file, path);
+    const bool has_lines = std::ranges::any_of(
+        file.element_blocks, [this](const auto& block) { return !line_groups_of(block).empty(); });
+    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines);
   }
 
   Mesh<dim> build() {
@@ -98,6 +121,14 @@ class MeshBuilder {
     settle_doubled_cells(origin_, mesh_);
     const FacetOwners owners(mesh_);
     refuse_cells_on_one_side(origin_, owners, mesh_);
+    GmshLines<dim> lines(origin_, mesh_);
+    for (const auto& block : file_.element_blocks) {
+      const auto groups = line_groups_of(block);
+      if (!groups.empty()) lines.add(block, groups, numbers_of(block));
+      if (block.dimension < dim - 1) add_node_groups(block);
+    }
+    on_line_.assign(mesh_.nodes.size(), 0);
+    for (const std::int32_t i : mesh_.lines) on_line_[i] = 1;
     for (const auto& block : file_.element_blocks) {
       if (dimension(cell_type_of(block.type)) == dim - 1) add_facets(block, owners);
     }
@@ -116,10 +147,44 @@ class MeshBuilder {
     return found->second;
   }
 
+  /// Those of the groups of a block whose lines are cells.
+  std::vector<std::string> line_groups_of(const GmshFile::ElementBlock& block) const {
+    if (!lines_ || block.dimension != 1 || block.tags.empty()) return {};
+    auto groups = group_names(file_, block);
+    std::erase_if(groups, [this](const auto& group) { return !lines_->contains(group); });
+    return groups;
+  }
+
+  /// Nodes of a block's elements in the mesh; -1: not one of it.
+  std::vector<std::int32_t> numbers_of(const GmshFile::ElementBlock& block) const {
+    std::vector<std::int32_t> numbers;
+    for (std::uint64_t tag : block.nodes) numbers.push_back(number_[position(tag)]);
+    return numbers;
+  }
+
+  void add_node_groups(const GmshFile::ElementBlock& block) {
+    auto nodes = numbers_of(block);
+    std::erase(nodes, -1);
+    const auto groups = group_names(file_, block);
+    if (groups.empty() || block.tags.empty()) return;
+    require<ConfigError>(!lines_ || block.dimension != 1 || !nodes.empty(),
+                         "{}: section $Elements: found the group of lines \"{}\" with nodes of no "
+                         "cell, allowed: a material of the lines (\"law\" \"truss\", \"cable\" or "
+                         "\"brake\"), or no such group",
+                         path_, groups[0]);
+    for (const auto& group : groups) {
+      if (nodes.empty()) continue;
+      auto& all = mesh_.node_groups[group];
+      all.insert(all.end(), nodes.begin(), nodes.end());
+      std::ranges::sort(all);
+      all.erase(std::unique(all.begin(), all.end()), all.end());
+    }
+  }
+
   void number_nodes() {
     number_.assign(file_.node_tags.size(), -1);
     for (const auto& block : file_.element_blocks) {
-      if (dimension(cell_type_of(block.type)) != dim) continue;
+      if (dimension(cell_type_of(block.type)) != dim && line_groups_of(block).empty()) continue;
       for (std::uint64_t tag : block.nodes) number_[position(tag)] = 0;
     }
     std::array<double, 3> low, high;
@@ -202,8 +267,12 @@ class MeshBuilder {
       std::array<std::int32_t, 4> facet;
       for (std::size_t a = 0; a < n; ++a) facet[a] = number_[position(block.nodes[first + a])];
       const auto found = owners.find({facet.data(), n});
+      const bool between_lines = mesh_.num_lines() > 0 &&
+                                 std::all_of(facet.begin(), facet.begin() + n, [&](std::int32_t i) {
+                                   return i >= 0 && on_line_[i] != 0;
+                                 });
       require<ConfigError>(
-          !found.empty(),
+          !found.empty() || between_lines,
           "{}: section $Elements: found a facet of group \"{}\" "
           "(nodes {}) that belongs to no cell",
           path_, groups[0],
@@ -232,21 +301,23 @@ class MeshBuilder {
 
   const GmshFile& file_;
   const std::string& path_;
+  const LineGroupNames& lines_;
   std::unordered_map<std::uint64_t, std::size_t> position_of_tag_;
   MeshOrigin origin_;
   std::vector<std::int32_t> number_;  // by position in the file; -1: no cell uses it
+  std::vector<char> on_line_;         // by node
   Mesh<dim> mesh_;
 };
 
 }  // namespace
 
 template <int dim>
-Mesh<dim> read_gmsh(const std::string& path) {
+Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines) {
   const GmshFile file = read_gmsh_file(path);
-  return MeshBuilder<dim>(file, path).build();
+  return MeshBuilder<dim>(file, path, lines).build();
 }
 
-template Mesh<2> read_gmsh(const std::string&);
-template Mesh<3> read_gmsh(const std::string&);
+template Mesh<2> read_gmsh(const std::string&, const LineGroupNames&);
+template Mesh<3> read_gmsh(const std::string&, const LineGroupNames&);
 
 }  // namespace gabion

@@ -35,6 +35,15 @@ std::vector<std::int32_t> find_group_nodes(const FacetGroups& groups, const std:
 }
 
 template <int dim>
+std::vector<std::int32_t> Mesh<dim>::group_nodes(const std::string& group,
+                                                 const std::string& where) const {
+  if (facet_groups.contains(group)) return find_group_nodes(facet_groups, group, where);
+  FacetGroups known = node_groups;  // groups of one node each "facet"
+  known.insert(facet_groups.begin(), facet_groups.end());
+  return find_group_nodes(known, group, where);
+}
+
+template <int dim>
 double cell_volume(CellType type, std::span<const Vector<dim>> corners) {
   // det(dx/dxi) is constant in simplices, of degree 1 (quad4) or 2 (hex8) in each coordinate.
   const bool affine = type == CellType::tri3 || type == CellType::tet4;
@@ -134,9 +143,10 @@ std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in) {
 }
 
 template <int dim>
-Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file) {
+Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file,
+                         const LineGroupNames& lines) {
   try {
-    Mesh<dim> mesh = read_gmsh<dim>(scene.path(file));
+    Mesh<dim> mesh = read_gmsh<dim>(scene.path(file), lines);
     mesh.file = file;
     return mesh;
   } catch (const ConfigError& error) {
@@ -152,9 +162,11 @@ std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, Conf
 }
 
 template <int dim>
-Mesh<dim> read_mesh(const Scene& scene, ConfigReader in) {
-  auto read = read_box_or_mesh<dim>(scene, in);
-  if (auto* mesh = std::get_if<Mesh<dim>>(&read)) return std::move(*mesh);
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in, const LineGroupNames& lines) {
+  const auto read = read_box_or_file<dim>(in);
+  if (const auto* file = std::get_if<std::string>(&read)) {
+    return read_mesh_file<dim>(scene, in, *file, lines);
+  }
   const auto& box = std::get<BoxShape<dim>>(read);
   try {
     return box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate);
@@ -180,12 +192,14 @@ template double cell_volume(const Mesh<2>&, std::int32_t);
 template double cell_volume(const Mesh<3>&, std::int32_t);
 template std::variant<BoxShape<2>, std::string> read_box_or_file<2>(ConfigReader);
 template std::variant<BoxShape<3>, std::string> read_box_or_file<3>(ConfigReader);
-template Mesh<2> read_mesh_file(const Scene&, const ConfigReader&, const std::string&);
-template Mesh<3> read_mesh_file(const Scene&, const ConfigReader&, const std::string&);
+template Mesh<2> read_mesh_file(const Scene&, const ConfigReader&, const std::string&,
+                                const LineGroupNames&);
+template Mesh<3> read_mesh_file(const Scene&, const ConfigReader&, const std::string&,
+                                const LineGroupNames&);
 template std::variant<BoxShape<2>, Mesh<2>> read_box_or_mesh(const Scene&, ConfigReader);
 template std::variant<BoxShape<3>, Mesh<3>> read_box_or_mesh(const Scene&, ConfigReader);
-template Mesh<2> read_mesh(const Scene&, ConfigReader);
-template Mesh<3> read_mesh(const Scene&, ConfigReader);
+template Mesh<2> read_mesh(const Scene&, ConfigReader, const LineGroupNames&);
+template Mesh<3> read_mesh(const Scene&, ConfigReader, const LineGroupNames&);
 template void warn_of_cell_groups(const Mesh<2>&, const std::string&);
 template void warn_of_cell_groups(const Mesh<3>&, const std::string&);
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <variant>
@@ -25,7 +27,11 @@ const std::vector<std::int32_t>& find_facets(const FacetGroups& groups, const st
 std::vector<std::int32_t> find_group_nodes(const FacetGroups& groups, const std::string& group,
                                            const std::string& where);
 
-/// An unstructured mesh of one cell type with named groups of facets and cells.
+/// Numbers of cells, lines or nodes by name, ascending.
+using NumberGroups = std::map<std::string, std::vector<std::int32_t>>;
+
+/// An unstructured mesh of one cell type with named groups of facets and cells, and lines between
+/// its nodes, such as ropes. It may consist of lines alone.
 template <int dim>
 struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
@@ -35,26 +41,38 @@ struct Mesh {
   /// cell it belongs to (2D: the cell lies to the left of the segment's direction, so the outward
   /// normal is the direction turned clockwise).
   FacetGroups facet_groups;
-  std::map<std::string, std::vector<std::int32_t>> cell_groups;
-  std::string file;  ///< it was read from, as the scene names it; empty: made from numbers
+  NumberGroups cell_groups;
+  std::vector<std::int32_t> lines;  ///< line cells (line2), num_lines x 2
+  NumberGroups line_groups;
+  NumberGroups node_groups;  ///< groups of points, in 3D also of curves: nodes of cells and lines
+  std::string file;          ///< it was read from, as the scene names it; empty: made from numbers
 
   int nodes_per_cell() const { return num_nodes(cell_type); }
   std::int32_t num_cells() const {
     return static_cast<std::int32_t>(cells.size()) / nodes_per_cell();
   }
+  std::int32_t num_lines() const { return static_cast<std::int32_t>(lines.size() / 2); }
+  /// Cells, then lines.
+  std::int32_t num_elements() const { return num_cells() + num_lines(); }
   std::int32_t num_nodes_total() const { return static_cast<std::int32_t>(nodes.size()); }
   std::span<const std::int32_t> cell(std::int32_t c) const {
     return {cells.data() + static_cast<std::size_t>(c) * nodes_per_cell(),
             static_cast<std::size_t>(nodes_per_cell())};
+  }
+  std::span<const std::int32_t> line(std::int32_t l) const {
+    return std::span(lines).subspan(static_cast<std::size_t>(l) * 2, 2);
+  }
+  /// Nodes of a cell or, behind the cells, of a line.
+  std::span<const std::int32_t> element(std::int32_t e) const {
+    return e < num_cells() ? cell(e) : line(e - num_cells());
   }
 
   const std::vector<std::int32_t>& facets(const std::string& group,
                                           const std::string& where) const {
     return find_facets(facet_groups, group, where);
   }
-  std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const {
-    return find_group_nodes(facet_groups, group, where);
-  }
+  /// Nodes of a group of facets or nodes, ascending.
+  std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const;
 };
 
 /// Volume (2D: area) of a cell with these corners [m^dim]; negative when their order is reversed
@@ -92,17 +110,26 @@ Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
 /// Name of a side of a box: across an axis, at its low (0) or high (1) end.
 const char* box_side_name(int dim, int axis, int end);
 
+/// Groups of curves whose lines are cells; none: no lines are wanted, groups of curves are facets
+/// in the plane and groups of nodes in space.
+using LineGroupNames = std::optional<std::set<std::string>>;
+
 /// Gmsh file, format 4.1, ASCII or binary. Physical groups of dimension dim-1 become facet groups,
-/// of dimension dim cell groups. One cell type per mesh. Nodes that no cell uses are dropped,
-/// cells of negative volume reordered, facets turned outward; a facet between two cells stays as
-/// the file has it. A mesh of the plane must have one z for all nodes.
-/// @throws ConfigError  file and line or section, what was found
+/// of dimension dim cell groups, of lower dimension node groups. One cell type per mesh. Nodes that
+/// no cell or line uses are dropped, cells of negative volume reordered, facets turned outward; a
+/// facet between two cells stays as the file has it, and one of no cell between nodes of lines,
+/// such as the mesh of a net. A mesh of the plane must have one z for all nodes.
+/// @throws ConfigError  file and line or section, what was found; with lines: a line without
+/// length,
+///                      the same line twice, a group of curves on nodes of no cell that is not
+///                      among the names
 template <int dim>
-Mesh<dim> read_gmsh(const std::string& path);
+Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines = std::nullopt);
 
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
-Mesh<dim> read_mesh(const Scene& scene, ConfigReader in);
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in,
+                    const LineGroupNames& lines = std::nullopt);
 /// As above, but a box is not yet made into a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
@@ -111,7 +138,8 @@ template <int dim>
 std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in);
 /// Read what read_box_or_file() named. @param in  as there, for errors
 template <int dim>
-Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file);
+Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file,
+                         const LineGroupNames& lines = std::nullopt);
 KeyTable mesh_keys();
 
 /// Warn when the file of a mesh with one material has several groups of cells: they look like

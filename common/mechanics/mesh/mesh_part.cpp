@@ -6,8 +6,8 @@
 namespace gabion {
 
 template <int dim>
-MeshParts<dim>::MeshParts(const Mesh<dim>& mesh, std::vector<int> part_of_cell)
-    : mesh_(mesh), part_of_cell_(std::move(part_of_cell)), places_(mesh.nodes.size(), -1) {
+MeshParts<dim>::MeshParts(const Mesh<dim>& mesh, std::vector<int> part_of_element)
+    : mesh_(mesh), part_of_element_(std::move(part_of_element)), places_(mesh.nodes.size(), -1) {
   const std::size_t n = num_nodes(facet_type(mesh.cell_type));
   for (const auto& [name, facets] : mesh.facet_groups) given_[name].assign(facets.size() / n, 0);
 }
@@ -21,11 +21,14 @@ MeshPart<dim> MeshParts<dim>::take(int part) {
   mesh.file = mesh_.file;
   numbers.num_nodes = mesh_.num_nodes_total();
   numbers.num_cells = mesh_.num_cells();
-  for (std::int32_t c = 0; c < mesh_.num_cells(); ++c) {
-    if (part_of_cell_[c] != part) continue;
-    numbers.cells.push_back(c);
-    for (const std::int32_t i : mesh_.cell(c)) {
-      mesh.cells.push_back(i);
+  numbers.num_lines = mesh_.num_lines();
+  for (std::int32_t e = 0; e < mesh_.num_elements(); ++e) {
+    if (part_of_element_[e] != part) continue;
+    const bool is_cell = e < mesh_.num_cells();
+    if (is_cell) numbers.cells.push_back(e);
+    if (!is_cell) numbers.lines.push_back(e - mesh_.num_cells());
+    for (const std::int32_t i : mesh_.element(e)) {
+      (is_cell ? mesh.cells : mesh.lines).push_back(i);
       places_[i] = 0;
     }
   }
@@ -36,8 +39,9 @@ MeshPart<dim> MeshParts<dim>::take(int part) {
     mesh.nodes.push_back(mesh_.nodes[i]);
   }
   for (std::int32_t& i : mesh.cells) i = places_[i];
+  for (std::int32_t& i : mesh.lines) i = places_[i];
   take_facets(taken);
-  take_cell_groups(taken);
+  take_groups(taken);
   for (const std::int32_t i : numbers.nodes) places_[i] = -1;
   return taken;
 }
@@ -60,17 +64,29 @@ void MeshParts<dim>::take_facets(MeshPart<dim>& part) {
   }
 }
 
-template <int dim>
-void MeshParts<dim>::take_cell_groups(MeshPart<dim>& part) const {
-  const std::vector<std::int32_t>& own = part.numbers.cells;
-  for (const auto& [name, cells] : mesh_.cell_groups) {
-    auto& taken = part.mesh.cell_groups[name];
-    for (const std::int32_t c : cells) {
-      const auto found = std::ranges::lower_bound(own, c);
-      if (found == own.end() || *found != c) continue;
-      taken.push_back(static_cast<std::int32_t>(found - own.begin()));
+namespace {
+
+/// The groups of the whole, with the places of their members in the part.
+/// @param own  numbers of the part in the whole, ascending
+void take_members(const NumberGroups& groups, const std::vector<std::int32_t>& own,
+                  NumberGroups& taken) {
+  for (const auto& [name, members] : groups) {
+    auto& places = taken[name];
+    for (const std::int32_t m : members) {
+      const auto found = std::ranges::lower_bound(own, m);
+      if (found == own.end() || *found != m) continue;
+      places.push_back(static_cast<std::int32_t>(found - own.begin()));
     }
   }
+}
+
+}  // namespace
+
+template <int dim>
+void MeshParts<dim>::take_groups(MeshPart<dim>& part) const {
+  take_members(mesh_.cell_groups, part.numbers.cells, part.mesh.cell_groups);
+  take_members(mesh_.line_groups, part.numbers.lines, part.mesh.line_groups);
+  take_members(mesh_.node_groups, part.numbers.nodes, part.mesh.node_groups);
 }
 
 template class MeshParts<2>;

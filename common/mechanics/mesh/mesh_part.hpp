@@ -16,15 +16,17 @@ namespace gabion {
 struct PartNumbers {
   std::vector<std::int32_t> nodes;  ///< in the whole, ascending
   std::vector<std::int32_t> cells;  ///< in the whole, ascending
+  std::vector<std::int32_t> lines;  ///< in the whole, ascending
   /// By group, of each facet of the part: they ascend as the facets follow each other in the group
   /// of the whole.
   std::map<std::string, std::vector<std::int64_t>> facets;
   std::int32_t num_nodes = 0;  ///< of the whole
   std::int32_t num_cells = 0;  ///< of the whole
+  std::int32_t num_lines = 0;  ///< of the whole
 };
 
-/// Some cells of a mesh and their nodes. It has all groups of the whole, with its own facets and
-/// cells.
+/// Some cells and lines of a mesh and their nodes. It has all groups of the whole, with its own
+/// facets, cells, lines and nodes.
 template <int dim>
 struct MeshPart {
   Mesh<dim> mesh;
@@ -47,8 +49,8 @@ std::vector<Vector<dim>> brick_centres(const BoxShape<dim>& box, std::int32_t fi
 template <int dim>
 class MeshParts {
  public:
-  /// @param part_of_cell  num_cells
-  MeshParts(const Mesh<dim>& mesh, std::vector<int> part_of_cell);
+  /// @param part_of_element  num_elements
+  MeshParts(const Mesh<dim>& mesh, std::vector<int> part_of_element);
 
   /// A part that was not given out yet. A facet of a group goes to the first part given out that
   /// has its nodes.
@@ -56,10 +58,10 @@ class MeshParts {
 
  private:
   void take_facets(MeshPart<dim>& part);
-  void take_cell_groups(MeshPart<dim>& part) const;
+  void take_groups(MeshPart<dim>& part) const;
 
   const Mesh<dim>& mesh_;
-  std::vector<int> part_of_cell_;
+  std::vector<int> part_of_element_;
   std::map<std::string, std::vector<char>> given_;  // of the facets of each group
   std::vector<std::int32_t> places_;  // of the nodes in the part at hand; -1: not in it
 };

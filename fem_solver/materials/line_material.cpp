@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/materials/line_material.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "common/base/log.hpp"
+
+namespace gabion::fem {
+
+const std::vector<std::string> line_laws = {"truss", "cable", "brake"};
+
+LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
+                     double run) {
+  const double k = material.stiffness() / stress_free_length;
+  const double stretch = length - stress_free_length;
+  LineResponse response{.force = 0, .slope = k, .energy = 0, .run = run};
+  if (material.brake) {
+    const Brake::Balance balance = material.brake->balance(stretch, run, k);
+    response.run = balance.run;
+    response.slope = balance.slope;
+  }
+  const double elastic = stretch - response.run;
+  if (elastic <= 0 && !material.in_compression) {
+    response.slope = 0;
+    return response;
+  }
+  response.force = k * elastic;
+  response.energy = 0.5 * k * elastic * elastic;
+  return response;
+}
+
+std::vector<Key> line_keys() {
+  const std::vector<std::string> brake = {"brake"};
+  return {key::number("area", "m^2",
+                      "Section of a line without stress; in 2D per metre of thickness [m].")
+              .in(positive())
+              .when("law", line_laws),
+          key::number("pretension", "N",
+                      "Force in each line as the mesh has it; either this or `length_ratio`.")
+              .in(non_negative())
+              .or_none()
+              .when("law", line_laws),
+          key::number("length_ratio", "",
+                      "Length without stress over the length in the mesh: below 1 tensioned, "
+                      "above 1 slack.")
+              .in(positive())
+              .or_none()
+              .when("law", line_laws),
+          key::rows("brake_table", "m, N",
+                    "Rows [run, force] of a brake in line with each cell of the group, the first "
+                    "at run 0: it runs out where the rope pulls with this force, and never back; "
+                    "linear between rows, held after.")
+              .wide(2, 2)
+              .not_empty()
+              .when("law", brake),
+          key::number("run_limit", "m", "Run at which the brake stops for good; without: none.")
+              .in(positive())
+              .or_none()
+              .when("law", brake)};
+}
+
+namespace {
+
+Brake read_brake(ConfigReader& in) {
+  std::vector<double> runs, forces;
+  const auto rows = in.rows("brake_table", 2);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double run = rows[i][0], force = rows[i][1];
+    const std::string row = fmt::format("brake_table/{}", i);
+    if (!(force > 0)) in.fail(row, fmt::format("found force {}, allowed: > 0", force));
+    if (i == 0 && run != 0) {
+      in.fail(row, fmt::format("found run {}, allowed: 0 in the first row", run));
+    }
+    if (i > 0 && !(run > runs.back())) {
+      in.fail(row, fmt::format("found run {} after {}, allowed: rising runs", run, runs.back()));
+    }
+    runs.push_back(run);
+    forces.push_back(force);
+  }
+  const double limit =
+      in.has("run_limit") ? in.number("run_limit") : std::numeric_limits<double>::infinity();
+  return {std::move(runs), std::move(forces), limit};
+}
+
+double read_length_ratio(ConfigReader& in, double stiffness) {
+  if (in.has("pretension") && in.has("length_ratio")) {
+    in.fail("length_ratio", "found beside \"pretension\", allowed: one of them");
+  }
+  if (in.has("length_ratio")) return in.number("length_ratio");
+  if (!in.has("pretension")) return 1;
+  const double strain = in.number("pretension") / stiffness;
+  if (strain > 0.1) {
+    log::warn("{}: strains the lines by {:.3g}; units?", in.where("pretension"), strain);
+  }
+  return 1 / (1 + strain);
+}
+
+}  // namespace
+
+LineMaterial read_line_material(ConfigReader in) {
+  LineMaterial material;
+  material.where = in.where("group");
+  material.group = in.text("group");
+  material.law_name = in.choice("law");
+  material.density = in.number("density");
+  material.young_modulus = in.number("young_modulus");
+  material.area = in.number("area");
+  material.length_ratio = read_length_ratio(in, material.stiffness());
+  material.in_compression = material.law_name == "truss";
+  if (material.law_name == "brake") {
+    material.brake = read_brake(in);
+    if (in.has("pretension") && in.number("pretension") > material.brake->force(0)) {
+      in.fail("pretension", fmt::format("found {}, allowed: at most the first force of "
+                                        "\"brake_table\", {}",
+                                        in.number("pretension"), material.brake->force(0)));
+    }
+  }
+  in.finish();
+  return material;
+}
+
+}  // namespace gabion::fem

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/settings/config_reader.hpp"
+#include "fem_solver/materials/brake.hpp"
+
+namespace gabion::fem {
+
+/// Material and section of the line cells of a group: forces along the line only, from its length.
+struct LineMaterial {
+  std::string group;
+  std::string where;  ///< place of the group in the config, for errors
+  std::string law_name;
+  double density = 0;           ///< [kg/m^3], in the stress-free state
+  double young_modulus = 0;     ///< [Pa]
+  double area = 0;              ///< stress-free [m^2], in the plane per metre of thickness [m]
+  double length_ratio = 1;      ///< stress-free length over the length in the mesh
+  bool in_compression = false;  ///< false: slack where it is shorter than stress-free
+  std::optional<Brake> brake;   ///< in line with each cell of the group
+
+  double stiffness() const { return young_modulus * area; }  ///< E A [N]
+};
+
+/// What a line cell answers to its length.
+struct LineResponse {
+  double force = 0;   ///< along the line, tension positive [N]
+  double slope = 0;   ///< d force / d length [N/m]
+  double energy = 0;  ///< stored [J]
+  double run = 0;     ///< of its brake [m]
+};
+
+/// Force over elongation: elastic with the engineering strain, so that the force follows from an
+/// energy of the length alone; what a brake has run is taken off the elongation.
+/// @param run  of the brake in the accepted state [m]
+LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
+                     double run);
+
+/// Laws of lines: truss, cable, brake.
+extern const std::vector<std::string> line_laws;
+
+/// Keys beside group, law, density and young_modulus.
+std::vector<Key> line_keys();
+
+/// Read what group_material_keys() list of a line.
+/// @throws ConfigError  a table of a brake that does not rise in run, ...
+LineMaterial read_line_material(ConfigReader in);
+
+}  // namespace gabion::fem

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/report/line_output.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/mechanics/output/numbered_rows.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+using Values = std::vector<double>;
+
+template <int dim>
+bool has_brakes(const FemSettings<dim>& settings) {
+  return std::ranges::any_of(settings.line_materials, [](const LineMaterial& material) {
+    return material.brake.has_value();
+  });
+}
+
+template <int dim>
+std::vector<OutputField> line_fields(const FemSettings<dim>& settings) {
+  std::vector<OutputField> fields = {{.name = "axial_force", .on_cells = true}};
+  if (has_brakes(settings)) fields.push_back({.name = "brake_run", .on_cells = true});
+  return fields;
+}
+
+}  // namespace
+
+template <int dim>
+std::int64_t LineOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
+  const std::int64_t num_lines = settings.ranks.num_lines_of_all(settings.mesh);
+  if (num_lines == 0) return 0;
+  return XdmfSeries::frame_bytes(2 * num_lines, CellType::line2, num_lines,
+                                 line_fields<dim>(settings));
+}
+
+template <int dim>
+LineOutput<dim>::LineOutput(const FemSettings<dim>& settings, const std::string& folder)
+    : settings_(settings), series_(folder, "lines", settings.ranks.comm()) {}
+
+template <int dim>
+void LineOutput<dim>::write(double time, const StructureState& state,
+                            const Equilibrium<dim>& equilibrium) {
+  const Mesh<dim>& mesh = settings_.mesh;
+  const MeshRanks& ranks = settings_.ranks;
+  const std::int32_t num_lines = ranks.num_lines_of_all(mesh);
+  const NumberedRows rows(ranks.comm(), ranks.own_lines(mesh.num_lines()), num_lines);
+  const std::span<const double> history =
+      state.history ? std::span<const double>(*state.history) : std::span<const double>();
+  Values x;
+  for (const std::int32_t i : mesh.lines) {
+    for (int k = 0; k < dim; ++k) {
+      x.push_back(mesh.nodes[i][k] + state.motion.u[static_cast<std::size_t>(i) * dim + k]);
+    }
+  }
+  x = rows.gather_rows(std::move(x), 2 * dim);
+  std::vector<std::int32_t> ends;
+  for (const std::int32_t l : ranks.own_lines(mesh.num_lines())) {
+    ends.insert(ends.end(), {2 * l, 2 * l + 1});
+  }
+  ends = rows.gather_rows(std::move(ends), 2);
+  const CellIntegrals<dim>& cells = equilibrium.cells();
+  auto fields = line_fields<dim>(settings_);
+  fields[0].make = [&] { return rows.gather_rows(cells.line_forces(state.motion.u, history), 1); };
+  if (fields.size() > 1) {
+    fields[1].make = [&] { return rows.gather_rows(cells.line_runs(history), 1); };
+  }
+  series_.write({.time = time,
+                 .dim = dim,
+                 .coordinates = x,
+                 .cell_type = CellType::line2,
+                 .connectivity = ends,
+                 .fields = std::move(fields)});
+}
+
+template class LineOutput<2>;
+template class LineOutput<3>;
+
+}  // namespace gabion::fem

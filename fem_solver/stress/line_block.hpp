@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mechanics/mesh/mesh.hpp"
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/stress_integral.hpp"
+
+namespace gabion::fem {
+
+/// Line cells of one material: straight between two nodes, one force each. Histories given to its
+/// functions are those of its lines, one after the other: the run of the brake, where there is one.
+template <int dim>
+class LineBlock {
+ public:
+  /// @param lines        of the mesh
+  /// @param lumped_mass  half of the mass at each end instead of the consistent mass
+  /// @throws ConfigError  a brake whose force falls more steeply than a line stretches
+  LineBlock(const Mesh<dim>& mesh, const LineMaterial& material, std::vector<std::int32_t> lines,
+            bool lumped_mass);
+
+  /// f_2 = N e, f_1 = -N e, e the direction of the deformed line, and on demand
+  /// K_22 = dN/dl e e^T + N/l (1 - e e^T) = -K_12. See CellIntegrals::add_internal; a fault is of
+  /// the element behind the cells of the mesh.
+  StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
+                              BlockMatrix<dim>* K, HistoryStep history) const;
+  /// A share of the stiffness of taut lines, in all directions.
+  void add_stiffness(double share, BlockMatrix<dim>& K) const;
+
+  void add_mass_times(std::span<const double> a, std::span<double> f) const;
+  void add_mass(double scale, BlockMatrix<dim>& K) const;
+
+  /// Forces of its lines, tension positive [N]. @param history  accepted
+  std::vector<double> forces(std::span<const double> u, std::span<const double> history) const;
+  double brake_work(std::span<const double> history) const;  ///< [J]
+
+  const LineMaterial& material() const { return material_; }
+  std::span<const std::int32_t> lines() const { return lines_; }
+  std::size_t history_width() const { return material_.brake ? 1 : 0; }  ///< of a line
+  std::size_t history_size() const { return history_width() * lines_.size(); }
+
+ private:
+  struct Ends {
+    Vector<dim> direction;  ///< of the deformed line, length 1
+    double length;          ///< deformed [m]
+  };
+  Ends ends(std::size_t k, std::span<const double> u) const;
+  std::int32_t node(std::size_t k, int end) const { return nodes_[2 * k + end]; }
+  void add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K) const;
+
+  LineMaterial material_;
+  std::vector<std::int32_t> lines_;  // of the mesh
+  std::int32_t num_cells_ = 0;       // of the mesh
+  bool lumped_mass_ = false;
+  std::vector<std::int32_t> nodes_;   // lines x 2
+  std::vector<Vector<dim>> chords_;   // from the first node to the second, in the mesh [m]
+  std::vector<double> free_lengths_;  // without stress [m]
+};
+
+}  // namespace gabion::fem
