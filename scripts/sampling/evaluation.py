@@ -96,10 +96,11 @@ class Evaluation:
             groups = values.reshape(-1, len(names) + 2)
             whole = groups[np.isfinite(groups).all(axis=1)]
             if len(whole) < len(groups):
-                say(f"answer {answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not completed, "
-                    "and are left out")
+                say(f"answer {answer}: {len(groups) - len(whole)} of {len(groups)} groups have a run that is not "
+                    "completed, and are left out")
             if len(whole) < 2 or not np.isfinite(sobol_indices(whole).first).all():
-                say(f"answer {answer}: no Sobol indices: it is the same in all runs, or fewer than two groups are whole")
+                say(f"answer {answer}: no Sobol indices: it is the same in all runs, or fewer than two groups are "
+                    "whole")
                 continue
             found[answer] = indices = sobol_indices(whole)
             table = np.vstack([indices.first, indices.first_ends, indices.total, indices.total_ends]).T
@@ -150,7 +151,7 @@ class Evaluation:
         curves = [outcome.curves[name] for outcome in self.study.outcomes if name in outcome.curves]
         band = band_of(curves)
         if band.ends[0] < band.ends[1]:
-            say(f"band {name}: the runs end at {band.ends[0]:g} to {band.ends[1]:g} s; the bands go to the first of these")
+            say(f"band {name}: the runs end at {band.ends[0]:g} to {band.ends[1]:g} s; it goes to the first of these")
         is_sample = self.plan.design.is_sample and not self.plan.repeats and not self.plan.design.cross
         error = band.error if is_sample else np.full(len(band.time), np.nan)
         rows = [[float(value) if np.isfinite(value) else "" for value in row]

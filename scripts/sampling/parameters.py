@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parameters of a plan: settings with the values that they take."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,14 +11,15 @@ from .reader import PlanError, PlanReader, is_number
 
 DISTRIBUTIONS = ("uniform", "log_uniform", "normal", "lognormal")
 LISTED = ("list", "range")
-KEYS = ("set", *LISTED, *DISTRIBUTIONS)
+KEYS = ("set", *LISTED, "variants", *DISTRIBUTIONS)
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A name for settings that get one value in each run.
+    """A name for settings that get one value in each run, or for variants: names for several settings together.
 
-    paths: FILE:/key/key of each; levels: the values of a list or range, None of a distribution.
+    paths: FILE:/key/key of each; levels: the values of a list or range, names of variants, None of a distribution;
+    variants: name -> path -> value.
     """
 
     name: str
@@ -26,6 +27,11 @@ class Parameter:
     where: str  #: in the plan
     levels: tuple[Any, ...] | None
     distribution: Any = None  #: of scipy.stats, frozen
+    variants: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def settings(self, value: Any) -> dict[str, Any]:
+        """Path -> value of what one of its values sets."""
+        return self.variants[value] if self.variants else {path: value for path in self.paths}
 
     def at(self, shares: np.ndarray) -> list[Any]:
         """Values at shares of the probability, in (0, 1); values of a list are equally probable."""
@@ -36,13 +42,23 @@ class Parameter:
 
 
 def read_parameter(name: str, reader: PlanReader) -> Parameter:
-    kind = reader.one_of((*LISTED, *DISTRIBUTIONS))
+    kind = reader.one_of((*LISTED, "variants", *DISTRIBUTIONS))
+    if kind == "variants":
+        return _variants(name, reader)
     paths = reader.words("set")
     if kind in LISTED:
         levels = _list(reader) if kind == "list" else _range(reader)
         return Parameter(name, paths, reader.where, levels)
     return Parameter(name, paths, reader.where, None, {"uniform": _uniform, "log_uniform": _uniform, "normal": _normal,
                                                        "lognormal": _lognormal}[kind](reader, kind))
+
+
+def _variants(name: str, reader: PlanReader) -> Parameter:
+    reader = PlanReader(reader.values, reader.where, ("variants",))
+    variants = {each: inner.values for each, inner in reader.named("variants", None).items()}
+    if not variants:
+        raise reader.fail("variants", "name -> path -> value, at least one")
+    return Parameter(name, (), reader.where, tuple(variants), variants=variants)
 
 
 def _list(reader: PlanReader) -> tuple[Any, ...]:

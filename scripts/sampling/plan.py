@@ -88,8 +88,8 @@ class Plan:
         for path, value in self.settings.items():
             self._set(scene, path, value, f"{self.path}:/settings")
         for parameter in self.parameters:
-            for path in parameter.paths:
-                self._set(scene, path, point[parameter.name], parameter.where)
+            for path, value in parameter.settings(point[parameter.name]).items():
+                self._set(scene, path, value, parameter.where)
         if self.repeats and repeat:
             value = scene[self.repeats.path]
             self._set(scene, self.repeats.path, value * (1 + self.repeats.change * repeat), f"{self.path}:/repeats")

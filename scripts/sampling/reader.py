@@ -18,7 +18,7 @@ class PlanReader(Reader):
     def inner(self, key: str, keys: tuple[str, ...] | None) -> "PlanReader":
         return PlanReader(self.values.get(key), f"{self.where}/{key}", keys)
 
-    def named(self, key: str, keys: tuple[str, ...]) -> "dict[str, PlanReader]":
+    def named(self, key: str, keys: tuple[str, ...] | None) -> "dict[str, PlanReader]":
         """Objects by name; none where the key is missing."""
         if key not in self.values:
             return {}

@@ -157,6 +157,11 @@ class Runs(StudyCase):
         self.assertEqual(self.study("--count").stdout, "6\n")
         self.assertFalse(self.out.exists())
 
+    def test_variants_are_names_for_several_settings(self) -> None:
+        self.values["parameters"] = {"kind": {"variants": {"soft": {A: 1, B: 10}, "stiff": {A: 2, B: 30}}}}
+        self.study()
+        self.assertEqual([(row["kind"], row["end"]) for row in self.rows()], [("soft", "11.0"), ("stiff", "32.0")])
+
     def test_repeats_change_a_setting_and_give_an_error_a_point(self) -> None:
         base = json.loads((self.folder / "scene" / "mpm.json").read_text())["bodies"][0]["material"]["young_modulus"]
         self.values["parameters"] = {"a": {"set": A, "list": [1, 2]}}

@@ -58,6 +58,7 @@ class Plans(StudyCase):
                 (("/a: found none of list, range",), {}),
                 (("/a: found list and uniform of",), {"list": [1], "uniform": [1, 2]}),
                 (("/a/list: found [1, 1], allowed: a list of different values",), {"list": [1, 1]}),
+                (("/a/set: unknown, allowed: variants",), {"variants": {"one": {A: 1}}}),
                 (("/a/list: found []",), {"list": []}),
                 (("/a/uniform: found [2, 1], allowed: [low, high]",), {"uniform": [2, 1]}),
                 (("/a/log_uniform: found [0, 1]", "0 < low"), {"log_uniform": [0, 1]}),
@@ -69,6 +70,13 @@ class Plans(StudyCase):
                 (("/a/range/count: found 1",), {"range": {"from": 1, "to": 2, "count": 1}}),
                 (("/a/range/from: found -1",), {"range": {"from": -1, "to": 2, "count": 3, "spacing": "log"}})):
             self.expect(*words, parameters=self.parameter(**values), design=random)
+
+    def test_variants(self) -> None:
+        for words, variants in ((("/k: ", 'did you mean "density"?'), {"x": {"mpm.json:/bodies/0/material/densty": 1}}),
+                                (("/k/variants/x: found 3, allowed: an object",), {"x": 3}),
+                                (("/k/variants: found {}",), {}),
+                                (("/k/variants: found the name 'a b'",), {"a b": {A: 1}})):
+            self.expect(*words, parameters={"k": {"variants": variants}})
 
     def test_designs(self) -> None:
         sample = self.parameter(uniform=[1, 2])
