@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mpm_solver/contact/facet_contact.hpp"
+#include "mpm_solver/contact/surface_sights.hpp"
 
 namespace gabion::mpm {
 
@@ -142,11 +143,13 @@ double FacetContact<dim>::reach_of(const Candidate& c) const {
   return c.shape.norm() + against_centre + c.offset.norm() + most_begun(c);
 }
 
-// How far a place may be that it touches, if the ball is rigid.
+// How far a place may be that it touches, if the ball is rigid: the plane of a simplex pushes a
+// little beyond its end (find_features).
 template <int dim>
 double FacetContact<dim>::touch_reach(const Candidate& c) const {
-  const double size = c.shape.norm() + c.offset.norm();
-  return mean_radius(c) + c.spread + 2 * c.H.norm() * size + c.offset.norm() + most_begun(c);
+  const double size = c.shape.norm() + c.offset.norm(), R = mean_radius(c);
+  const double height = R + c.spread + 2 * c.H.norm() * size + c.offset.norm() + most_begun(c);
+  return (1 + rounding) * std::hypot(height, sights::fading_share * R);
 }
 
 // Places where the balls stand off from the surface at the end of the step: of those that are

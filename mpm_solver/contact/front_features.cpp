@@ -55,7 +55,9 @@ class Front {
   const Way<dim>& way() const { return way_; }
 
  private:
-  bool rests(std::int32_t s) const { return view_.at_rest[owner_of(surface(), s)] != 0; }
+  bool rests(std::int32_t s) const {
+    return surface().motion == 0 || view_.at_rest[owner_of(surface(), s)] != 0;
+  }
   double motion_of(std::int32_t s) const { return rests(s) ? 0 : surface().motion; }
 
   bool touched(std::int32_t s) const {
