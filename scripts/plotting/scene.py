@@ -20,6 +20,8 @@ UNITS = {
     "velocity": "m/s",
     "acceleration": "m/s²",
     "plastic_strain": "-",
+    "softening_strain": "-",
+    "slip": "m",
     "volume_ratio": "-",
     "stress": "Pa",
     "pressure": "Pa",

@@ -2,6 +2,7 @@
 #include "common/mechanics/materials/read_softening.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -130,6 +131,20 @@ void check_cutoff(const ConfigReader& in, const SofteningParameters& p) {
                       p.tension_cutoff, least, std::asin(steepest) / degree));
 }
 
+// Which key says how the strength changes.
+std::string given_curve(const ConfigReader& in) {
+  std::vector<std::string> given;
+  for (const char* name : {"slip", "strain", "table", "strain_table"}) {
+    if (in.has(name)) given.emplace_back(name);
+  }
+  if (given.size() != 1) {
+    in.fail(given.empty() ? "slip" : given.back(),
+            fmt::format("found {}, allowed: exactly one of slip, strain, table, strain_table",
+                        given.empty() ? "none" : fmt::format("{}", fmt::join(given, ", "))));
+  }
+  return given.front();
+}
+
 }  // namespace
 
 KeyTable softening_keys(bool frictional) {
@@ -189,10 +204,7 @@ KeyTable softening_keys(bool frictional) {
 
 void read_softening(ConfigReader in, const VirginSoil& virgin, SofteningParameters& parameters) {
   const bool frictional = parameters.frictional;
-  std::string given;
-  for (const char* name : {"table", "strain_table", "slip", "strain"}) {
-    if (in.has(name)) given = name;
-  }
+  const std::string given = given_curve(in);
   if (given == "table" || given == "strain_table") {
     parameters.curve = read_table(in, given, virgin, frictional);
   } else {

@@ -100,7 +100,7 @@ bool SofteningSoil<dim>::update(const PointContext& context, const Matrix<dim>& 
                         .before = before,
                         .start = start,
                         .gap = parameters_.apex_volume == ApexVolume::gap,
-                        .share = t_v > 0 ? context.dt / (context.dt + t_v) : 1,
+                        .share = t_v > 0 ? 1 / (1 + t_v / context.dt) : 1,
                         .kappa = kappa,
                         .solved = solved};
   if (!principal_update<dim>(surface, H, state_n, out, A)) return false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <type_traits>
 
 #include "common/mechanics/materials/plane_return.hpp"
@@ -42,10 +43,11 @@ class SofteningSoil {
 
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// Of the virgin soil, without the grid.
+  /// In the end, of the virgin soil without the grid.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
-    return update({.dt = 0}, H, state_n, out, A);
+    const double for_ever = std::numeric_limits<double>::infinity();
+    return update({.dt = for_ever}, H, state_n, out, A);
   }
   /// Of four points those that stay elastic, and which they are; none with a tension cut-off.
   LaneMask update_elastic(const std::array<PointContext, num_lanes>& contexts,

@@ -240,27 +240,22 @@ TEST(Softening, by_slip_does_the_same_work_in_every_band) {
 
 /// Strength that falls faster than stress unloads has no stress to give.
 TEST(Softening, that_snaps_back_is_told) {
-  const double scale = 1, steepest = 1.5 * mu;  // on an edge; sqrt(3) mu on a plane
+  const double peak = 0.02 * mu, scale = 0.01;
+  const double steepest = 1.5 * mu;  // of an edge; sqrt(3) mu on a plane
   const auto steep = [&](double share) {
-    auto soil = clay(1e4 - share * steepest * scale, scale);
-    soil.curve =
-        StrengthCurve(ExponentialCurve{.peak = {2 * steepest, 0, 0},
-                                       .residual = {2 * steepest - share * steepest * scale, 0, 0},
-                                       .scale = scale});
+    auto soil = clay();
+    soil.curve = StrengthCurve(ExponentialCurve{
+        .peak = {peak, 0, 0}, .residual = {peak - share * steepest * scale, 0, 0}, .scale = scale});
     soil.by_slip = false;
-    return soil;
+    return SofteningSoil<3>(soil);
   };
-  EXPECT_NEAR(snap_back(SofteningSoil<3>(steep(1)).surface(), 1, 0), 1, 1e-12);
-  // compression of an axis: an edge
+  EXPECT_NEAR(snap_back(steep(1).surface(), 1, 0), 1, 1e-12);
   Matrix<3> H = Matrix<3>::Zero();
-  H(2, 2) = std::expm1(-1.1 * 2 * steepest * 2 / (3 * mu) / 2 * 1.5);
-  const auto finds = [&](double share, StressUpdate<3>& out) {
-    return SofteningSoil<3>(steep(share)).update(PointContext{}, H, {}, out, nullptr);
-  };
+  H(2, 2) = std::expm1(-1.005 * peak / mu);  // compression along an axis: an edge
   StressUpdate<3> out;
-  EXPECT_TRUE(finds(0.97, out));
+  EXPECT_TRUE(steep(0.97).update(PointContext{}, H, {}, out, nullptr));
   EXPECT_TRUE(out.plastic());
-  EXPECT_FALSE(finds(1.03, out));
+  EXPECT_FALSE(steep(1.03).update(PointContext{}, H, {}, out, nullptr));
   EXPECT_EQ(out.refusal, Refusal::unsolved);
 }
 

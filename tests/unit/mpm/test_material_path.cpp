@@ -15,6 +15,16 @@ namespace {
 constexpr double lambda = 2e4, mu = 1e4, friction_angle = 0.6, dilation_angle = 0.1;
 
 template <int dim>
+MaterialLaw<dim> softening_soil() {
+  const Strength peak{300, std::sin(friction_angle), std::sin(dilation_angle)};
+  const Strength residual{20, std::sin(0.4), 0};
+  return SofteningSoil<dim>(
+      {.lambda = lambda,
+       .mu = mu,
+       .curve = StrengthCurve(ExponentialCurve{.peak = peak, .residual = residual, .scale = 0.5})});
+}
+
+template <int dim>
 std::vector<MaterialLaw<dim>> plastic_laws() {
   const MohrCoulombParameters soil{.lambda = lambda,
                                    .mu = mu,
@@ -29,7 +39,8 @@ std::vector<MaterialLaw<dim>> plastic_laws() {
                               .mu = mu,
                               .friction_angle = friction_angle,
                               .dilation_angle = dilation_angle,
-                              .cohesion = 50})};
+                              .cohesion = 50}),
+          softening_soil<dim>()};
 }
 
 /// Points of a box that yield everywhere in a few substeps.
@@ -38,6 +49,7 @@ struct Path {
   SoilPatch<dim> soil;
   mpm::TrialPoints<dim> trial;
   mpm::MaterialPath<dim> path;
+  mpm::StepContext<dim> context;
   std::optional<mpm::InternalForces<dim>> internal;
 
   Path(CellType type, const MaterialLaw<dim>& law, bool averaged) : soil(type, 2) {
@@ -48,13 +60,16 @@ struct Path {
     }
     for (auto& state : soil.points.history) state.e.template head<3>().setConstant(-0.02);
     soil.to_grid();
-    path.history = soil.points.history;
+    if (remembers_internal(law)) mpm::add_internal(soil.points);
+    path = {.history = soil.points.history, .internal = soil.points.internal};
+    context.grid = &soil.grid;
     internal.emplace(mpm::StressParts<dim>{.bodies = soil.bodies,
                                            .points = soil.points,
                                            .weights = soil.weights,
                                            .nodes = soil.nodes,
                                            .trial = trial,
-                                           .path = &path},
+                                           .path = &path,
+                                           .context = &context},
                      0.5, 0, averaged);
   }
   /// An even deformation: what F-bar averages is the same at all points.
@@ -83,6 +98,8 @@ void check_path(CellType type, const MaterialLaw<dim>& law, bool averaged) {
   Path<dim> soil(type, law, averaged);
   const auto& weights = soil.soil.weights;
   MaterialState<dim> state = soil.soil.points.history[0];
+  const bool remembers = remembers_internal(law);
+  PointContext at_point = soil.context.of_point(soil.soil.points, 0);
   Matrix<dim> F = Matrix<dim>::Identity();
   for (int k = 0; k < 5; ++k) {
     const Matrix<dim> before = F;
@@ -90,9 +107,11 @@ void check_path(CellType type, const MaterialLaw<dim>& law, bool averaged) {
     if (k == 3) F += 0.2 * Matrix<dim>::Identity();  // opens a gap, which the next one closes
     soil.evaluate(soil.even_du(F - Matrix<dim>::Identity()));
     StressUpdate<dim> found;
-    ASSERT_TRUE(
-        update<dim>(law, F * before.inverse() - Matrix<dim>::Identity(), state, found, nullptr));
+    ASSERT_TRUE(update(LawInStep<MaterialLaw<dim>, dim>{law, at_point},
+                       Matrix<dim>(F * before.inverse() - Matrix<dim>::Identity()), state, found,
+                       static_cast<Tangent<dim>*>(nullptr)));
     state = found.state;
+    if (remembers) at_point.internal = found.internal;
     for (std::size_t e = 0; e < soil.trial.tau.size(); ++e) {
       const auto& of_point = soil.trial.history[e];
       EXPECT_LT((soil.trial.tau[e] - found.tau).norm(), 1e-11 * mu);
@@ -103,9 +122,16 @@ void check_path(CellType type, const MaterialLaw<dim>& law, bool averaged) {
       const auto& on_path = soil.path.history[weights.point[e]];
       const Symmetric<dim> again = push_forward<dim>(F - Matrix<dim>::Identity(), on_path.e);
       EXPECT_LT((again - of_point.e).norm(), 1e-13);
+      if (!remembers) continue;
+      EXPECT_LT((soil.trial.internal[e] - at_point.internal).norm(), 1e-11);
+      EXPECT_EQ(soil.path.internal[weights.point[e]], soil.trial.internal[e]);
     }
   }
   EXPECT_GT(state.plastic_strain, 0.05);
+  if (remembers) {
+    EXPECT_GT(at_point.internal[0], 0.02);
+    EXPECT_GT(at_point.internal[1], 0.01);
+  }
 }
 
 TEST(MaterialPath, substeps_go_on_from_each_other) {
