@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "common/base/log.hpp"
@@ -84,19 +85,44 @@ TimeFunction read_factor(ConfigReader& in) {
   return in.has("table") ? read_time_table(in) : TimeFunction::constant(1);
 }
 
-template <int dim>
-LoadSettings<dim> read_load(ConfigReader in) {
-  LoadSettings<dim> load;
+/// Where a load, mass or spring acts.
+template <int dim, class Settings>
+void read_place(ConfigReader& in, Settings& s) {
   if (in.has("point") == in.has("group")) {
     in.fail("point", "allowed: either \"point\" (coordinates of a node) or \"group\"");
   }
   if (in.has("point")) {
-    load.point = read_vector<dim>(in, "point");
-    load.where = in.where("point");
+    s.point = read_vector<dim>(in, "point");
+    s.where = in.where("point");
   } else {
-    load.group = in.text("group");
-    load.where = in.where("group");
+    s.group = in.text("group");
+    s.where = in.where("group");
   }
+}
+
+template <int dim>
+PointMassSettings<dim> read_point_mass(ConfigReader in) {
+  PointMassSettings<dim> s;
+  read_place<dim>(in, s);
+  s.mass = in.number("mass");
+  in.finish();
+  return s;
+}
+
+template <int dim>
+SpringSettings<dim> read_spring(ConfigReader in) {
+  SpringSettings<dim> s;
+  read_place<dim>(in, s);
+  s.stiffness = read_vector<dim>(in, "stiffness");
+  if (s.stiffness.isZero(0)) in.fail("stiffness", "found zero in all directions, allowed: > 0");
+  in.finish();
+  return s;
+}
+
+template <int dim>
+LoadSettings<dim> read_load(ConfigReader in) {
+  LoadSettings<dim> load;
+  read_place<dim>(in, load);
   load.force = read_vector<dim>(in, "force");
   load.factor = read_factor(in);
   in.finish();
@@ -168,11 +194,13 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
                       return std::count(item.components.begin(), item.components.end(), c) > 0;
                     }) ||
         std::any_of(s.prescribed.begin(), s.prescribed.end(),
-                    [c](const auto& item) { return item.component == c; });
+                    [c](const auto& item) { return item.component == c; }) ||
+        std::any_of(s.springs.begin(), s.springs.end(),
+                    [c](const auto& item) { return item.stiffness[c] > 0; });
     if (held) continue;
     in.fail("supports",
             fmt::format("found none that holds the structure in {}, allowed with {}: "
-                        "supports or prescribed displacements in every direction",
+                        "supports, prescribed displacements or springs in every direction",
                         component_names[c],
                         s.dynamic ? "\"initial_equilibrium\"" : "\"analysis\" \"static\""));
   }
@@ -187,6 +215,10 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.prescribed.push_back(read_prescribed<dim>(item));
   }
   for (auto& item : in.objects("loads")) s.loads.push_back(read_load<dim>(item));
+  for (auto& item : in.objects("point_masses")) {
+    s.point_masses.push_back(read_point_mass<dim>(item));
+  }
+  for (auto& item : in.objects("springs")) s.springs.push_back(read_spring<dim>(item));
   for (auto& item : in.objects("tractions")) {
     s.tractions.push_back(read_traction<dim>(item));
   }
@@ -198,7 +230,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   require_distinct_supports(in, s.supports);
   together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });
   if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
-  if (s.supports.empty() && s.prescribed.empty()) {
+  if (s.supports.empty() && s.prescribed.empty() && s.springs.empty()) {
     log::warn("{}: none, and nothing is prescribed: the structure moves freely",
               in.where("supports"));
   }
@@ -212,6 +244,8 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   for (const auto& item : s.supports) used.insert(item.group);
   for (const auto& item : s.prescribed) used.insert(item.group);
   for (const auto& item : s.loads) used.insert(item.group);
+  for (const auto& item : s.point_masses) used.insert(item.group);
+  for (const auto& item : s.springs) used.insert(item.group);
   for (const auto& item : s.tractions) used.insert(item.group);
   for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
   for (const auto& item : s.line_materials) used.insert(item.group);
@@ -297,35 +331,6 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
 namespace {
 
 template <int dim>
-void read_materials(ConfigReader& in, FemSettings<dim>& s) {
-  if (in.has("material") == in.has("materials")) {
-    in.fail("material", fmt::format("found {}, allowed: either \"material\", of all cells, or "
-                                    "\"materials\", each of a group of cells",
-                                    in.has("material") ? "both" : "neither"));
-  }
-  if (in.has("material")) {
-    s.materials = {read_cell_material<dim>(in.object("material"), false)};
-    return;
-  }
-  std::set<std::string> groups;
-  std::size_t count = 0;
-  for (auto& item : in.objects("materials")) {
-    const std::string group = item.text("group");
-    if (std::ranges::find(line_laws, item.choice("law")) != line_laws.end()) {
-      s.line_materials.push_back(read_line_material(item));
-    } else {
-      s.materials.push_back(read_cell_material<dim>(item, true));
-    }
-    if (!groups.insert(group).second) {
-      in.fail(fmt::format("materials/{}/group", count),
-              fmt::format("found \"{}\" a second time, allowed: each group once", group));
-    }
-    ++count;
-  }
-  if (count == 0) in.fail("materials", "found [], allowed: at least one material");
-}
-
-template <int dim>
 RankedMesh<dim> read_mesh_with_lines(const Scene& scene, ConfigReader& in,
                                      const FemSettings<dim>& s, MPI_Comm comm) {
   std::set<std::string> lines;
@@ -347,7 +352,7 @@ template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Comm comm) {
   FemSettings<dim> s;
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
-  read_materials<dim>(in, s);
+  std::tie(s.materials, s.line_materials) = read_materials<dim>(in);
   auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);

@@ -48,6 +48,24 @@ struct LoadSettings {
   std::string where;
 };
 
+/// A mass at a node, or spread in equal parts over the nodes of a group.
+template <int dim>
+struct PointMassSettings {
+  std::optional<Vector<dim>> point;  ///< [m], reference configuration
+  std::string group;                 ///< used when there is no point
+  double mass = 0;                   ///< [kg], in 2D per metre of thickness; the sum
+  std::string where;
+};
+
+/// A spring from a node to the ground, or in equal parts from the nodes of a group.
+template <int dim>
+struct SpringSettings {
+  std::optional<Vector<dim>> point;  ///< [m], reference configuration
+  std::string group;                 ///< used when there is no point
+  Vector<dim> stiffness;             ///< along each axis [N/m], in 2D per metre; the sum
+  std::string where;
+};
+
 /// A dead load per reference area.
 template <int dim>
 struct TractionSettings {
@@ -95,6 +113,8 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<SupportSettings> supports;
   std::vector<PrescribedSettings> prescribed;
   std::vector<LoadSettings<dim>> loads;
+  std::vector<PointMassSettings<dim>> point_masses;
+  std::vector<SpringSettings<dim>> springs;
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
   std::vector<ProbeSettings<dim>> probes;

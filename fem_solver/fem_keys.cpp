@@ -54,6 +54,35 @@ KeyTable load_keys() {
       {"point", "group"}};
 }
 
+std::vector<Key> place_keys(const std::string& group_sentence) {
+  return {
+      key::vector("point", "m", "Coordinates of a node in the reference configuration.").or_none(),
+      group_key(group_sentence).or_none()};
+}
+
+KeyTable point_mass_keys() {
+  KeyTable table{"point_mass",
+                 "A mass at the node at a point, or in equal parts at the nodes of a group.",
+                 place_keys("Group of facets or points whose nodes share the mass."),
+                 {"point", "group"}};
+  table.keys.push_back(
+      key::number("mass", "kg", "The sum; in 2D per metre of thickness.").in(positive()));
+  return table;
+}
+
+KeyTable spring_keys() {
+  KeyTable table{"spring",
+                 "A linear spring from the node at a point to the ground, or in equal parts from "
+                 "the nodes of a group; without force before loading.",
+                 place_keys("Group of facets or points whose nodes share the stiffness."),
+                 {"point", "group"}};
+  table.keys.push_back(
+      key::vector("stiffness", "N/m",
+                  "Along each axis, the sum; in 2D per metre of thickness; 0: none.")
+          .in(non_negative()));
+  return table;
+}
+
 KeyTable traction_keys() {
   return {"traction",
           "A dead load on the facets of a group.",
@@ -128,6 +157,12 @@ std::vector<Key> condition_keys() {
           .without("matrices"),
       key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty().without("matrices"),
       key::objects("loads", load_keys(), "Forces.").or_empty().without("matrices"),
+      key::objects("point_masses", point_mass_keys(), "Masses at nodes.")
+          .or_empty()
+          .without("matrices"),
+      key::objects("springs", spring_keys(), "Springs to the ground.")
+          .or_empty()
+          .without("matrices"),
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("probes", probe_keys(), "Reported points.").or_empty(),

@@ -42,12 +42,13 @@ bool is_of_run(const std::string& name) {
 
 /// Whether a solver or a program in structures/ wrote it, in the folder of a participant.
 bool is_of_participant(const std::string& name) {
-  static const Names written = names(
-      {R"(\.gabion_lock)", R"(resolved_config\.json(\.part)?)",
-       R"((soil|structure|contact_.+)\.xdmf(\.part)?)", R"((soil|structure|contact_.+)_\d{6,}\.h5)",
-       R"((frames|reactions|section_forces|nodes)\.csv)", R"(frame_\d{6,}\.frd)",
-       R"(frames\.pvd|frame_\d{4,}\.vtu)",
-       R"(structure\.pvd|structure\d{6,}\.pvtu|structure(_p\d+_|_p)?\d{6,}\.vtu)"});
+  static const Names written =
+      names({R"(\.gabion_lock)", R"(resolved_config\.json(\.part)?)",
+             R"((soil|structure|lines|contact_.+)\.xdmf(\.part)?)",
+             R"((soil|structure|lines|contact_.+)_\d{6,}\.h5)",
+             R"((frames|reactions|section_forces|nodes)\.csv)", R"(frame_\d{6,}\.frd)",
+             R"(frames\.pvd|frame_\d{4,}\.vtu)",
+             R"(structure\.pvd|structure\d{6,}\.pvtu|structure(_p\d+_|_p)?\d{6,}\.vtu)"});
   return is_one_of(name, written);
 }
 

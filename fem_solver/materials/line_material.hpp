@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/settings/config_reader.hpp"
 #include "fem_solver/materials/brake.hpp"
+#include "fem_solver/materials/cell_material.hpp"
 
 namespace gabion::fem {
 
@@ -48,5 +50,11 @@ std::vector<Key> line_keys();
 /// Read what group_material_keys() list of a line.
 /// @throws ConfigError  a table of a brake that does not rise in run, ...
 LineMaterial read_line_material(ConfigReader in);
+
+/// Read "material", of all cells, or "materials", each of a group of cells or lines.
+/// @throws ConfigError  both or neither; a group a second time
+template <int dim>
+std::pair<std::vector<CellMaterial<dim>>, std::vector<LineMaterial>> read_materials(
+    ConfigReader& in);
 
 }  // namespace gabion::fem

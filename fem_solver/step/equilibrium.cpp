@@ -29,6 +29,7 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
     cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
                   settings.line_materials);
   });
+  cells->set_nodal_parts(nodal_parts(settings));
   return std::move(*cells);
 }
 
@@ -41,6 +42,7 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
       ranks_(settings.ranks),
       conditions_(conditions),
       cells_(make_cells(settings)),
+      has_lines_(!settings.line_materials.empty()),
       scheme_(settings.time_integration),
       smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
       num_dofs_(settings.mesh.nodes.size() * dim),
@@ -76,13 +78,13 @@ void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
 template <int dim>
 bool Equilibrium<dim>::brace(double share) {
   brace_share_ = share;
-  return shared().largest(cells_.line_blocks().empty() ? 0 : 1) > 0;
+  return has_lines_;
 }
 
 template <int dim>
 bool Equilibrium<dim>::support(bool on) {
   support_ = on;
-  return shared().largest(cells_.line_blocks().empty() ? 0 : 1) > 0;
+  return has_lines_;
 }
 
 template <int dim>

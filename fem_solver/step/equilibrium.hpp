@@ -127,6 +127,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const MeshRanks& ranks_;
   const BoundaryConditions<dim>& conditions_;
   CellIntegrals<dim> cells_;
+  bool has_lines_;  // a rank has some
   NewmarkBossak scheme_;
   double smallest_cell_size_ = 0;  // of all cells [m]
   std::size_t num_dofs_ = 0;

@@ -111,6 +111,7 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
 template <int dim>
 void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
   for (const auto& block : line_blocks_) block.add_mass_times(a, f);
+  nodal_parts_.add_mass_times(a, f);
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     for (int k = 0; k < dim; ++k) f[i * dim + k] += lumped_masses_[i] * a[i * dim + k];
   }
@@ -133,6 +134,7 @@ void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<dou
 template <int dim>
 void CellIntegrals<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
   for (const auto& block : line_blocks_) block.add_mass(scale, K);
+  nodal_parts_.add_mass(scale, K);
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     if (lumped_masses_[i] != 0) {
       K.add_diagonal(static_cast<std::int32_t>(i), scale * lumped_masses_[i]);
@@ -189,6 +191,7 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
     if (sum.inadmissible_cell >= 0) return sum;
     first += block.history_size();
   }
+  sum.energy += nodal_parts_.add_internal(u, f_int, K);
   return sum;
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "fem_solver/stress/cell_block.hpp"
 #include "fem_solver/stress/line_block.hpp"
+#include "fem_solver/stress/nodal_parts.hpp"
 
 namespace gabion::fem {
 
@@ -24,6 +26,9 @@ class CellIntegrals {
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
                 bool lumped_mass, const MeshRanks& ranks = {},
                 std::span<const LineMaterial> line_materials = {});
+
+  /// Take these, too, into all sums below.
+  void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
 
   /// f_int,a = sum_q w_q P(H_q) dN_a/dX, H = sum_a u_a (x) dN_a/dX, and on demand
   /// K_ab = sum_q w_q dN_a/dX . dP/dH . dN_b/dX.
@@ -102,6 +107,7 @@ class CellIntegrals {
   std::vector<CellBlock<dim>> blocks_;
   std::vector<std::int32_t> line_nodes_;  // lines x 2
   std::vector<LineBlock<dim>> line_blocks_;
+  NodalParts<dim> nodal_parts_;
   std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped
   std::vector<double> lumped_masses_;  // num_nodes [kg]; empty when consistent
   double smallest_cell_size_ = 0;

@@ -158,24 +158,48 @@ void BoundaryConditions<dim>::collect_constraints(const std::vector<int>& owner)
 
 namespace {
 
-/// Held nodes that a load acts on; all of them share it.
-template <int dim>
-std::vector<std::int32_t> loaded_nodes(const FemSettings<dim>& settings,
-                                       const LoadSettings<dim>& load) {
+/// Held nodes that a load, mass or spring acts on; all of them share it.
+template <int dim, class Settings>
+std::vector<std::int32_t> nodes_of(const FemSettings<dim>& settings, const Settings& item) {
   const MeshRanks& ranks = settings.ranks;
-  if (!load.point) return ranks.group_nodes(settings.mesh, load.group, load.where);
-  const std::int32_t held = ranks.held_node(node_at(settings.mesh, ranks, *load.point, load.where));
+  if (!item.point) return ranks.group_nodes(settings.mesh, item.group, item.where);
+  const std::int32_t held = ranks.held_node(node_at(settings.mesh, ranks, *item.point, item.where));
   return held < 0 ? std::vector<std::int32_t>() : std::vector{held};
 }
 
+/// Call add(node, share) for those of its nodes that this rank owns.
+template <int dim, class Settings, class Add>
+void share_out(const FemSettings<dim>& settings, const Settings& item, const Add& add) {
+  const SharedNodes& shared = settings.ranks.shared();
+  auto nodes = nodes_of(settings, item);
+  std::erase_if(nodes, [&](std::int32_t node) { return !shared.owns(node); });
+  const double share = 1 / shared.total(static_cast<double>(nodes.size()));
+  for (const std::int32_t node : nodes) add(node, share);
+}
+
 }  // namespace
+
+template <int dim>
+NodalParts<dim> nodal_parts(const FemSettings<dim>& settings) {
+  NodalParts<dim> parts;
+  for (const auto& item : settings.point_masses) {
+    share_out(settings, item,
+              [&](std::int32_t node, double share) { parts.add_mass_at(node, share * item.mass); });
+  }
+  for (const auto& item : settings.springs) {
+    share_out(settings, item, [&](std::int32_t node, double share) {
+      parts.add_spring_at(node, share * item.stiffness);
+    });
+  }
+  return parts;
+}
 
 template <int dim>
 void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const SharedNodes& shared = settings.ranks.shared();
   for (const auto& load : settings.loads) {
-    const auto nodes = loaded_nodes(settings, load);
+    const auto nodes = nodes_of(settings, load);
     const auto own = std::ranges::count_if(nodes, [&](auto node) { return shared.owns(node); });
     const Vector<dim> share = load.force / shared.total(static_cast<double>(own));
     loads_.push_back({.nodes = nodes,
@@ -233,6 +257,8 @@ template std::int32_t node_at<3>(const Mesh<3>&, const MeshRanks&, const Vector<
                                  const std::string&);
 template std::vector<double> facet_weights<2>(const Mesh<2>&, std::span<const std::int32_t>);
 template std::vector<double> facet_weights<3>(const Mesh<3>&, std::span<const std::int32_t>);
+template NodalParts<2> nodal_parts(const FemSettings<2>&);
+template NodalParts<3> nodal_parts(const FemSettings<3>&);
 template class BoundaryConditions<2>;
 template class BoundaryConditions<3>;
 

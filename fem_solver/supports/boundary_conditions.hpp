@@ -8,6 +8,7 @@
 
 #include "common/mechanics/tensor.hpp"
 #include "fem_solver/fem_config.hpp"
+#include "fem_solver/stress/nodal_parts.hpp"
 
 namespace gabion::fem {
 
@@ -21,6 +22,12 @@ std::int32_t node_at(const Mesh<dim>& mesh, const MeshRanks& ranks, const Vector
 /// Consistent nodal parts of a unit density: integral of N_a over the facets, num_nodes.
 template <int dim>
 std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::int32_t> facets);
+
+/// Masses and springs at the nodes that this rank owns.
+/// @throws ConfigError  missing group, no node at a point
+/// @note Collective.
+template <int dim>
+NodalParts<dim> nodal_parts(const FemSettings<dim>& settings);
 
 /// Supports, prescribed displacements and loads of a structure, at the nodes that this rank holds.
 template <int dim>

@@ -13,7 +13,7 @@ namespace gabion::fem {
 
 namespace {
 
-/// Which components of a part supports or prescribed displacements hold.
+/// Which components of a part supports, prescribed displacements or springs hold.
 template <int dim>
 std::array<bool, dim> held_components(const FemSettings<dim>& settings,
                                       const ConnectedPart<dim>& part) {
@@ -24,6 +24,11 @@ std::array<bool, dim> held_components(const FemSettings<dim>& settings,
   }
   for (const auto& prescribed : settings.prescribed) {
     if (part.groups.contains(prescribed.group)) held[prescribed.component] = true;
+  }
+  for (const auto& spring : settings.springs) {
+    const bool here = spring.point ? part.box.squaredExteriorDistance(*spring.point) == 0
+                                   : part.groups.contains(spring.group);
+    for (int c = 0; c < dim && here; ++c) held[c] = held[c] || spring.stiffness[c] > 0;
   }
   return held;
 }

@@ -124,7 +124,7 @@ std::vector<double> string_frequencies(const std::string& mass) {
   M.set_zero();
   std::vector<double> u(22, 0.0), f(22, 0.0);
   cells.add_internal(u, f, &K);
-  cells.add_mass(settings.materials.empty() ? 1 / settings.line_materials[0].length_ratio : 0, M);
+  cells.add_mass(1 / settings.line_materials[0].length_ratio, M);
   std::vector<int> across;
   for (int i = 1; i < 10; ++i) across.push_back(2 * i + 1);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(dense(K)(across, across),

@@ -95,7 +95,8 @@ TEST(LineErrors, brakes) {
 TEST(LineErrors, groups_of_lines) {
   expect_rope_refused([](Json& rope) { rope["group"] = "string"; },
                       {"belongs to no cell", "\"rope\""});
-  expect_rope_refused([](Json& rope) { rope["group"] = "lower"; }, {"belongs to no cell"});
+  expect_rope_refused([](Json& rope) { rope["group"] = "lower"; },
+                      {"/materials/2/group", "lower", "second time"});
   expect_refused(guyed_tower(), [](Json& json) { json["materials"].erase(2); },
                  {"belongs to no cell", "\"rope\""});
   expect_refused(two_groups(), [](Json& json) { json["supports"].erase(1); },

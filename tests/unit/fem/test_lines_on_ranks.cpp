@@ -41,6 +41,8 @@ Json guyed_scene(const std::string& file) {
       {"materials", {beam, ropes, braked}},
       {"gravity", {0, -10}},
       {"supports", {{{"group", "anchors"}, {"report_reaction", true}, {"report_moment", true}}}},
+      {"point_masses", {{{"point", {2, 0}}, {"mass", 50}}}},
+      {"springs", {{{"point", {0, 0}}, {"stiffness", {1e4, 1e4}}}}},
       {"probes", {{{"name", "M"}, {"point", {2, 0}}}}}};
 }
 

@@ -20,6 +20,7 @@ TEST(Ropes, prestressed_rope_with_a_force_in_the_middle) {
   json["analysis"] = "static";
   json["supports"] = {{{"group", "low"}}, {{"group", "high"}}};
   json["loads"] = {{{"point", {5, 0}}, {"force", {0, -5e3}}}};
+  json["newton"] = {{"residual_tolerance", 1e-11}};
   json["probes"] = {{{"name", "M"}, {"point", {5, 0}}}};
   const auto solver = fem_solver<2>(json);
   advance(*solver, 1, 1);
@@ -57,6 +58,7 @@ TEST(Ropes, square_net_under_a_force) {
   json["supports"] = {{{"group", "rim"}, {"report_reaction", true}}};
   json["loads"] = {{{"point", {1, 1, 0}}, {"force", {0, 0, -1e3}}, {"table", {{1, 1}, {2, 5}}}}};
   json["probes"] = {{{"name", "M"}, {"point", {1, 1, 0}}}};
+  json["newton"] = {{"residual_tolerance", 1e-11}};
   const auto solver = fem_solver<3>(json);
   advance(*solver, 1, 1);
   EXPECT_NEAR(-probe(*solver, "M.uz"), 0.0932181, 1e-7);
@@ -90,7 +92,7 @@ TEST(Ropes, sag_of_a_slack_rope) {
   const auto [soft, soft_force] = hanging_rope(40, 1e5);
   EXPECT_NEAR(soft, 21.582, 0.02);
   const auto [finer, finer_force] = hanging_rope(80, 1e5);
-  EXPECT_NEAR((soft - 21.582) / (finer - 21.582), 4, 0.6);
+  EXPECT_NEAR((4 * finer - soft) / 3, 21.582, 1e-3);
   EXPECT_NEAR(finer_force, 1634.32, 0.01 * 1634.32);
 }
 
@@ -121,7 +123,7 @@ double energy_error(double dt, const Json& scheme) {
   json["gravity"] = {-10, 0.5};  // swings, too
   const auto solver = fem_solver<2>(json);
   double worst = 0, largest = 0;
-  for (int n = 1; n * dt < 20; ++n) {
+  for (int n = 1; n * dt < 10; ++n) {
     advance(*solver, n, dt);
     largest = std::max(largest, probe(*solver, "elastic_energy"));
     worst = std::max(worst, probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy") -
@@ -133,12 +135,10 @@ double energy_error(double dt, const Json& scheme) {
 TEST(Ropes, slack_and_taut_by_turns_make_no_energy) {
   const Json trapezoid = {{"scheme", "newmark"}};
   const double coarse = energy_error(0.01, trapezoid), fine = energy_error(0.0025, trapezoid);
-  printf("trapezoid %g %g\n", coarse, fine);
   EXPECT_LT(fine, 0.01);
   EXPECT_LT(fine, coarse);
   for (const double dt : {0.05, 0.01}) {
     const double made = energy_error(dt, {{"scheme", "generalized_alpha"}, {"rho_inf", 0.0}});
-    printf("alpha %g\n", made);
     EXPECT_LT(made, 0.01);
   }
 }
