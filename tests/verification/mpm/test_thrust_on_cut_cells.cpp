@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "tests/support/cut_steps.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -81,7 +82,7 @@ TEST(V12_CutCells, thrust_of_sand_on_triangles) {
   json["bodies"][0]["material"]["friction_angle"] = 35;
   json["rigid_walls"][0]["penalty_factor"] = 10;
   const auto solver = make_mpm(json);
-  run_steps(*solver, 0.01, 20);
+  run_with_cuts(*solver, {.end = 0.2, .dt = 0.01, .dt_min = 1e-4});
   verify({.id = "V12",
           .what = "K0 box, force on a wall by facets at a third of a cell of alternate triangles, "
                   "Mohr-Coulomb, after 0.2 s",
