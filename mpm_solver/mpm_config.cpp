@@ -10,6 +10,7 @@
 
 #include "common/base/log.hpp"
 #include "common/settings/plausible.hpp"
+#include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -210,11 +211,29 @@ void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
   if (any_dynamic) read_transfer(in.object("transfer"), settings);
 }
 
+// Whether soil is at rest in some part of the run. Then the energy that CellQuadrature may cost is
+// of no account, and the pressure of a cell counts.
+template <int dim>
+bool any_rests(const MpmSettings<dim>& settings) {
+  return std::ranges::any_of(settings.initial_stress, &std::optional<InitialStress>::has_value) ||
+         std::ranges::any_of(settings.phases, [](const Phase& phase) { return !phase.dynamic; });
+}
+
+template <int dim>
+Quadrature default_quadrature(const MpmSettings<dim>& settings) {
+  if (settings.grid.basis != Basis::linear) return Quadrature::points;
+  if (any_yields(settings)) return Quadrature::cells;
+  const bool uneven =
+      any_rests(settings) && uneven_filling(settings.grid, settings.layouts) > even_filling;
+  return uneven ? Quadrature::cells : Quadrature::points;
+}
+
 template <int dim>
 Quadrature read_quadrature(ConfigReader& in, const MpmSettings<dim>& settings) {
   const bool linear = settings.grid.basis == Basis::linear;
-  const bool cells =
-      in.choice_or("quadrature", linear && any_yields(settings) ? "cells" : "points") == "cells";
+  const Quadrature otherwise =
+      in.has("quadrature") ? Quadrature::points : default_quadrature(settings);
+  const bool cells = in.choice_or("quadrature", quadrature_name(otherwise)) == "cells";
   if (cells && !linear) {
     in.fail("quadrature", fmt::format("found \"cells\" with \"basis\": \"{}\", allowed: points",
                                       basis_name(settings.grid.basis)));

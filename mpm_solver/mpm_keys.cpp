@@ -88,6 +88,10 @@ KeyTable probe_keys() {
        key::vector("point", "m", "At the start.")}};
 }
 
+constexpr const char* default_quadrature =
+    "`cells` with `linear` where a body yields, and where soil at rest (`initial_stress`, "
+    "`quasi_static`) does not fill the cells of the grid evenly; else `points`";
+
 std::vector<Key> model_keys() {
   return {key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
           key::object("grid", mesh_keys(), "Mesh of the background."),
@@ -100,7 +104,7 @@ std::vector<Key> model_keys() {
                                   "it lies inside the soil, all around filled by {:g} or more, as "
                                   "over the cell. `cells` with `linear` only.",
                                   least_filling))
-              .or_computed("`cells` with `linear` where a body yields, else `points`"),
+              .or_computed(default_quadrature),
           key::vector("origin", "m",
                       "Place of the scene's zero point in coordinates of the world, such as those "
                       "of a map; for what is exported from the results, the run itself is local.")

@@ -3,6 +3,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "mpm_solver/checks/cut_cells.hpp"
 #include "mpm_solver/checks/overlaps.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
 #include "mpm_solver/contact/start_check.hpp"
@@ -45,6 +46,10 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   check_start<dim>(model_.comm, surfaces, state_.points, model_.cell_size,
                    bounding_box(model_.grid));
   for (const auto& text : thin_walls_.at_start(model_.comm, surfaces, state_.points)) {
+    log::warn("{}", text);
+  }
+  for (const auto& text :
+       cut_cells_texts(model_.comm, model_.settings, surfaces, model_.grid, state_.points)) {
     log::warn("{}", text);
   }
   step_.check_initial_stress();

@@ -188,5 +188,64 @@ TEST(SoilAtRest, layers_of_unequal_density_say_how_they_balance) {
   EXPECT_LT(solver->summary()["initial_displacement"].get<double>(), 2e-4 * 0.5);
 }
 
+/// A layer of elastic soil at rest against a wall of facets at 1 m + `at` of a cell of 0.25 m, with
+/// a mesh of its own that ends there.
+Json against_wall(double at, const std::string& type = "quad4",
+                  const std::string& basis = "linear") {
+  const double W = 1 + 0.25 * at;
+  Json json = {{"dimension", 2},
+               {"grid", box({0, 0}, {1.75, 1.25}, {7, 5}, type)},
+               {"basis", basis},
+               {"gravity", {0, -10}},
+               {"walls", {wall("left", "slip"), wall("bottom", "slip")}},
+               {"bodies",
+                {body("soil", box({0, 0}, {W, 1}, {4, 4}, type), type == "tri3" ? 3 : 4,
+                      elastic_soil("hencky_elastic", 1e8, 0.3, 2000))}},
+               {"rigid_walls",
+                {{{"name", "wall"},
+                  {"surface", {{"polyline", {{W, 1.2}, {W, -1}}}, {"spacing", 0.25}}},
+                  {"mode", "slip"}}}}};
+  json["bodies"][0]["initial_stress"] = {{"k0", 0.5}, {"surface", 1}, {"max_displacement", 0.1}};
+  return json;
+}
+
+std::string quadrature_of(const Json& json) {
+  return make_mpm(json)->summary().at("quadrature");
+}
+
+TEST(CutCells, the_start_warns_of_soil_at_rest_on_a_wall_that_cuts_cells) {
+  for (const std::string type : {"quad4", "tri3"}) {
+    for (const double at : {0.25, 1.0 / 3, 0.5}) {
+      expect_said(against_wall(at, type),
+                  {"/rigid_walls/0", "\"wall\" cuts cells of the grid", "\"basis\": \"linear\""});
+    }
+    EXPECT_EQ(said_of(against_wall(0, type)).find("cuts cells"), std::string::npos) << type;
+  }
+  EXPECT_EQ(said_of(against_wall(0.5, "quad4", "gimp")).find("cuts cells"), std::string::npos);
+}
+
+/// Soil that is not at rest meets surfaces wherever it goes.
+TEST(CutCells, soil_that_moves_is_not_warned_of) {
+  Json json = against_wall(0.5);
+  json["bodies"][0].erase("initial_stress");
+  EXPECT_EQ(said_of(json).find("cuts cells"), std::string::npos);
+}
+
+TEST(CutCells, quadrature_of_elastic_soil_at_rest_follows_how_it_fills_the_cells) {
+  for (const std::string type : {"quad4", "tri3"}) {
+    EXPECT_EQ(quadrature_of(against_wall(0, type)), "points") << type;
+    EXPECT_EQ(quadrature_of(against_wall(0.5, type)), "cells") << type;
+    Json moving = against_wall(0.5, type);
+    moving["bodies"][0].erase("initial_stress");
+    EXPECT_EQ(quadrature_of(moving), "points") << type;
+    moving["analysis"] = "quasi_static";
+    EXPECT_EQ(quadrature_of(moving), "cells") << type;
+  }
+  EXPECT_EQ(quadrature_of(against_wall(0.5, "quad4", "gimp")), "points");
+  Json named = against_wall(0.5);
+  named["quadrature"] = "points";
+  EXPECT_EQ(quadrature_of(named), "points");
+}
+
 }  // namespace
 }  // namespace gabion::test

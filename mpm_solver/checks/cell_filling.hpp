@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mpm_solver/grid/background_grid.hpp"
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// Cells count as evenly filled where the volumes of their points add up to theirs within this
+/// share.
+inline constexpr double even_filling = 0.01;
+
+/// Largest difference between the volume of the points in a cell and the cell's own, over the
+/// latter, in cells inside the soil: all cells around their nodes are filled by `least_filling`.
+/// It is 0 where the meshes of the bodies fit the cells of the grid; 0 too where no cell is inside.
+/// Points outside the grid do not count.
+/// @param layouts  bodies as they will be laid
+template <int dim>
+double uneven_filling(const BackgroundGrid<dim>& grid,
+                      const std::vector<PointLayout<dim>>& layouts);
+
+}  // namespace gabion::mpm
