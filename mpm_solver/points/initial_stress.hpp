@@ -60,8 +60,8 @@ struct BodyAtRest {
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
 /// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
 ///
-/// With pore water and its table at the depth d_w, w = <d - d_w> below it, this is the stress of the
-/// skeleton, and
+/// With pore water and its table at the depth d_w, w = <d - d_w> below it, this is the stress of
+/// the skeleton, and
 ///
 ///     s + s^2 / (2 C) = g [rho_above min(d, d_w) + (rho - rho_w) w] ,  p = rho_w g w ,
 ///     m = V0 [rho_dry + (J - 1 + n0) rho_w] ,  rho_dry = rho - n0 rho_w ,
