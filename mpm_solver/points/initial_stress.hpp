@@ -60,11 +60,12 @@ struct BodyAtRest {
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
 /// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
 ///
-/// With pore water, below the table at the depth d_w, this is the stress of the skeleton, and
+/// With pore water and its table at the depth d_w, w = <d - d_w> below it, this is the stress of
+/// the skeleton, and
 ///
-///     s + s^2 / (2 C) = g [rho_above min(d, d_w) + (rho - rho_w) <d - d_w>] ,  p = rho_w g <d -
-///     d_w> , m = V0 [rho_dry + (J - 1 + n0) rho_w] ,  rho_dry = rho - n0 rho_w , tau = tau' - J p
-///     1
+///     s + s^2 / (2 C) = g [rho_above min(d, d_w) + (rho - rho_w) w] ,  p = rho_w g w ,
+///     m = V0 [rho_dry + (J - 1 + n0) rho_w] ,  rho_dry = rho - n0 rho_w ,
+///     tau = tau' - J p 1
 ///
 /// is exact for water of constant density: sigma' grows by (rho - rho_w) g / J. Above the table
 /// points are dry but for their weight, rho_above = rho_dry + n0 saturation_above rho_w.

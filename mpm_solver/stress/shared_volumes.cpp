@@ -51,11 +51,6 @@ void add_volumetric_strain(const Law&, double strain, MaterialState<dim>& state)
   }
 }
 
-/// A volume and by how much another exceeds it [m^3].
-struct VolumePair {
-  double V, excess;
-};
-
 /// Sums of volumes over the points of each group, by body and first cell of the patch.
 template <int dim>
 class GroupVolumes {
@@ -67,13 +62,20 @@ class GroupVolumes {
         num_parts_(owners.grid.splits_border ? SoilBorder<dim>::num_parts : 1),
         sums_(static_cast<std::size_t>(num_cells_) * num_parts_ * points.num_bodies(), {}) {}
 
-  void add(std::int32_t body, std::int32_t p, const VolumePair& of_point) {
+  /// Count a point with its volume and the strain theta since it was free of stress.
+  void add(std::int32_t body, std::int32_t p, double theta) {
+    const double V = points_.V0[p] * points_.J[p];
+    const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
+    add(body, p, V, smaller);
+  }
+  /// The same with any volume V, which is (1 + smaller) V in the state that the group shares.
+  void add(std::int32_t body, std::int32_t p, double V, double smaller) {
     if (const std::int64_t group = group_of(body, p); group != last_) {
       last_ = group;
       last_sums_ = &sums_.at(group);
     }
-    (*last_sums_)[0] += of_point.V;
-    (*last_sums_)[1] += of_point.excess;
+    (*last_sums_)[0] += V * (1 + smaller);
+    (*last_sums_)[1] -= V * smaller;
   }
   /// Groups with points of this rank in cells of others: the owner adds up and answers.
   void sum() {
@@ -94,7 +96,7 @@ class GroupVolumes {
       add_sums(packet);
     }
   }
-  /// ln (1 + sum excess / sum V) of the point's group.
+  /// ln (sum V / sum (1 + smaller) V) of the point's group.
   double strain(std::int32_t body, std::int32_t p) {
     if (const std::int64_t group = group_of(body, p); group != last_) {
       last_ = group;
@@ -175,36 +177,25 @@ class GroupVolumes {
   std::int32_t num_cells_;
   int num_parts_;  // of a cell
   using Sums = std::array<double, 2>;
-  SparseList<Sums> sums_;  // of each group
+  SparseList<Sums> sums_;  // of each group: (1 + smaller) V, and how much V exceeds it
   // Of the group that was asked for last: points of one group follow one another.
   std::int64_t last_ = -1;
   Sums* last_sums_ = nullptr;
   double last_strain_ = 0;
 };
 
-// The volume at which a point is free of stress, and how much its own exceeds it.
+// What the pores of a point would take up under the pressure of water at rest, over V0.
 template <int dim>
-VolumePair stress_free(const MaterialPoints<dim>& points, std::int32_t p, double theta) {
-  const double V = points.V0[p] * points.J[p];
-  const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
-  return {V * (1 + smaller), -V * smaller};
-}
-
-// The volume of the pores of a point under the pressure of water at rest, and how much that of its
-// pores exceeds it.
-template <int dim>
-VolumePair hydrostatic(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p) {
-  const double at_rest = -water.hydrostatic(points.x[p][dim - 1]) / water.bulk_modulus;
-  const double m = points.water[p] * std::exp(at_rest);
-  return {points.V0[p] * m, points.V0[p] * (water.pores(points.J[p]) - m)};
+double pores_at_rest(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p) {
+  return points.water[p] * std::exp(-water.hydrostatic(points.x[p][dim - 1]) / water.bulk_modulus);
 }
 
 // The strain that brings the pores of a point to exp(strain) of that volume.
 template <int dim>
 double pore_strain(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p,
                    double strain) {
-  const auto [at_rest, excess] = hydrostatic(water, points, p);
-  const double change = (at_rest * std::expm1(strain) - excess) / points.V0[p];
+  const double at_rest = pores_at_rest(water, points, p);
+  const double change = at_rest - water.pores(points.J[p]) + at_rest * std::expm1(strain);
   return std::log1p(change / points.J[p]);
 }
 
@@ -276,7 +267,8 @@ class SharedWater {
     }
     GroupVolumes<dim> volumes(owners_, points_);
     for_each_wet([&](const PoreWater& water, std::int32_t b, std::int32_t p) {
-      volumes.add(b, p, hydrostatic(water, points_, p));
+      const double m = water.pores(points_.J[p]);
+      volumes.add(b, p, points_.V0[p] * m, pores_at_rest(water, points_, p) / m - 1);
     });
     volumes.sum();
     double lost = 0;
@@ -340,7 +332,7 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
   };
   for_each_point([&](const auto& law, std::int32_t b, std::int32_t p) {
     theta[p] = volumetric_strain(law, points.history[p]);
-    volumes.add(b, p, stress_free(points, p, theta[p]));
+    volumes.add(b, p, theta[p]);
   });
   volumes.sum();
   const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid};

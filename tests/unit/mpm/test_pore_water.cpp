@@ -17,7 +17,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr mpm::PoreWater water{.porosity = 0.4, .bulk_modulus = 2.2e9, .density = 1000};
+constexpr mpm::PoreWater water{
+    .porosity = 0.4, .bulk_modulus = 2.2e9, .density = 1000, .table = std::nullopt};
 
 TEST(PoreWater, pressure_of_a_volume) {
   const double content = water.content_at(0, 1);
@@ -129,7 +130,7 @@ void check_tangent(CellType type, const MaterialLaw<dim>& law, mpm::Basis basis)
   const Eigen::MatrixXd tangent = wet.matrix(du);
   EXPECT_LT(tangent_error([&](const VectorXd& x) { return wet.forces(x); }, du, tangent, 1e-6),
             1e-7)
-      << name(type) << " " << mpm::basis_name(basis);
+      << name(type) << " " << mpm::basis_name(basis) << " law " << law.index();
   EXPECT_LT((tangent - tangent.transpose()).cwiseAbs().maxCoeff(),
             1e-12 * tangent.cwiseAbs().maxCoeff());
 }
@@ -138,6 +139,7 @@ TEST(PoreWater, tangent_of_the_forces) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     constexpr double lambda = 1.2e7, mu = 0.8e7;
     check_tangent<dim>(type, HenckyElastic<dim>{lambda, mu}, basis);
+    if (basis != mpm::Basis::linear) return;
     check_tangent<dim>(
         type,
         Tresca<dim>({.lambda = lambda, .mu = mu, .cohesion = 1e4, .tension_cutoff = no_cutoff}),
