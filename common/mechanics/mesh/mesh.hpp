@@ -119,10 +119,9 @@ using LineGroupNames = std::optional<std::set<std::string>>;
 /// no cell or line uses are dropped, cells of negative volume reordered, facets turned outward; a
 /// facet between two cells stays as the file has it, and one of no cell between nodes of lines,
 /// such as the mesh of a net. A mesh of the plane must have one z for all nodes.
-/// @throws ConfigError  file and line or section, what was found; with lines: a line without
-/// length,
-///                      the same line twice, a group of curves on nodes of no cell that is not
-///                      among the names
+/// @throws ConfigError  file and line or section, what was found; with lines: one without length,
+///                      the same one twice, a group of curves on nodes of no cell that is not among
+///                      the names
 template <int dim>
 Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines = std::nullopt);
 
