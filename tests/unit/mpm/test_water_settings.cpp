@@ -69,5 +69,25 @@ TEST(WaterSettings, settings_that_are_refused) {
   expect_error<ConfigError>([&] { mpm_solver<2>(json); }, {"/bodies/0/initial_stress", "gravity"});
 }
 
+/// Water would bear a jump of the stress between layers without moving, so it is found by itself.
+TEST(WaterSettings, layers_whose_stresses_differ_are_refused) {
+  Json json = saturated_box(2, "quad4", 4, saturated_elastic());
+  json["grid"] = box({0, 0}, {1, 1}, {4, 4}, "quad4");
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 0.5}, {4, 2}, "quad4");
+  json["bodies"].push_back(json["bodies"][0]);
+  Json& above = json["bodies"][1];
+  above["name"] = "above";
+  above["mesh"] = box({0, 0.5}, {1, 1}, {4, 2}, "quad4");
+  above.erase("water");
+  above["material"]["density"] = 1600;
+  above["initial_stress"] = {{"k0", 0.5}, {"surface", 1}};
+  Json& below = json["bodies"][0]["initial_stress"];
+  below = {{"k0", 0.5}, {"surface", 1.5}, {"water_table", 0.5}};
+  expect_error<ConfigError>([&] { mpm_solver<2>(json); },
+                            {"/bodies/0/initial_stress/k0", "vertical stress jumps", "1.003"});
+  below["surface"] = 0.5 + 0.5 * 1600 / 1590;
+  run_steps(*mpm_solver<2>(json), 0.01, 2);
+}
+
 }  // namespace
 }  // namespace gabion::test
