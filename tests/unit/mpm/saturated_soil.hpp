@@ -45,4 +45,9 @@ inline Json saturated_box(int dim, const std::string& type, int cells, const Jso
   return json;
 }
 
+/// Initial stress of that box.
+inline Json at_rest(double table, double k0 = 0.5) {
+  return {{"k0", k0}, {"surface", 1}, {"water_table", table}};
+}
+
 }  // namespace gabion::test

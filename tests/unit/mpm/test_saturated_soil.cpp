@@ -8,17 +8,12 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/report/water_output.hpp"
 #include "solver_program/ranked_state.hpp"
-#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
 namespace gabion::test {
 namespace {
 
 constexpr double g = 9.81, degree = std::numbers::pi / 180;
-
-Json at_rest(double table, double k0 = 0.5) {
-  return {{"k0", k0}, {"surface", 1}, {"water_table", table}};
-}
 
 void step_explicitly(Json& json) {
   json.erase("newton");
@@ -338,46 +333,6 @@ TEST(SaturatedSoil, frames_have_effective_stress_and_pore_pressure) {
   EXPECT_TRUE(mpm::water_fields<2>(dry.bodies, points).empty());
   EXPECT_TRUE(mpm::water_probe_names<2>(dry).empty());
   EXPECT_TRUE(mpm_solver<2>(json)->points().water.empty());
-}
-
-/// What is wrong with the settings after a change of the first body.
-void expect_refused(const Json& change, const std::vector<std::string_view>& parts) {
-  Json json = saturated_box(2, "quad4", 2, saturated_elastic());
-  json["bodies"][0]["initial_stress"] = at_rest(0.8);
-  json["bodies"][0].merge_patch(change);
-  expect_error<ConfigError>([&] { mpm_settings<2>(json); }, parts);
-}
-
-TEST(SaturatedSoil, settings_that_are_refused) {
-  for (const double n : {0.0, 1.0, -0.2, 40.0}) {
-    expect_refused({{"water", {{"porosity", n}}}}, {"/bodies/0/water/porosity", "found"});
-  }
-  expect_refused({{"water", {{"porosity", 0.4}, {"bulk_modulus", -1}}}},
-                 {"/bodies/0/water/bulk_modulus", "found -1"});
-  expect_refused({{"water", {{"cavitation_pressure", -1}}}},
-                 {"/bodies/0/water/cavitation_pressure", "found -1"});
-  expect_refused({{"water", {{"grain_density", 3000}}}},
-                 {"/bodies/0/water/grain_density", "found 3000", "2200", "1990"});
-  expect_refused({{"material", {{"density", 900}}}},
-                 {"/bodies/0/water/porosity", "grains of 833", "heavier than the water"});
-  expect_refused({{"initial_stress", {{"water_table", 1.5}}}},
-                 {"/bodies/0/initial_stress/water_table", "found 1.5", "at most \"surface\""});
-  expect_refused({{"initial_stress", {{"water_table", nullptr}}}},
-                 {"/bodies/0/initial_stress/water_table", "found none", "height"});
-  expect_refused({{"initial_stress", {{"saturation_above", 1}}}},
-                 {"/bodies/0/initial_stress/saturation_above", "found 1"});
-  expect_refused({{"water", nullptr}},
-                 {"/bodies/0/initial_stress/water_table", "without pore water"});
-
-  Json json = saturated_box(2, "quad4", 2, saturated_elastic());
-  json["locking"] = {{"method", "none"}};
-  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
-                            {"/locking/method", "found \"none\"", "allowed: fbar"});
-  json.erase("locking");
-  EXPECT_TRUE(mpm_settings<2>(json).locking.average_volumes);
-  json["bodies"][0]["initial_stress"] = at_rest(0.8);
-  json["gravity"] = {0, 0};
-  expect_error<ConfigError>([&] { mpm_solver<2>(json); }, {"/bodies/0/initial_stress", "gravity"});
 }
 
 }  // namespace

@@ -208,6 +208,7 @@ TEST(MaterialPoints, every_field_loses_the_points_that_are_removed) {
   SoilPatch<2> soil(CellType::quad4, 2, mpm::Basis::gimp);
   soil.scatter(6);
   add_gradients(soil.points);
+  soil.points.water.assign(6, 0.4);
   const auto before = soil.points;
   const std::vector<std::int32_t> which = {0, 3, 4};
   mpm::remove_points<2>(which, soil.points);
