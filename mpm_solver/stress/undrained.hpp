@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/mechanics/materials/lane_tensors.hpp"
+#include "common/mechanics/simd/lane_tensors.hpp"
 #include "common/mechanics/materials/point_batch.hpp"
 #include "mpm_solver/points/pore_water.hpp"
 
