@@ -20,7 +20,8 @@ class NodalParts {
   void add_spring_at(std::int32_t node, const Vector<dim>& stiffness);
 
   /// f_int += k u, K += k. @returns the energy of the springs [J]
-  double add_internal(std::span<const double> u, std::span<double> f_int, BlockMatrix<dim>* K) const;
+  double add_internal(std::span<const double> u, std::span<double> f_int,
+                      BlockMatrix<dim>* K) const;
   void add_mass_times(std::span<const double> a, std::span<double> f) const;
   void add_mass(double scale, BlockMatrix<dim>& K) const;
 

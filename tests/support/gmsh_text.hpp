@@ -26,7 +26,8 @@ struct GmshText {
     std::vector<int> groups;
   };
   struct Block {
-    int dimension, entity, type;  ///< Gmsh's type: 1 line, 2 triangle, 3 quad, 4 tet, 5 hex, 15 point
+    int dimension, entity,
+        type;  ///< Gmsh's type: 1 line, 2 triangle, 3 quad, 4 tet, 5 hex, 15 point
     std::vector<std::vector<int>> elements;
   };
   std::vector<Group> groups;
@@ -42,9 +43,9 @@ struct GmshText {
       for (const auto& entity : entities) {
         if (entity.dimension != d) continue;
         ++counts[d];
-        shapes += fmt::format("{} 0 0 0 {}{} {}{}\n", entity.tag, d > 0 ? "1 1 1 " : "",
-                              entity.groups.size(), fmt::join(entity.groups, " "),
-                              d > 0 ? " 0" : "");
+        shapes +=
+            fmt::format("{} 0 0 0 {}{} {}{}\n", entity.tag, d > 0 ? "1 1 1 " : "",
+                        entity.groups.size(), fmt::join(entity.groups, " "), d > 0 ? " 0" : "");
       }
     }
     int tag = 0;
