@@ -12,6 +12,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// A simplex whose box touches more bins is looked at wherever anything is: a slope of few triangles
+// would fill memory with them.
+constexpr double most_bins = 1000;
+
 template <int dim>
 using CubeIndex = typename IndexTable<dim>::Key;
 
@@ -67,8 +71,12 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
   std::vector<std::int32_t> counts;
   const auto for_each_bin = [&](std::int32_t simplex, auto&& visit) {
     const Box box = box_of(surface, simplex);
+    if (num_bins(box) > most_bins) return;
     for_each_cube<dim>(box.low, box.high, bin_size_, visit);
   };
+  for (std::int32_t s = surface.first; s < surface.first + count; ++s) {
+    if (num_bins(box_of(surface, s)) > most_bins) large_.push_back(s);
+  }
   for (std::int32_t s = surface.first; s < surface.first + count; ++s) {
     for_each_bin(s, [&](const CubeIndex<dim>& index) {
       const auto bin = static_cast<std::size_t>(bins_.add(index));
@@ -85,10 +93,17 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
   }
 }
 
-// Simplices in the bins that a box touches, some several times; all, where that is no more work.
+// Of the bins that a box touches, within one along each axis.
+template <int dim>
+double FacetLattice<dim>::num_bins(const Box& box) const {
+  return (((box.high - box.low) / bin_size_).array().floor() + 1).prod();
+}
+
+// Simplices in the bins that a box touches, some several times, and large ones; all, where that is
+// no more work.
 template <int dim>
 void FacetLattice<dim>::gather(const Box& box, std::vector<std::int32_t>& found) const {
-  found.clear();
+  found = large_;
   const Vector<dim> bins = (box.high - box.low) / bin_size_;
   if (!((bins.array() + 1).prod() < bins_.size())) {
     found.resize(num_simplices_);

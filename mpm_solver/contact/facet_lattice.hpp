@@ -62,6 +62,7 @@ class FacetLattice {
   struct Box {
     Vector<dim> low, high;
   };
+  double num_bins(const Box& box) const;
   static Box box_of(const LatticeSurface<dim>& surface, std::int32_t simplex);
   void gather(const Box& box, std::vector<std::int32_t>& found) const;
   double height_along(const LatticeSurface<dim>& surface, const Vector<dim>& normal) const;
@@ -75,6 +76,7 @@ class FacetLattice {
   double bin_size_ = 0;   // [m]
   IndexTable<dim> bins_;  // those that boxes around simplices touch
   std::vector<std::int32_t> bin_starts_, in_bins_;
+  std::vector<std::int32_t> large_;  // simplices that are in no bin, since they touch many
   // kept answers
   mutable IndexTable<dim> known_;
   mutable std::vector<Cube> cubes_;

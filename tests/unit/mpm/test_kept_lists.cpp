@@ -56,11 +56,25 @@ double distance_to(const std::vector<Simplex<dim>>& simplices,
   return (mpm::closest_place<dim>(corners, x).x - x).norm();
 }
 
+/// An inclined facet of kilometres through the unit box, beside the others.
+template <int dim>
+void add_large_facet(ContactSurface<dim>& surface) {
+  const auto first = static_cast<std::int32_t>(surface.vertices.size());
+  if constexpr (dim == 2) {
+    surface.vertices.insert(surface.vertices.end(), {{-5e3, -3e3}, {5e3, 3.0007e3}});
+  } else {
+    surface.vertices.insert(surface.vertices.end(),
+                            {{-5e3, -5e3, -3e3}, {5e3, -5e3, 3e3}, {1, 6e3, 1.3}});
+  }
+  for (int k = 0; k < dim; ++k) surface.facets.push_back(first + k);
+}
+
 // Lists made at any time, while the surface goes on, have all simplices that are near.
 template <int dim>
-void check_lists() {
+void check_lists(bool with_large) {
   Random random;
-  const auto surface = ground<dim>(dim == 2 ? 40 : 12, 0.3, 0.03, random);
+  auto surface = ground<dim>(dim == 2 ? 40 : 12, 0.3, 0.03, random);
+  if (with_large) add_large_facet<dim>(surface);
   const auto simplices = mpm::simplices(surface);
   auto vertices = surface.vertices;
   mpm::FacetSearch<dim> search;
@@ -99,8 +113,14 @@ void check_lists() {
 }
 
 TEST(kept_lists, have_all_that_is_near) {
-  check_lists<2>();
-  check_lists<3>();
+  check_lists<2>(false);
+  check_lists<3>(false);
+}
+
+/// A slope of few facets takes no memory for the space that it spans.
+TEST(kept_lists, have_facets_of_kilometres) {
+  check_lists<2>(true);
+  check_lists<3>(true);
 }
 
 /// Ground that moves by a random way of this size [m].
