@@ -26,7 +26,8 @@ struct Four {
     batch.out = {next, tau, J, energy, plastic_increment, region};
   }
   StressUpdate<dim> result(int l) const {
-    return {batch.stress(l), tau[l], next[l], J[l], energy[l], plastic_increment[l], region[l]};
+    return {batch.stress(l),      tau[l], next[l], J[l], energy[l], plastic_increment[l], region[l],
+            InternalState::Zero()};
   }
 };
 
