@@ -64,7 +64,7 @@ void AveragedBatch<dim>::stretch_in_plane(PointBatch<dim>& batch) const {
 
 template <int dim>
 void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V, const Vector<dim>* held_normal) {
-  normal_ = dim == 3 ? held_normal : nullptr;
+  normal_ = held_normal;
   for (int k = 0; k < n; ++k) F_[k] = k % (dim + 1) == 0 ? 1 + H[k] : H[k];
   J_change_ = determinant_minus_one<dim>(H);
   V_ = V;
@@ -74,7 +74,7 @@ void AveragedBatch<dim>::start(const Lanes* H, const Lanes& V, const Vector<dim>
 template <int dim>
 void AveragedBatch<dim>::average(const Lanes& mean_change, Lanes* H_bar) {
   const Lanes J_ratio_change = (mean_change - J_change_) / (1 + J_change_);
-  if (normal_) {
+  if (is_slice()) {
     stretch_ = root_minus_one<2>(J_ratio_change);
     Lanes in_plane[n];
     std::copy_n(F_, n, in_plane);
@@ -88,23 +88,23 @@ void AveragedBatch<dim>::average(const Lanes& mean_change, Lanes* H_bar) {
 
 template <int dim>
 void AveragedBatch<dim>::set_stress(const Lanes& V0, PointBatch<dim>& batch, bool with_A) {
-  const Lanes s = 1 + stretch_, V0_s = normal_ ? V0 : V0 * s;
-  const double share = normal_ ? 0.5 : 1.0 / dim;
+  const Lanes s = 1 + stretch_, V0_s = is_slice() ? V0 : V0 * s;
+  const double share = is_slice() ? 0.5 : 1.0 / dim;
   Lanes mean_F[n];
   for (int k = 0; k < n; ++k) mean_F[k] = F_[k] * share;
   invert_transposed<dim>(F_, J(), G_);
   for (int k = 0; k < n; ++k) Q_[k] = V0_s * batch.P[k];
-  if (normal_) {
+  if (is_slice()) {
     keep_in_plane(mean_F);
     stretch_in_plane(Q_);
   }
   p_ = dot<n>(Q_, mean_F);
   if (!with_A) return;
   // The variation of H_bar is (1 + (s - 1) M) dH + s M F (d ln J_bar - G : dH) / d.
-  const Lanes factor = normal_ ? V0 : V0_s * s;
+  const Lanes factor = is_slice() ? V0 : V0_s * s;
   Lanes y[n], z[n];
   for (int k = 0; k < n; ++k) y[k] = Q_[k] * share;
-  if (normal_) {
+  if (is_slice()) {
     keep_in_plane(y);
     stretch_in_plane(batch);
   }

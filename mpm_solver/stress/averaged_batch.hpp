@@ -71,6 +71,7 @@ class AveragedBatch {
   void share_all(const Lanes& share, const Lanes& mean_pressure, Lanes* A, Terms* to) const;
 
  private:
+  bool is_slice() const { return dim == 3 && normal_ != nullptr; }
   void keep_in_plane(Lanes* x) const;
   void stretch_in_plane(Lanes* x) const;
   void stretch_in_plane(PointBatch<dim>& batch) const;
