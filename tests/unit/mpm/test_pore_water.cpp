@@ -103,7 +103,7 @@ struct SaturatedForces {
     K.set_pattern(soil.nodes.size(), offsets, nodes);
   }
   VectorXd forces(const VectorXd& du, BlockMatrix<dim>* matrix = nullptr) {
-    std::int32_t worst = -1;
+    mpm::RefusedPoint worst;
     EXPECT_TRUE(
         internal->evaluate({du.data(), static_cast<std::size_t>(du.size())}, matrix, worst));
     return Eigen::Map<const VectorXd>(internal->forces().data(), du.size());
@@ -171,9 +171,10 @@ TEST(PoreWater, closed_pores_are_inadmissible) {
   SaturatedForces<2> wet(CellType::quad4, HenckyElastic<2>{1.2e7, 0.8e7}, mpm::Basis::linear);
   std::vector<double> du(wet.soil.num_dofs());
   for (std::int32_t i = 0; i < wet.soil.nodes.size(); ++i) du[2 * i] = -0.39 * wet.soil.node(i)[0];
-  std::int32_t worst = -1;
+  mpm::RefusedPoint worst;
   EXPECT_FALSE(wet.internal->evaluate(du, nullptr, worst));
-  EXPECT_GE(worst, 0);
+  EXPECT_GE(worst.point, 0);
+  EXPECT_EQ(worst.refusal, Refusal::pores_closed);
 }
 
 /// Points of a group share the pressure over that of water at rest; volume and water are kept, and
