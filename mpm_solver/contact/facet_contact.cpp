@@ -36,7 +36,7 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
   const FacetSettings& method = member.method;
   const double M = c.modulus, h = cell_size_;
   double factor = method.penalty_factor;
-  if (c.took_weight) {
+  if (c.took_weight && method.resting_factor > 0) {
     const double k = method.resting_factor;
     factor = std::max(factor, k * k * M / (4 * c.weight));
   }

@@ -204,7 +204,7 @@ template <class Law, int dim>
 double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
                      MaterialPoints<dim>& points) {
   MaterialState<dim> state = points.history[p];
-  add_volumetric_strain(law, d, state);
+  add_volumetric_strain(law.law, d, state);
   StressUpdate<dim> stress;
   require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
           "mpm_solver: a shared volume is inadmissible");
