@@ -48,8 +48,7 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode) {
   }
   FacetSettings facets;
   facets.penalty_factor = in.number_or("penalty_factor", facets.penalty_factor);
-  // 0: touches that begin while soil takes its weight are as all others
-  facets.resting_factor = in.has("resting_factor") ? in.number("resting_factor") : 0;
+  if (in.has("resting_factor")) facets.resting_factor = in.number("resting_factor");
   facets.tangential_factor = in.number("tangential_factor");
   return facets;
 }
