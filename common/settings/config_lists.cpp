@@ -87,9 +87,14 @@ std::vector<std::string> ConfigReader::texts_or(const std::string& key,
 }
 
 std::vector<std::vector<double>> ConfigReader::rows(const std::string& key, int width) {
-  const Range& range = key_of(key, KeyType::rows).range;
+  const Key& entry = key_of(key, KeyType::rows);
   const Json& value = require_key(key);
   if (!value.is_array()) fail(key, fmt::format("found {}, allowed: a list of lists", shown(value)));
+  if (value.empty() && entry.min_size > 0) {
+    const bool one = entry.min_size == 1;
+    fail(key, fmt::format("found [], allowed: at least {}",
+                          one ? "one row" : fmt::format("{} rows", entry.min_size)));
+  }
   std::vector<std::vector<double>> result;
   for (std::size_t i = 0; i < value.size(); ++i) {
     const std::string row_key = fmt::format("{}/{}", key, i);
@@ -98,7 +103,7 @@ std::vector<std::vector<double>> ConfigReader::rows(const std::string& key, int 
     }
     std::vector<double> row;
     for (std::size_t j = 0; j < value[i].size(); ++j) {
-      row.push_back(checked_number(value[i][j], fmt::format("{}/{}", row_key, j), range));
+      row.push_back(checked_number(value[i][j], fmt::format("{}/{}", row_key, j), entry.range));
     }
     result.push_back(std::move(row));
   }

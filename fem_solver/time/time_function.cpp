@@ -35,7 +35,6 @@ Key time_table_key(const std::string& unit, const std::string& sentence) {
 
 TimeFunction read_time_table(ConfigReader& in) {
   const auto rows = in.rows("table", 2);
-  if (rows.empty()) in.fail("table", "found [], allowed: at least one row [time, value]");
   std::vector<double> times, values;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (i > 0 && !(rows[i][0] > rows[i - 1][0])) {

@@ -49,7 +49,6 @@ WallMotion read_wall_motion(ConfigReader in, int dim) {
     motion.velocity = in.vector("velocity", dim);
   } else {
     motion.table = in.rows("table", dim + 1);
-    if (motion.table.empty()) in.fail("table", "found [], allowed: at least one row");
     for (std::size_t k = 1; k < motion.table.size(); ++k) {
       if (motion.table[k][0] > motion.table[k - 1][0]) continue;
       in.fail(fmt::format("table/{}", k),

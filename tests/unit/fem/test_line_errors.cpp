@@ -81,6 +81,7 @@ TEST(LineErrors, brakes) {
   };
   expect_rope_refused([](Json& rope) { rope["law"] = "brake"; }, {"/materials/2", "brake_table"});
   expect_rope_refused(with({{0.1, 1}}), {"/materials/2/brake_table/0", "0.1", "0 in the first"});
+  expect_rope_refused(with(Json::array()), {"/materials/2/brake_table", "at least one row"});
   expect_rope_refused(with({{0, 0}}), {"/materials/2/brake_table/0", "> 0"});
   expect_rope_refused(with({{0, 1}, {0.2, 1}, {0.2, 2}}), {"brake_table/2", "rising runs"});
   expect_rope_refused(with({{0, 1e5}, {1, 1e3}}), {"/materials/2/group", "99000", "tear"});

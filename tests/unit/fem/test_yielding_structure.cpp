@@ -113,6 +113,7 @@ TEST(YieldingStructure, wrong_hardening_is_refused) {
   };
   expect_material_refused(with_rows({{0, 1e3}, {0.1, 2e3}, {0.1, 3e3}}),
                           {"/material/yield_table/2", "rising strains"});
+  expect_material_refused(with_rows(Json::array()), {"/material/yield_table", "at least one row"});
   expect_material_refused(with_rows({{0.1, 1e3}}), {"/material/yield_table/0", "0.1", "0 in the"});
   expect_material_refused(with_rows({{0, 2e3}, {0.1, 1e3}}),
                           {"/material/yield_table/1", "1000", "2000", "no fall"});

@@ -72,6 +72,9 @@ TEST(ReadSoftening, refuses_what_has_no_meaning) {
                  {"/softening/residual_friction_angle", "rowe", "38"});
   expect_refused(sand({{"table", {{0.05, 0, 33, 0}, {0.04, 0, 33, 0}}}}),
                  {"/softening/table/1", "found 0.04", "ascend"});
+  expect_refused(sand({{"table", Json::array()}}), {"/softening/table", "at least one row"});
+  expect_refused(clay({{"strain_table", Json::array()}}),
+                 {"/softening/strain_table", "at least one row"});
   expect_refused(sand({{"table", {{0.05, -1, 33, 0}}}}), {"/softening/table/0", "-1"});
   expect_refused(sand({{"table", {{0.05, 0, 33, 34}}}}), {"/softening/table/0", "34", "33"});
   expect_refused(sand({{"slip", 0.1}, {"relaxation_time", 1}}),

@@ -39,7 +39,7 @@ KeyTable all_keys() {
            key::integers("cells", "Cells.").in(at_least(1)).only("in tests"),
            key::texts("sides", "Sides.").or_computed("all"),
            key::texts("groups", "Groups.").only("in tests"),
-           key::rows("table", "s, m", "Rows.").wide(2, 2).or_none(),
+           key::rows("table", "s, m", "Rows.").wide(2, 2).not_empty().or_none(),
            key::object("origin", point_keys(), "A point.").or_none(),
            key::object("margin", {"margin", "", {key::number("x", "m", "x").or_else(7)}}, "")
                .or_empty(),
@@ -179,6 +179,7 @@ TEST(ConfigReader, errors_in_lists_name_the_entry) {
   expect_refused({{"table", 1}}, table, {"/table: found 1 (number), allowed: a list of lists"});
   expect_refused({{"table", {{0, 1}, {1}}}}, table, {"/table/1: found [1]", "a list of 2 numbers"});
   expect_refused({{"table", {{0, nullptr}}}}, table, {"/table/0/1: found null"});
+  expect_refused({{"table", Json::array()}}, table, {"/table: found []", "at least one row"});
 }
 
 TEST(ConfigReader, a_missing_key_is_named_with_those_that_are_there) {
