@@ -33,6 +33,11 @@ class Parameter:
         """Path -> value of what one of its values sets."""
         return self.variants[value] if self.variants else {path: value for path in self.paths}
 
+    @property
+    def all_paths(self) -> set[str]:
+        """Every path that one of its values sets."""
+        return {*self.paths, *(path for settings in self.variants.values() for path in settings)}
+
     def at(self, shares: np.ndarray) -> list[Any]:
         """Values at shares of the probability, in (0, 1); values of a list are equally probable."""
         if self.levels is not None:
@@ -51,6 +56,19 @@ def read_parameter(name: str, reader: PlanReader) -> Parameter:
         return Parameter(name, paths, reader.where, levels)
     return Parameter(name, paths, reader.where, None, {"uniform": _uniform, "log_uniform": _uniform, "normal": _normal,
                                                        "lognormal": _lognormal}[kind](reader, kind))
+
+
+def require_apart(parameters: list[Parameter]) -> None:
+    """In each run a parameter keeps what it sets: none that comes later sets the same, or an object that holds it.
+
+    @raises PlanError  one does
+    """
+    for number, later in enumerate(parameters):
+        for earlier in parameters[:number]:
+            for path in sorted(later.all_paths):
+                if any(own == path or own.startswith(f"{path}/") for own in earlier.all_paths):
+                    raise PlanError(f"{later.where}: found {path}, which overwrites what {earlier.name} sets, allowed: "
+                                    "another setting, or an object before what is in it")
 
 
 def _variants(name: str, reader: PlanReader) -> Parameter:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .answers import Answer, read_answer, read_column
 from .design import Design, points_of, read_correlations, read_design
-from .parameters import KEYS, Parameter, read_parameter
+from .parameters import KEYS, Parameter, read_parameter, require_apart
 from .reader import PlanError, PlanReader, is_number, read_object
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
@@ -115,6 +115,7 @@ def read_plan(path: Path) -> Plan:
     parameters = [read_parameter(name, reader) for name, reader in top.named("parameters", KEYS).items()]
     if not parameters:
         raise top.fail("parameters", "an object with at least one")
+    require_apart(parameters)
     design = read_design(top.inner("design", ("method", "runs", "seed", "cross")), parameters)
     correlations = read_correlations(top, parameters, design)
     answers = [read_answer(name, reader)

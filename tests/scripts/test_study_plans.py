@@ -78,6 +78,17 @@ class Plans(StudyCase):
                                 (("/k/variants: found the name 'a b'",), {"a b": {A: 1}})):
             self.expect(*words, parameters={"k": {"variants": variants}})
 
+    def test_parameters_that_overwrite_each_other(self) -> None:
+        one, whole = {"set": A, "list": [1, 2]}, A.rpartition("/")[0]
+        design = {"method": "factorial"}
+        self.expect("/b: found", A, "overwrites what a sets", parameters={"a": one, "b": {**one}}, design=design)
+        self.expect("/b: found", f"{whole}, which overwrites what a sets", design=design,
+                    parameters={"a": one, "b": {"set": whole, "list": [{}, {"x": 1}]}})
+        self.expect("/b: found", "overwrites what a sets", design=design,
+                    parameters={"a": one, "b": {"variants": {"x": {B: 1}, "y": {A: 1}}}})
+        self.expect("/b: found", "overwrites what a sets", design=design,
+                    parameters={"a": {"variants": {"x": {A: 1}}}, "b": one})
+
     def test_designs(self) -> None:
         sample = self.parameter(uniform=[1, 2])
         both = sample | {"b": {"set": B, "uniform": [1, 2]}}
