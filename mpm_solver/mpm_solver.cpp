@@ -40,7 +40,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       report_(model_, output_folder),
       thin_walls_(surfaces_at_start(model_), model_.cell_size) {
   report_.log_start(state_, step_.soil().weights());
-  log_soil_at_rest(model_.settings);
+  log_soil_at_rest(model_.settings, model_.cell_size);
   check_overlaps(model_.comm, model_.settings, state_.points);
   const auto surfaces = surfaces_at_start(model_);
   check_start<dim>(model_.comm, surfaces, state_.points, model_.cell_size,

@@ -12,13 +12,13 @@ Key resting_factor_key() {
   return key::number(
              "resting_factor", "",
              "Of touches that begin while soil takes its weight, in quasi-static steps or while a "
-             "`gravity_ramp` runs: the least stiffness at the pressure under the body by its own "
-             "weight, times the mean cell size over the P-wave modulus; it holds as long as the "
-             "touch "
-             "lasts. 12 leaves all but 3 % of a thrust between walls 16 cells apart. None: as "
-             "`penalty_factor` says, with which stiff soil finds little thrust after a ramp.")
-      .in(positive())
-      .or_none()
+             "`gravity_ramp` runs: the stiffness at the pressure under the body by its own weight "
+             "and above it, times the mean cell size over the P-wave modulus; it holds as long as "
+             "the touch lasts. 12 leaves all but 3 % of a thrust between walls 16 cells apart. 0: "
+             "as `penalty_factor` says, with which stiff soil finds little thrust after a ramp, "
+             "but the coupling iterates less with a structure as soft as the soil.")
+      .in(non_negative())
+      .or_computed("12 of a rigid wall, 0 of an interface")
       .when("method", {"facets"});
 }
 

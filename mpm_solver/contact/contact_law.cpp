@@ -1,12 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact_law.hpp"
 
+#include <cmath>
+
 namespace gabion::mpm {
 
 double ContactLaw::stored(double depth) const {
   if (!(depth > 0)) return 0;
   const double square = penalty * depth * depth;
   return normal == NormalLaw::linear ? square / 2 : square * depth / 3;
+}
+
+double ContactLaw::reduced(double depth) const {
+  if (depth <= linear_from) return depth;
+  return 2 * linear_from - linear_from * linear_from / depth;
+}
+
+double ContactLaw::reduced_slope(double depth) const {
+  if (depth <= linear_from) return 1;
+  const double share = linear_from / depth;
+  return share * share;
+}
+
+double ContactLaw::storing(double depth) const {
+  if (depth <= linear_from) return depth;
+  const double d = linear_from, more = depth - d;
+  return (d * d * d + 3 * d * more * (d + more)) / (depth * depth);
+}
+
+double ContactLaw::depth_of(double square) const {
+  const double depth = std::sqrt(square);
+  if (depth <= linear_from) return depth;
+  return 0.5 * (square / linear_from + linear_from);
 }
 
 template <int dim>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "common/mechanics/tensor.hpp"
 
 namespace gabion::mpm {
@@ -34,11 +36,22 @@ struct ContactLaw {
   double penalty = 0;             ///< [Pa/m], quadratic: [Pa/m^2]; > 0
   double tangential_penalty = 0;  ///< [Pa/m] > 0
   NormalLaw normal = NormalLaw::linear;
+  /// Depth from which the quadratic law goes on along its tangent [m].
+  double linear_from = std::numeric_limits<double>::infinity();
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }
   /// What the normal part stores in an area at a depth [J/m^2].
   double stored(double depth) const;
+  /// The quadratic law is penalty d g(d): g = d up to d_1 = linear_from, 2 d_1 - d_1^2 / d beyond
+  /// [m].
+  double reduced(double depth) const;
+  /// dg/dd.
+  double reduced_slope(double depth) const;
+  /// 3 / (penalty d^2) of the work per area to the depth d, d up to linear_from [m].
+  double storing(double depth) const;
+  /// The depth d with d g(d) = square [m]. @param square  traction over penalty [m^2]
+  double depth_of(double square) const;
 
   /// @param gap    in the frame of the surface, normal first; open when its normal part is >= 0 [m]
   /// @param slope  null, or set to -dt/dg

@@ -39,9 +39,9 @@ struct BoundaryPointSettings {
 /// size.
 struct FacetSettings {
   double penalty_factor = 10;  ///< traction at a depth d: penalty_factor M (d / h)^2
-  /// Of touches that begin while soil takes its weight: the stiffness at the pressure p_0 under the
-  /// body is at least resting_factor M / h, its traction resting_factor^2 M^2 / (4 p_0) (d / h)^2;
-  /// 0: as that of others.
+  /// Of touches that begin while soil takes its weight: the stiffness from the pressure p_0 under
+  /// the body on is resting_factor M / h, the traction up to p_0 is that factor squared times
+  /// M^2 / (4 p_0) (d / h)^2; 0: as that of others.
   double resting_factor = 0;
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };

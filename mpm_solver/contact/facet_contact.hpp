@@ -301,7 +301,7 @@ class FacetContact final : public Contact<dim> {
   void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;
   static void follow_part(Touch& touch);
-  void share_depths(std::size_t first);
+  void share_depths(const Candidate& c, std::size_t first);
   void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
