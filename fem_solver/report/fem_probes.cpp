@@ -233,7 +233,7 @@ void FemProbes<dim>::add_plastic(const StructureState& state, const CellIntegral
   values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
-/// Of each group of lines; of all ranks.
+/// Append the values of each group of lines, over all ranks.
 template <int dim>
 void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
                                std::vector<double>& values) const {

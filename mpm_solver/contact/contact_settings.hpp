@@ -27,7 +27,7 @@ enum class GapMemory {
   step,         ///< displacement of this step only: the force depends on the step size
 };
 
-/// Of the method `boundary_points`.
+/// The settings of the method `boundary_points`.
 struct BoundaryPointSettings {
   double penalty = 0;           ///< [Pa/m]
   double tangential_share = 1;  ///< of the penalty in tangential directions, in (0, 1]

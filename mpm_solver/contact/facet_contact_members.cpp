@@ -178,7 +178,7 @@ Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature
   return motion;
 }
 
-// Of a point, in the last add_forces.
+// The motion of a point in the last add_forces [m].
 template <int dim>
 Vector<dim> FacetContact<dim>::motion_of(std::int32_t entry, const CellGroup& group) const {
   Vector<dim> motion = Vector<dim>::Zero();

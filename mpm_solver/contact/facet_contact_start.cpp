@@ -106,7 +106,7 @@ void FacetContact<dim>::remember_shear(const Touch& touch,
   }
 }
 
-// Of the accepted state, that touches stand as they do.
+// The accepted state is that in which the touches stand as they do.
 template <int dim>
 void FacetContact<dim>::remember_touches() {
   memory_.clear();

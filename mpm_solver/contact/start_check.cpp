@@ -78,8 +78,8 @@ class SidedSurface {
         rim_(rim_vertices<dim>(simplices_, surface.vertices.size())),
         hash_(simplices_, vertices_, reach) {}
 
-  /// Of the nearest simplex; of equally near ones, which meet in an edge, that whose plane the
-  /// point is farthest from: it sees the side right.
+  /// The side of the nearest simplex. Where several are equally near, since they meet in an edge,
+  /// that counts whose plane the point is farthest from: it sees the side right.
   /// @param within  simplices that are farther may be left out [m]
   Side side(const Vector<dim>& x, double within = std::numeric_limits<double>::infinity()) const {
     Side nearest;

@@ -17,7 +17,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the cell size: a rim that is nearer to a surface meets it.
+// A rim that is nearer to a surface than this share of the cell size meets it.
 constexpr double seam_share = 0.02;
 
 }  // namespace

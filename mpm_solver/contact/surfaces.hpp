@@ -50,7 +50,7 @@ class Surfaces {
   InterfaceValues forces_on_structure() const;
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;
-  /// Of each rigid wall the force and the moment about RigidWallSettings::moment_about, see
+  /// Force on each rigid wall and moment about RigidWallSettings::moment_about, see
   /// Contact::resultant.
   std::vector<double> forces_on_walls() const;
   /// The smallest Contact::approach_step of all.

@@ -16,7 +16,7 @@ struct InitialStress {
   double k0 = 0;                   ///< >= 0
   double surface = 0;              ///< [m] height of the surface, without pressure on it
   double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
-  /// Of a body with pore water: height of the water table [m].
+  /// Height of the water table, of a body with pore water [m].
   std::optional<double> water_table = std::nullopt;
   double saturation_above = 0;       ///< share of the pores that is filled above the water table
   std::string where, where_surface;  ///< file and pointer of k0 and of surface, for messages
@@ -29,7 +29,7 @@ struct InitialStress {
 /// With an over-consolidation ratio, unloading is elastic:
 /// K0 = OCR K0_nc - (OCR - 1) nu / (1 - nu).
 ///
-/// Of a body with pore water also "water_table", required, and "saturation_above".
+/// A body with pore water also has "water_table", which it requires, and "saturation_above".
 /// @throws ConfigError  also for a law without Hencky's or linear elasticity, or without phi
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>

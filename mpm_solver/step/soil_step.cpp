@@ -18,7 +18,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Over all ranks [m].
+// Side of a cube with the mean volume of the points of all ranks [m].
 template <int dim>
 double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
   double sums[] = {0, static_cast<double>(points.size())};

@@ -60,7 +60,7 @@ class AveragedForces {
   void set_volumes();
 
   StressParts<dim> parts_;
-  // Of the range at hand.
+  // What follows belongs to the range at hand.
   PointStresses<dim> stresses_;
   std::vector<Batch> averages_;
   std::vector<GroupSums> sums_;         // of each group

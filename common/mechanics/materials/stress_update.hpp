@@ -79,7 +79,7 @@ struct StressUpdate {
 /// What a law may know of the step and of the point besides the strain.
 struct PointContext {
   double dt = 0;  ///< step, or substep, in which the strain comes about [s]
-  /// Of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
+  /// Width of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
   double band_width = 0;
   InternalState internal = InternalState::Zero();  ///< at the start, of laws that remember it
 };
