@@ -124,6 +124,7 @@ std::string ElementPoint::answer(const ElementState& from, const PoreState& pore
            .strain = trial.strain,
            .F = Matrix<3>::Identity() + gradient(trial.strain),
            .log_J = from.log_J + std::log1p(determinant_minus_one<3>(H)),
+           .zero_log_J = from.zero_log_J,
            .tau = found.tau,
            .pore_pressure = 0,
            .history = found.state,

@@ -12,9 +12,11 @@ using Vector7 = Eigen::Matrix<double, 7, 1>;
 /// State of the sample.
 struct ElementState {
   double time = 0;                   ///< [s]
-  Vector6 strain = Vector6::Zero();  ///< F - 1 by components, tension positive; angles of shear
+  Vector6 strain = Vector6::Zero();  ///< from where strains are zero: F - 1 by components, tension
+                                     ///< positive; angles of shear
   Matrix<3> F = Matrix<3>::Identity();
-  double log_J = 0;                         ///< ln det F
+  double log_J = 0;                         ///< of the volume over the stress-free one
+  double zero_log_J = 0;                    ///< that where strains are zero
   Symmetric<3> tau = Symmetric<3>::Zero();  ///< of the skeleton [Pa]
   double pore_pressure = 0;                 ///< compression positive [Pa]
   MaterialState<3> history;

@@ -32,9 +32,13 @@ KeyTable stage_keys() {
       "Part of a test. What it names goes linearly from where it is to the value here; components "
       "that are not named keep their strain.",
       {key::plain_name("Its own, for the table."),
+       key::boolean("zero_strain",
+                    "Whether strains count from the start of this stage on, in the stages after it "
+                    "too; else from where they did before.")
+           .or_else(false),
        key::object("strain",
                    component_keys("strain", "",
-                                  "Changes of length over the length at the start of the test, "
+                                  "Changes of length over the length where strains are zero, "
                                   "compression positive; angles of shear."),
                    "Strains at the end.")
            .or_empty(),
@@ -115,6 +119,7 @@ void read_mean_stress(ConfigReader& in, StageSettings& stage) {
 StageSettings read_stage(ConfigReader& in, const ElementSettings& test) {
   StageSettings stage;
   stage.name = in.name("name");
+  stage.zero_strain = in.boolean("zero_strain");
   stage.strain = read_components(in.object("strain"));
   stage.stress = read_components(in.object("stress"));
   read_mean_stress(in, stage);

@@ -22,7 +22,8 @@ using Components = std::array<std::optional<double>, num_components>;
 /// Part of a test: what is led goes linearly from where it is to its value at the end.
 struct StageSettings {
   std::string name;
-  /// Changes of length over the length at the start of the test, angles of shear.
+  bool zero_strain = false;  ///< strains count from the start of this stage on
+  /// Changes of length over the length where strains are zero, angles of shear.
   Components strain;
   Components stress;                  ///< total Cauchy stresses [Pa]
   std::optional<double> mean_stress;  ///< total [Pa]

@@ -227,6 +227,11 @@ class Step {
 void follow_stage(const ElementSettings& settings, const StageSettings& stage, ElementState& state,
                   const std::function<void(const ElementState&, const Effort&)>& report) {
   const ElementPoint point(settings);
+  if (stage.zero_strain) {
+    state.strain.setZero();
+    state.F.setIdentity();
+    state.zero_log_J = state.log_J;
+  }
   const Controls controls(settings, stage, state, point.stiffness());
   PoreState pores{.undrained = stage.undrained};
   if (stage.undrained && settings.water) {

@@ -57,7 +57,7 @@ void ElementTable::row(const std::string& stage, const ElementState& state, cons
   };
   const Vector6 total = state.stress(), effective = state.effective_stress();
   add_signed(state.strain);
-  cells.emplace_back(-std::expm1(state.log_J) + 0.0);
+  cells.emplace_back(-std::expm1(state.log_J - state.zero_log_J) + 0.0);
   cells.emplace_back(shear_strain(state.F));
   add_signed(total);
   cells.emplace_back(state.pore_pressure);

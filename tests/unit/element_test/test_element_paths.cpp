@@ -184,6 +184,19 @@ TEST(ElementPaths, cycles_of_an_elastic_soil_close) {
 }
 
 // The law in the plane, step by step as the soil's solver calls it, beside the one in space.
+TEST(ElementPaths, strains_count_from_where_they_are_zero) {
+  Json shear = compression(0.03, 1e5), whole = shear;
+  shear["zero_strain"] = true;
+  const auto states = follow({{"material", sand()}, {"stages", {consolidation(1e5), shear}}});
+  const double before = states[5].strain[1], total = (1 + before) * (1 - 0.03) - 1;
+  EXPECT_NEAR(states.back().strain[1], -0.03, 1e-15);
+  EXPECT_EQ(states.back().zero_log_J, states[5].log_J);
+  whole["strain"]["yy"] = -total;
+  const auto same = follow({{"material", sand()}, {"stages", {consolidation(1e5), whole}}});
+  EXPECT_NEAR(states.back().log_J, same.back().log_J, 1e-12);
+  EXPECT_NEAR((states.back().stress() - same.back().stress()).norm(), 0, 1e-5);
+}
+
 TEST(ElementPaths, plane_strain_is_that_of_the_plane) {
   const Json soil = sand();
   const auto law = read_material<2>(ConfigReader(soil, "x", material_keys(material_laws))).law;
