@@ -231,6 +231,7 @@ void follow_stage(const ElementSettings& settings, const StageSettings& stage, E
     state.strain.setZero();
     state.F.setIdentity();
     state.zero_log_J = state.log_J;
+    report(state, {});
   }
   const Controls controls(settings, stage, state, point.stiffness());
   PoreState pores{.undrained = stage.undrained};

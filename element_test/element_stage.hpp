@@ -16,7 +16,7 @@ struct Effort {
 /// Take the sample through a stage. An increment whose equations Newton's method does not solve is
 /// halved, as far as to 1/4096; equilibrium holds at the end of each part.
 /// @param state   where the stage begins; at its end, where it ended or could go no farther
-/// @param report  called after each increment
+/// @param report  called after each increment, and at a start where strains become zero
 /// @throws ConvergenceError  with the place and the reason
 void follow_stage(const ElementSettings& settings, const StageSettings& stage, ElementState& state,
                   const std::function<void(const ElementState&, const Effort&)>& report);
