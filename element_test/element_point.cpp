@@ -56,12 +56,13 @@ Matrix<3> ElementPoint::gradient(const Vector6& strain) const {
 ElementState ElementPoint::start() const {
   ElementState state;
   StressUpdate<3> update;
-  const LawInStep<MaterialLaw<3>, 3> law{settings_.material.law,
-                                         {.dt = 1, .band_width = settings_.band_width}};
-  require<ConvergenceError>(
-      gabion::update<3>(law, Matrix<3>::Zero(), state.history, update, nullptr),
-      "start: the law {} has no stress without strain", settings_.material.law_name);
+  update.internal.setZero();
+  const bool answers =
+      gabion::update<3>(settings_.material.law, Matrix<3>::Zero(), state.history, update, nullptr);
+  require<ConvergenceError>(answers, "start: the law {} has no stress without strain",
+                            settings_.material.law_name);
   state.tau = update.tau;
+  if (remembers_internal(settings_.material.law)) state.internal = update.internal;
   state.pore_pressure = settings_.back_pressure;
   return state;
 }

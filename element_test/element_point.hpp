@@ -54,7 +54,7 @@ class ElementPoint {
  public:
   explicit ElementPoint(const ElementSettings& settings) : settings_(settings) {}
 
-  /// The sample without strain, drained.
+  /// The sample without strain, drained; what the virgin soil remembers is the law's.
   /// @throws ConvergenceError  the law has no stress there
   ElementState start() const;
 

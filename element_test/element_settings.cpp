@@ -165,10 +165,13 @@ void read_body(const TestedBody& tested, ElementSettings& test) {
           fmt::format("found {}, allowed: --body NAME with one of these", fmt::join(names, ", ")));
 }
 
-// Whether the stress depends on how long a step takes.
+// Whether the stress may depend on how long a step takes. A law with a context that it needs for
+// something else can say so: `static constexpr bool depends_on_time = false`.
 template <class Law>
 bool depends_on_time(const Law& law) {
-  if constexpr (requires { law.parameters().relaxation_time; }) {
+  if constexpr (requires { Law::depends_on_time; }) {
+    return Law::depends_on_time;
+  } else if constexpr (requires { law.parameters().relaxation_time; }) {
     return law.parameters().relaxation_time > 0;
   } else {
     return ContextualLaw<Law, 3>;
@@ -193,7 +196,7 @@ void require_context(const ConfigReader& in, const ElementSettings& test) {
   for (std::size_t k = 0; k < test.stages.size(); ++k) {
     if (test.stages[k].duration) continue;
     in.fail(fmt::format("stages/{}/duration", k),
-            fmt::format("found none with the law {}, whose stress depends on time, allowed: a "
+            fmt::format("found none with the law {}, whose stress may depend on time, allowed: a "
                         "number > 0",
                         test.material.law_name));
   }

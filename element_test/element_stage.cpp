@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/require.hpp"
+
 namespace gabion::element {
 
 namespace {
@@ -236,6 +238,8 @@ void follow_stage(const ElementSettings& settings, const StageSettings& stage, E
   const Controls controls(settings, stage, state, point.stiffness());
   PoreState pores{.undrained = stage.undrained};
   if (stage.undrained && settings.water) {
+    require<ConvergenceError>(settings.water->admits(std::exp(state.log_J)),
+                              "{}: the pores are closed", controls.place(0));
     pores.content = settings.water->content_at(state.pore_pressure, std::exp(state.log_J));
   }
   Step step(point, controls, pores);
