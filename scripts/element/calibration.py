@@ -24,6 +24,8 @@ ALIKE = 0.95  # correlation from which two parameters stand for each other
 WIDE = 0.5  # standard deviation, of the value or its logarithm, from which nothing is known
 FLAT = 1e-3  # share of the largest singular value below which a direction is not seen
 AT_BOUND = 1e-3  # of z
+EVALUATIONS = 60  # of one polish
+OUTLIER = 0.05  # misfit from which robust fits count less
 LARGEST = 500.0  # half an interval of the logarithm, whose exponential is a number
 
 
@@ -67,11 +69,12 @@ class Model:
             return None
         x, at = curves[test.over], test.measured.columns[test.over]
         if not (np.diff(x) > 0).all():
-            raise ElementError(f"{test.name}: {test.over} of the model does not ascend, allowed: an \"over\" that does")
+            raise ElementError(f"{test.name}: {test.over} of the model does not ascend, "
+                               "allowed: an \"over\" that does")
         slack = 1e-9 * abs(x[-1])
         if at.min() < x[0] - slack or at.max() > x[-1] + slack:
-            raise ElementError(f"{test.measured.path}: {test.over} goes from {at.min():g} to {at.max():g}, the model from "
-                               f"{x[0]:g} to {x[-1]:g}: measured values have to lie within")
+            raise ElementError(f"{test.measured.path}: {test.over} goes from {at.min():g} to {at.max():g}, "
+                               f"the model from {x[0]:g} to {x[-1]:g}: measured values have to lie within")
         return np.concatenate([(np.interp(at, x, curves[column]) - test.measured.columns[column]) / test.scale(column)
                                for column in test.fitted])
 
@@ -86,15 +89,19 @@ class Model:
             (above, up), (below, down) = ((f if f is not None else here, p[k] if f is not None else z[k])
                                           for f, p in zip(found[2 * k:2 * k + 2], pairs[2 * k:2 * k + 2]))
             if here is None or up == down:
-                raise ElementError(f"{self.plan.sought[k].name}: no neighbour of {self.plan.sought[k].value(z[k]):g} has an "
-                                   f"answer: {self.last_refusal}")
+                sought = self.plan.sought[k]
+                raise ElementError(f"{sought.name}: no neighbour of {sought.value(z[k]):g} has an answer: "
+                                   f"{self.last_refusal}")
             columns.append((above - below) / (up - down))
         return np.column_stack(columns)
 
 
 @dataclass
 class Fit:
-    """The best parameters, and how sure they are. sd and interval hold if misfits are independent and equally large."""
+    """The best parameters, and how sure they are.
+
+    sd and interval hold if misfits are independent and equally large.
+    """
 
     z: np.ndarray
     values: dict[str, float]
@@ -121,12 +128,13 @@ def calibrate(plan: CalibrationPlan, model: Model) -> Fit:
         (r,) = model.misfits([z])
         return np.full(size, BEYOND) if r is None else r
 
-    tried = [least_squares(misfit, cube[k], jac=model.jacobian, bounds=(0, 1), loss="soft_l1" if plan.robust else "linear",
-                           f_scale=0.05 if plan.robust else 1.0, xtol=1e-10, ftol=1e-10, max_nfev=60)
+    loss = {"loss": "soft_l1", "f_scale": OUTLIER} if plan.robust else {}
+    tried = [least_squares(misfit, cube[k], jac=model.jacobian, bounds=(0, 1), xtol=1e-10, ftol=1e-10,
+                           max_nfev=EVALUATIONS, **loss)
              for _, k in order[:plan.polished]]
     best = min(tried, key=lambda result: result.cost)
     if best.status == 0:
-        raise ElementError("no minimum in 60 evaluations; narrower bounds or fewer parameters may help")
+        raise ElementError(f"no minimum in {EVALUATIONS} evaluations; narrower bounds or fewer parameters may help")
     return evaluate(plan, model, best.x)
 
 
@@ -142,29 +150,33 @@ def evaluate(plan: CalibrationPlan, model: Model, z: np.ndarray) -> Fit:
     sd_z[np.max(np.abs(rows[~seen]), axis=0, initial=0) > 1e-6] = np.inf
     scale = np.sqrt(np.diag(inverse))
     correlation = inverse / np.outer(np.where(scale > 0, scale, 1), np.where(scale > 0, scale, 1))
-    names = [each.name for each in plan.sought]
     quantile = t.ppf(0.975, freedom)
     fit = Fit(z, {each.name: each.value(x) for each, x in zip(plan.sought, z)},
               {each.name: float(s * each.width) for each, s in zip(plan.sought, sd_z)},
               {each.name: _interval(each, x, quantile * s) for each, x, s in zip(plan.sought, z, sd_z)},
               correlation, _misfits(plan, r))
-    for k, each in enumerate(plan.sought):
+    _remark(plan, fit)
+    for value, row in zip(singular, rows):
+        if value < FLAT * singular[0]:
+            part = ", ".join(each.name for each, share in zip(plan.sought, row) if abs(share) > 0.3)
+            fit.remarks.append(f"{part}: not identified by these tests: their change together is not seen in any curve "
+                               f"(singular value {value / max(singular[0], 1e-300):.1e} of the largest)")
+    return fit
+
+
+def _remark(plan: CalibrationPlan, fit: Fit) -> None:
+    """Say of which parameters, alone and in pairs, the tests know too little."""
+    for each, z in zip(plan.sought, fit.z):
         relative = fit.sd[each.name] / (1 if each.by_log else max(abs(fit.values[each.name]), 1e-300))
         if relative > WIDE:
             fit.remarks.append(f"{each.name}: not identified by these tests: standard deviation {100 * relative:.3g} %")
-        if min(z[k], 1 - z[k]) < AT_BOUND:
-            fit.remarks.append(f"{each.name}: at the bound {each.value(round(z[k])):g}; the best value may lie beyond, its "
-                               "standard deviation does not count")
-    for a, b in itertools.combinations(range(len(z)), 2):
-        if abs(correlation[a, b]) > ALIKE:
-            fit.remarks.append(f"{names[a]}, {names[b]}: not identified by these tests one without the other: correlation "
-                               f"{correlation[a, b]:.3f}")
-    for value, row in zip(singular, rows):
-        if value < FLAT * singular[0]:
-            part = [name for name, share in zip(names, row) if abs(share) > 0.3]
-            fit.remarks.append(f"{', '.join(part)}: not identified by these tests: their change together is not seen in any "
-                               f"curve (singular value {value / max(singular[0], 1e-300):.1e} of the largest)")
-    return fit
+        if min(z, 1 - z) < AT_BOUND:
+            fit.remarks.append(f"{each.name}: at the bound {each.value(round(z)):g}; the best value may lie beyond, "
+                               "its standard deviation does not count")
+    for (a, first), (b, second) in itertools.combinations(enumerate(plan.sought), 2):
+        if abs(fit.correlation[a, b]) > ALIKE:
+            fit.remarks.append(f"{first.name}, {second.name}: not identified by these tests one without the other: "
+                               f"correlation {fit.correlation[a, b]:.3f}")
 
 
 def _interval(sought: Sought, z: float, half: float) -> tuple[float, float]:

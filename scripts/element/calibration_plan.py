@@ -12,10 +12,11 @@ import numpy as np
 from element.curves import LabTable, read_laboratory
 from element.laboratory import COMPRESSION_TESTS, TESTS, TIME_TESTS, ElementError, Options, program_of
 from element.program import read_json
-from sampling.reader import PlanError, PlanReader, read_object
+from sampling.reader import PlanError, PlanReader, is_number, read_object
 
 KEYS = ("material", "water", "scene", "body", "parameters", "tests", "samples", "polished", "seed", "robust")
 NUMBERS = ("confine", "strain", "stress", "hold", "back_pressure", "band_width", "duration")
+TEST_KEYS = ("name", "lab", "test", "over", "undrained", "increments", *NUMBERS)
 CLEARLY_LOG = 10  # bounds that are so many times apart are searched by their logarithm
 
 
@@ -93,17 +94,19 @@ def read_calibration(path: Path) -> CalibrationPlan:
     entries = plan.values.get("tests")
     if not isinstance(entries, list) or not entries:
         raise plan.fail("tests", "a list of at least one test")
-    tests = tuple(_test(k, PlanReader(entry, f"{path}/tests/{k}", ("name", "lab", "test", "over", "undrained", "increments",
-                                                                   *NUMBERS)), path.parent)
+    tests = tuple(_test(k, PlanReader(entry, f"{path}/tests/{k}", TEST_KEYS), path.parent)
                   for k, entry in enumerate(entries))
     if len({test.name for test in tests}) != len(tests):
         raise PlanError(f"{path}/tests: found two of one name, allowed: names of their own (\"name\")")
     count = sum(len(test.fitted) * len(test.measured.columns[test.over]) for test in tests)
     if count <= len(sought):
-        raise PlanError(f"{path}/tests: found {count} measured values for {len(sought)} parameters, allowed: more values")
+        raise PlanError(f"{path}/tests: found {count} measured values for {len(sought)} parameters, "
+                        "allowed: more values")
     samples = _whole(plan, "samples", 20)
-    return CalibrationPlan(blocks, sought, tests, samples, min(_whole(plan, "polished", 3), samples), _whole(plan, "seed", 1),
-                           _flag(plan, "robust"))
+    polished = _whole(plan, "polished", min(3, samples))
+    if polished > samples:
+        raise plan.fail("polished", f"at most as many as samples, {samples}")
+    return CalibrationPlan(blocks, sought, tests, samples, polished, _whole(plan, "seed", 1), _flag(plan, "robust"))
 
 
 def _blocks(plan: PlanReader, folder: Path) -> dict[str, Any]:
@@ -128,11 +131,10 @@ def _sought(name: str, reader: PlanReader, material: dict) -> Sought:
     for key in keys[:-1]:
         place = place.get(key) if isinstance(place, dict) else None
     if not pointer.startswith("/") or not keys or not isinstance(place, dict):
-        raise reader.fail("set", "a key of the material, such as /friction_angle or /softening/slip; the object that holds "
-                                 "it has to be there")
+        raise reader.fail("set", "a key of the material, such as /friction_angle or /softening/slip; the object that "
+                                 "holds it has to be there")
     between = reader.values.get("between")
-    pair = isinstance(between, list) and len(between) == 2
-    if not pair or not all(isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x) for x in between):
+    if not isinstance(between, list) or len(between) != 2 or not all(map(is_number, between)):
         raise reader.fail("between", "[low, high]")
     low, high = map(float, between)
     if not low < high:
@@ -148,12 +150,11 @@ def _sought(name: str, reader: PlanReader, material: dict) -> Sought:
 def _test(k: int, reader: PlanReader, folder: Path) -> LabTest:
     kind = reader.word("test", tuple(TESTS))
     measured = read_laboratory(folder / reader.text("lab", "the name of a CSV"))
-    usual = ("sigma_a" if kind in COMPRESSION_TESTS else "t" if kind in TIME_TESTS else "slip" if kind == "direct_shear"
-             else "gamma" if kind == "simple_shear" else "eps_a")
+    usual = _usual_abscissa(kind)
     over = reader.word("over", tuple(measured.columns)) if "over" in reader.values else usual
     if over not in measured.columns or len(measured.columns) < 2:
-        raise ElementError(f"{measured.path}: found {', '.join(measured.columns)}, allowed: {over} (or another \"over\") and "
-                           "at least one column beside it")
+        raise ElementError(f"{measured.path}: found {', '.join(measured.columns)}, allowed: {over} "
+                           "(or another \"over\") and at least one column beside it")
     given = {key: reader.real(key) for key in NUMBERS if key in reader.values}
     end = float(np.max(measured.columns[over]))
     if over in ("eps_a", "gamma"):
@@ -172,6 +173,14 @@ def _test(k: int, reader: PlanReader, folder: Path) -> LabTest:
         if not test.scale(column) > 0:
             raise ElementError(f"{measured.path}: found the same {column} in all rows, allowed: a curve")
     return test
+
+
+def _usual_abscissa(kind: str) -> str:
+    if kind in COMPRESSION_TESTS:
+        return "sigma_a"
+    if kind in TIME_TESTS:
+        return "t"
+    return {"direct_shear": "slip", "simple_shear": "gamma"}.get(kind, "eps_a")
 
 
 def _whole(reader: PlanReader, key: str, otherwise: int) -> int:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 CONSOLIDATION = "consolidation"
-CONSOLIDATION_INCREMENTS = 20
+CONSOLIDATION_INCREMENTS, INCREMENTS = 20, 200
 
 
 class ElementError(Exception):
@@ -38,7 +38,7 @@ class Options:
 
 
 def _stage(name: str, options: Options, **keys: object) -> dict:
-    stage = {"name": name, "increments": options.increments or 200, **keys}
+    stage = {"name": name, "increments": INCREMENTS if options.increments is None else options.increments, **keys}
     if options.undrained:
         stage["drainage"] = "undrained"
     if options.duration is not None:
@@ -162,6 +162,8 @@ def program_of(test: str, options: Options, where: str = "--") -> dict:
         if given and field.name not in (*needed, *more, *_ANY):
             raise ElementError(f"{name}: found with the test {test}, which has no use for it, allowed: "
                                f"{', '.join(where + _written(each, where) for each in (*needed, *more, *_ANY))}")
+    if options.cycles is not None and options.cycles < 1:
+        raise ElementError(f"{where}cycles: found {options.cycles}, allowed: a whole number >= 1")
     program: dict = {"stages": make(options)}
     if options.back:
         program["back_pressure"] = options.back

@@ -26,16 +26,17 @@ STIFFNESS = {"E": {"set": "/young_modulus", "between": [1e6, 1e8]}}
 
 
 class Calibrations(ElementCase):
-    def laboratory(self, confine: float, noise: float = 0.0, columns: tuple[str, ...] = ("q",), last: float = 0.06) -> dict:
+    def laboratory(self, confine: float, noise: float = 0.0, columns: tuple[str, ...] = ("q",),
+                   last: float = 0.06) -> dict:
         """A table of a triaxial test on SAND, and its entry in a plan."""
         rng = np.random.default_rng(int(confine))
         curves = self.curves("triaxial", confine=confine, strain=0.06)
         x = np.linspace(0.001, last, 25)
         found = [np.interp(x, curves["eps_a"], curves[name]) for name in columns]
         found = [y + noise * np.ptp(y) * rng.normal(size=len(y)) for y in found]
+        found = [y / 1e3 if name == "q" else y for name, y in zip(columns, found)]
         head = ",".join(["eps_a[%]", *(f"{name}[{'kPa' if name == 'q' else '-'}]" for name in columns)])
-        rows = "".join(",".join(f"{v:.10g}" for v in (100 * a, *(v / 1e3 if n == "q" else v for n, v in zip(columns, row)))) + "\n"
-                       for a, *row in zip(x, *found))
+        rows = "".join(",".join(f"{value:.10g}" for value in row) + "\n" for row in zip(100 * x, *found))
         name = f"lab_{confine:g}.csv"
         self.write(name, f"# made up\n{head}\n{rows}")
         return {"lab": name, "test": "triaxial", "confine": confine, "strain": 0.06}
@@ -68,12 +69,14 @@ class Calibrations(ElementCase):
         self.assertTrue(any("phi, c: not identified by these tests" in remark for remark in fit.remarks), fit.remarks)
 
     def test_elastic_data_say_nothing_of_strength(self) -> None:
-        fit = self.fit([self.laboratory(2e5, last=0.01)], {"c": {"set": "/cohesion", "between": [2e4, 5e4]}} | STIFFNESS)
+        cohesion = {"c": {"set": "/cohesion", "between": [2e4, 5e4]}}
+        fit = self.fit([self.laboratory(2e5, last=0.01)], cohesion | STIFFNESS)
         self.assertTrue(any(remark.startswith("c: not identified") for remark in fit.remarks), fit.remarks)
         self.assertFalse(any(remark.startswith("E") for remark in fit.remarks), fit.remarks)
 
     def test_a_bound_that_is_reached_is_said(self) -> None:
-        fit = self.fit([self.laboratory(5e4), self.laboratory(2e5)], {"phi": {"set": "/friction_angle", "between": [20, 30]}})
+        fit = self.fit([self.laboratory(5e4), self.laboratory(2e5)],
+                       {"phi": {"set": "/friction_angle", "between": [20, 30]}})
         self.assertTrue(any("at the bound 30" in remark for remark in fit.remarks), fit.remarks)
 
     def test_values_that_the_law_refuses_are_gone_round(self) -> None:
@@ -126,6 +129,7 @@ class WrongPlans(ElementCase):
         self.expect("scale", parameters={"a": bad | {"between": [-1, 1], "scale": "log"}})
         self.expect("unknown", paramters={})
         self.expect("material and scene|found material and scene", scene="x")
+        self.expect("polished: found 30, allowed: at most", polished=30)
         self.expect("allowed: more values", parameters={k: {"set": f"/{k}", "between": [1, 2]} for k in "abcde"})
         test = self.values["tests"][0]
         self.expect("tests/0/confine", tests=[{"lab": "lab.csv", "test": "triaxial"}])
@@ -136,7 +140,8 @@ class WrongPlans(ElementCase):
 
     def test_tables(self) -> None:
         for text, part in (("eps_a[-],q\n0,0\n1,1\n2,2\n", "'q'"), ("eps_a[-],q[psi]\n0,0\n1,1\n2,2\n", "psi"),
-                           ("eps_a[-],eps_a[%]\n0,0\n1,1\n2,2\n", "twice"), ("eps_a[-],q[Pa]\n0,0\n1,x\n2,2\n", "row 2"),
+                           ("eps_a[-],eps_a[%]\n0,0\n1,1\n2,2\n", "twice"),
+                           ("eps_a[-],q[Pa]\n0,0\n1,x\n2,2\n", "row 2"),
                            ("eps_a[-],q[Pa]\n0,0\n1,nan\n2,2\n", "finite"), ("eps_a[-],q[Pa]\n0,0\n1\n2,2\n", "row 2"),
                            ("eps_a[-],q[Pa]\n0,0\n", "at least 3 rows"), ("", "at least 3 rows")):
             with self.assertRaisesRegex(ElementError, part):

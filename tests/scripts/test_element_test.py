@@ -96,7 +96,8 @@ class Laboratory(ElementCase):
 
 class Script(ElementCase):
     def run_script(self, *words: object):
-        return self.python_script("element-test", *words, "--output", self.folder / "out", "--programs", element_case.PROGRAMS)
+        return self.python_script("element-test", *words, "--output", self.folder / "out",
+                                  "--programs", element_case.PROGRAMS)
 
     def test_of_a_scene(self) -> None:
         scene = ROOT / "configs" / "slope_barrier"
@@ -134,6 +135,9 @@ class Script(ElementCase):
                             (("--test", "triaxial", "--confine", 1e5, 1e5, "--strain", 0.1), "twice"),
                             (("--test", "triaxial", "--confine", 1e5, "--strain", 0.1, "--body", "x"), "--body"),
                             ((), "--test"),
+                            (("--test", "triaxial", "--confine", 1e5, "--strain", 0.1, "--cycles", 0), "--cycles"),
+                            (("--test", "triaxial", "--confine", 5e4, "--strain", 0.1, "--increments", 0),
+                             "increments"),
                             (("--test", "triaxial", "--confine", 1e5, "--strain", 1.5), "below 1")):
             result = self.run_script(soil, *words)
             self.assertEqual(result.returncode, 2, words)
