@@ -40,7 +40,8 @@ TEST(ElementSettings, wrong_input_is_refused_with_its_place) {
   expect_refused(with_stage(sand(), {{"stress", Json::object()}, {"drainage", "undrained"}}),
                  {"/stages/0/drainage", "without a stress"});
   expect_refused(with_stage(sand(), {{"strian", Json::object()}}), {"strian", "strain"});
-  expect_refused(with_stage(mud(), nullptr), {"/stages/0/duration", "herschel_bulkley", "may depend on time"});
+  expect_refused(with_stage(mud(), nullptr),
+                 {"/stages/0/duration", "herschel_bulkley", "may depend on time"});
   Json sensitive = clay();
   sensitive["softening"] = {{"slip", 0.05}, {"residual_cohesion", 1e4}};
   expect_refused(with_stage(sensitive, nullptr), {"/band_width", "slip"});
