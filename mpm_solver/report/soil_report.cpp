@@ -45,11 +45,28 @@ void append_ends(const SoilModel<dim>& model, const SoilState<dim>& state, Json&
   }
 }
 
-Json explicit_json(const SubstepCounts& counts) {
+// @note Collective.
+Json explicit_json(MPI_Comm comm, const SubstepCounts& counts) {
+  double points[] = {static_cast<double>(counts.evaluated_points),
+                     static_cast<double>(counts.repeated_points)};
+  sum_over_ranks(comm, std::span<double>(points));
+  const double share = points[1] > 0 ? points[0] / points[1] : 0;
+  if (counts.solutions > 0) {
+    log::info("explicit: {} substeps in {} solutions", counts.substeps, counts.solutions);
+  }
+  if (counts.repeated > 0) {
+    log::info(
+        "explicit: {} repeated solutions evaluated {:.3g} % of the points, those in reach of the "
+        "interfaces; {} of them all points",
+        counts.repeated, 100 * share, counts.repeated_whole);
+  }
   return {{"solutions", counts.solutions},
           {"substeps", counts.substeps},
           {"most_in_a_step", counts.largest},
-          {"smallest_substep", counts.smallest}};
+          {"smallest_substep", counts.smallest},
+          {"repeated_solutions", counts.repeated},
+          {"repeated_whole", counts.repeated_whole},
+          {"repeated_point_share", share}};
 }
 
 }  // namespace
@@ -195,10 +212,6 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
   const LinearSolver<dim>& linear = step.implicit_steps().linear_solver();
   const NewtonCounts& newton = step.newton_counts();
   if (any_implicit(settings.phases)) log::info("{}", newton.text());
-  if (any_explicit(settings.phases)) {
-    log::info("explicit: {} substeps in {} solutions", step.explicit_steps().counts().substeps,
-              step.explicit_steps().counts().solutions);
-  }
   Json summary = {
       {"basis", basis_name(model_.grid.basis)},
       {"quadrature", quadrature_name(settings.quadrature)},
@@ -220,7 +233,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
       {"solutions", newton.solutions()},
       {"newton_iterations", newton.iterations()},
       {"newton", newton.json()},
-      {"explicit", explicit_json(step.explicit_steps().counts())},
+      {"explicit", explicit_json(model_.comm, step.explicit_steps().counts())},
       {"linear_iterations", step.implicit_steps().linear_iterations()},
       {"memory", memory_.json(model_.comm)},
       {"wall_seconds", times.seconds()}};

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/point_inertia.hpp"
+#include "mpm_solver/step/explicit_reach.hpp"
 #include "mpm_solver/stress/internal_forces.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
@@ -21,7 +23,9 @@ namespace gabion::mpm {
 ///
 /// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
 /// surfaces move evenly over the step. One evaluation of the stresses a substep, which go on from
-/// those of the substep before. Refers to its parts; valid for one step.
+/// those of the substep before. A solution with as many substeps as the one before it evaluates
+/// what the interfaces can reach alone (ExplicitReach), with the bits of a whole one. Refers to its
+/// parts; valid for one step.
 template <int dim>
 class ExplicitMotion {
  public:
@@ -34,6 +38,7 @@ class ExplicitMotion {
     double dt;  ///< of the step [s]
     bool average_volumes;
     double largest_courant;  ///< that contacts may lead to, see squared_courant
+    bool repeats;            ///< solutions for other places of the interfaces may follow the first
     /// Body force at a share of the step, num_nodes x dim [N].
     std::function<std::vector<double>(double share)> body_force;
   };
@@ -52,6 +57,8 @@ class ExplicitMotion {
     Vector<dim> body_impulse = Vector<dim>::Zero();     // [N s]
     Vector<dim> contact_impulse = Vector<dim>::Zero();  // [N s]
     double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]
+    std::int64_t evaluated = 0;  ///< stresses of this rank's points, in all substeps
+    bool within_reach = false;   ///< ExplicitReach, of all that would be evaluated else
   };
 
   /// Solve the step for the present place of the surfaces.
@@ -67,7 +74,17 @@ class ExplicitMotion {
   const std::vector<double>& start_velocity() const { return v_start_; }
   const PointInertia<dim>& inertia() const { return inertia_; }
 
+  /// Solutions that went beyond the reach of their contact and were begun again.
+  int num_beyond() const { return num_beyond_; }
+
  private:
+  enum class Outcome { solved, too_stiff, beyond_reach };
+  /// Where substep k of `count` ends.
+  struct Substep {
+    int k, count;
+    double share() const { return static_cast<double>(k + 1) / count; }
+    double dt(double step) const { return step / count; }
+  };
   /// At one end of a substep.
   struct Forces {
     std::vector<double> body, internal;  // [N]
@@ -75,12 +92,18 @@ class ExplicitMotion {
   };
   void respond(std::span<const double> f, std::vector<double>& A) const;
   void set_acceleration(Forces& forces) const;
+  void set_acceleration_within(int k, Forces& forces) const;
   void find_lasting();
   bool add_contact(std::span<const double> u, double share, double dt, double soil_dt);
   const StressParts<dim>& with_path();
   void begin_path(int count);
-  void advance_path();
-  Forces forces_at(double share);
+  void advance_path(int k);
+  Outcome run(int count, double soil_dt);
+  Outcome do_substep(const Substep& substep, double soil_dt, Forces& before);
+  void find_reach();
+  bool evaluate(int k, RefusedPoint& worst);
+  Forces forces_at(const Substep& substep);
+  void keep(const Forces& forces);
   void add_works(std::span<const double> move, const Forces& before, const Forces& after,
                  double dt);
   void finish(const Forces& last);
@@ -89,6 +112,8 @@ class ExplicitMotion {
   StepContext<dim> context_;         // of the substeps
   MaterialPath<dim> path_;           // StressParts::path; empty: nothing depends on it
   std::vector<Symmetric<dim>> tau_;  // at the start of the current substep [Pa]
+  std::vector<double> plastic_;      // plastic_density of each entry in it [J/m^3]
+  GroupForces<dim> kept_;            // StressParts::kept
   PointInertia<dim> inertia_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;
@@ -98,6 +123,10 @@ class ExplicitMotion {
   std::vector<double> F_, A_F_;    // of the contacts
   std::vector<double> A_lasting_;  // of their force that lasts; empty where none does
   std::vector<double> raw_;        // impulse of all forces but those of walls
+  std::optional<ExplicitReach<dim>> reach_;  // none: solutions do not repeat
+  bool within_ = false;                      // this solution evaluates what is in reach alone
+  int num_beyond_ = 0;
+  std::vector<double> star_, move_, foreseen_;  // room for those of a substep
   Result result_;
 };
 

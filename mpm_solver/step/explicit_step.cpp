@@ -65,6 +65,8 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .dt = start.dt,
                                           .average_volumes = model.settings.locking.average_volumes,
                                           .largest_courant = std::max(1.0, courant_),
+                                          .repeats = !model.settings.whole_iterations &&
+                                                     parts_.state.surfaces.may_touch_interface(),
                                           .body_force = body_force});
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);
@@ -92,10 +94,20 @@ StepReport ExplicitStep<dim>::solve(const StepRequest& request) {
   ++counts_.solutions;
   counts_.substeps += count_;
   counts_.largest = std::max(counts_.largest, count_);
+  if (request.iteration > 0) add_repeated();
   const double dt = start_.dt / count_;
   if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;
   log_count(request);
   return {};
+}
+
+template <int dim>
+void ExplicitStep<dim>::add_repeated() {
+  const auto& found = motion_->result();
+  ++counts_.repeated;
+  if (!found.within_reach) ++counts_.repeated_whole;
+  counts_.repeated_points += std::int64_t{count_} * parts_.state.points.size();
+  counts_.evaluated_points += found.evaluated;
 }
 
 template <int dim>

@@ -18,6 +18,10 @@ struct SubstepCounts {
   std::int64_t substeps = 0;
   int largest = 0;      ///< of a solution
   double smallest = 0;  ///< [s], 0: none
+  std::int64_t repeated = 0;          ///< solutions after the first one of a step
+  std::int64_t repeated_whole = 0;    ///< of them, those that solved all of the soil
+  std::int64_t repeated_points = 0;   ///< points of this rank in the substeps of repeated ones
+  std::int64_t evaluated_points = 0;  ///< of them, those whose stresses were evaluated
 };
 
 /// Steps of explicit phases: equal substeps of central differences, as many as are stable.
@@ -42,6 +46,7 @@ class ExplicitStep final : public StepMethod<dim> {
 
  private:
   int count_for(double dt, double contact_rate) const;
+  void add_repeated();
   void log_count(const StepRequest& request);
   NodalMotion<dim> nodal_motion() const;
   StepBalance<dim> balance() const;
