@@ -60,12 +60,9 @@ Json explicit_json(MPI_Comm comm, const SubstepCounts& counts) {
         "interfaces; {} of them all points",
         counts.repeated, 100 * share, counts.repeated_whole);
   }
-  return {{"solutions", counts.solutions},
-          {"substeps", counts.substeps},
-          {"most_in_a_step", counts.largest},
-          {"smallest_substep", counts.smallest},
-          {"repeated_solutions", counts.repeated},
-          {"repeated_whole", counts.repeated_whole},
+  return {{"solutions", counts.solutions},         {"substeps", counts.substeps},
+          {"most_in_a_step", counts.largest},      {"smallest_substep", counts.smallest},
+          {"repeated_solutions", counts.repeated}, {"repeated_whole", counts.repeated_whole},
           {"repeated_point_share", share}};
 }
 

@@ -28,7 +28,6 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
   F_.resize(v_start_.size());
   A_F_.resize(v_start_.size());
   if (may_touch_) find_lasting();
-  if (parts_.repeats && !parts_.stress.weights.constant_gradient) reach_.emplace(parts_.stress);
 }
 
 template <int dim>
@@ -185,7 +184,8 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(const Subste
                                       refusal_text(worst.refusal));
     throw ConvergenceError("explicit step: " + shared.first_text(own), "inadmissible");
   }
-  Forces forces{.body = parts_.body_force(substep.share()), .internal = internal_.forces(), .A = {}};
+  Forces forces{
+      .body = parts_.body_force(substep.share()), .internal = internal_.forces(), .A = {}};
   shared.sum(forces.internal, dim);
   if (within_) {
     reach_->fill_internal(substep.k, forces.internal);
@@ -242,11 +242,12 @@ void ExplicitMotion<dim>::add_works(std::span<const double> move, const Forces& 
 }
 
 template <int dim>
-bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
+bool ExplicitMotion<dim>::solve(int count, double soil_dt, bool repeats) {
+  const bool suits = !parts_.stress.weights.constant_gradient;
+  if (repeats && suits && !reach_) reach_.emplace(parts_.stress);
   within_ = reach_ && reach_->knows(count);
   Outcome outcome = run(count, soil_dt);
   if (outcome == Outcome::beyond_reach) {
-    ++num_beyond_;
     within_ = false;
     outcome = run(count, soil_dt);
   }

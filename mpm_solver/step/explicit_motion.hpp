@@ -38,7 +38,6 @@ class ExplicitMotion {
     double dt;  ///< of the step [s]
     bool average_volumes;
     double largest_courant;  ///< that contacts may lead to, see squared_courant
-    bool repeats;            ///< solutions for other places of the interfaces may follow the first
     /// Body force at a share of the step, num_nodes x dim [N].
     std::function<std::vector<double>(double share)> body_force;
   };
@@ -56,26 +55,24 @@ class ExplicitMotion {
     double plastic_work = 0;                            ///< of this rank's points [J]
     Vector<dim> body_impulse = Vector<dim>::Zero();     // [N s]
     Vector<dim> contact_impulse = Vector<dim>::Zero();  // [N s]
-    double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]
+    double contact_rate = 0;     ///< StableStep's, largest of the substeps [1/s^2]
     std::int64_t evaluated = 0;  ///< stresses of this rank's points, in all substeps
     bool within_reach = false;   ///< ExplicitReach, of all that would be evaluated else
   };
 
   /// Solve the step for the present place of the surfaces.
   /// @param soil_dt  StableStep::of_soil [s]
+  /// @param repeats  solutions for other places of the interfaces are to be expected after this one
   /// @returns false where a contact became too stiff for a substep of this length: only
   ///          contact_rate has a meaning then
   /// @throws ConvergenceError  a point would be squeezed below min_J_ratio; values are not finite
   /// @note Collective.
-  bool solve(int count, double soil_dt);
+  bool solve(int count, double soil_dt, bool repeats = false);
 
   const Result& result() const { return result_; }
   /// Mapped velocity with the walls, num_nodes x dim [m/s].
   const std::vector<double>& start_velocity() const { return v_start_; }
   const PointInertia<dim>& inertia() const { return inertia_; }
-
-  /// Solutions that went beyond the reach of their contact and were begun again.
-  int num_beyond() const { return num_beyond_; }
 
  private:
   enum class Outcome { solved, too_stiff, beyond_reach };
@@ -119,13 +116,12 @@ class ExplicitMotion {
   std::vector<double> v_start_;
   Forces start_;
   bool may_touch_ = false;
-  bool touches_ = false;           // in the current substep, on any rank
-  std::vector<double> F_, A_F_;    // of the contacts
-  std::vector<double> A_lasting_;  // of their force that lasts; empty where none does
-  std::vector<double> raw_;        // impulse of all forces but those of walls
-  std::optional<ExplicitReach<dim>> reach_;  // none: solutions do not repeat
-  bool within_ = false;                      // this solution evaluates what is in reach alone
-  int num_beyond_ = 0;
+  bool touches_ = false;                        // in the current substep, on any rank
+  std::vector<double> F_, A_F_;                 // of the contacts
+  std::vector<double> A_lasting_;               // of their force that lasts; empty where none does
+  std::vector<double> raw_;                     // impulse of all forces but those of walls
+  std::optional<ExplicitReach<dim>> reach_;     // none: solutions do not repeat
+  bool within_ = false;                         // this solution evaluates what is in reach alone
   std::vector<double> star_, move_, foreseen_;  // room for those of a substep
   Result result_;
 };

@@ -223,9 +223,8 @@ ForcePart ExplicitReach<dim>::part(int k) {
       ranges_.push_back({g, g + 1});
     }
   }
-  return {.ranges = ranges_,
-          .known = substeps_[k].border,
-          .known_forces = substeps_[k].border_forces};
+  return {
+      .ranges = ranges_, .known = substeps_[k].border, .known_forces = substeps_[k].border_forces};
 }
 
 template <int dim>

@@ -46,10 +46,11 @@ class ExplicitReach {
   void ask_for_forces(GroupForces<dim>& kept) const;
   /// Values at the end of a substep, nodal ones of all ranks.
   struct Fields {
-    std::vector<double> du;       ///< [m]
-    std::vector<double> internal; ///< forces [N]
-    std::vector<double> A;        ///< [m/s^2]
-    std::vector<double> plastic;  ///< plastic_density of each entry; empty: no law depends on the path
+    std::vector<double> du;        ///< [m]
+    std::vector<double> internal;  ///< forces [N]
+    std::vector<double> A;         ///< [m/s^2]
+    std::vector<double>
+        plastic;  ///< plastic_density of each entry; empty: no law depends on the path
   };
   void keep(Fields fields, std::vector<double> group_forces);
   void complete() { is_complete_ = keeps_; }

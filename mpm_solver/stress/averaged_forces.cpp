@@ -209,9 +209,8 @@ bool AveragedForces<dim>::evaluate(const GroupRange& range, const Target& target
 
 template <int dim>
 bool AveragedForces<dim>::evaluate(const Target& target) {
-  return for_each_range(parts_, [&](const Body<dim>&, const GroupRange& range) {
-    return evaluate(range, target);
-  });
+  return for_each_range(
+      parts_, [&](const Body<dim>&, const GroupRange& range) { return evaluate(range, target); });
 }
 
 template <int dim>
