@@ -161,7 +161,7 @@ template <int dim>
 void SoilStep<dim>::check_surfaces() {
   if (!state_.surfaces.look_ahead()) return;
   state_.surfaces.refuse_misses(
-      surplus_.largest(state_.points, soil_.weights(), soil_.nodes(), method_->du(), start_.dt));
+      surplus_.largest({state_.points, soil_.weights(), soil_.nodes(), method_->du(), start_.dt}));
 }
 
 template <int dim>
