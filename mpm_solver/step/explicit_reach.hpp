@@ -49,8 +49,7 @@ class ExplicitReach {
     std::vector<double> du;        ///< [m]
     std::vector<double> internal;  ///< forces [N]
     std::vector<double> A;         ///< [m/s^2]
-    std::vector<double>
-        plastic;  ///< plastic_density of each entry; empty: no law depends on the path
+    std::vector<double> plastic;   ///< plastic_density of each entry; empty: no path
   };
   void keep(Fields fields, std::vector<double> group_forces);
   void complete() { is_complete_ = keeps_; }
@@ -61,7 +60,7 @@ class ExplicitReach {
   bool knows(int count) const { return is_complete_ && std::ssize(substeps_) == count; }
   /// Whether u at the end of a substep is the known one outside U, on this rank.
   bool covers(int k, std::span<const double> du) const;
-  /// Put what the first points of D in this substep start from where keep_states had it from.
+  /// Put back what keep_states took in this substep.
   void load_states(int k, MaterialPath<dim>& path, std::span<Symmetric<dim>> tau) const;
   /// D and the groups about it.
   ForcePart part(int k);
@@ -71,7 +70,7 @@ class ExplicitReach {
   void fill_internal(int k, std::span<double> internal) const;
   void fill_A(int k, std::span<double> A) const;
   const Fields& known(int k) const { return substeps_[k].fields; }
-  /// Points of this rank in D, in all substeps.
+  /// Points of this rank in D.
   std::int64_t num_points(int k) const { return substeps_[k].num_points; }
 
  private:
