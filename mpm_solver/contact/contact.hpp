@@ -128,6 +128,11 @@ class Contact {
   /// Add the row sums of the stiffness of the last add_forces, sum_j |K_ij|, its places counted one
   /// by one: num_nodes [N/m].
   virtual void add_stiffness_sums(std::span<double>) const {}
+  /// Set the active nodes that act on the points which a member touched in the last add_forces
+  /// to 1.
+  virtual void mark_touched(std::span<char> nodes, std::size_t member = 0) const {
+    static_cast<void>(nodes), static_cast<void>(member);
+  }
 
   // All of the following are those of the last add_forces.
 

@@ -64,6 +64,7 @@ class FacetContact final : public Contact<dim> {
   void set_share(double share) override;
   void add_substep(std::span<const double> move, double share) override;
   void add_stiffness_sums(std::span<double> sums) const override;
+  void mark_touched(std::span<char> nodes, std::size_t member = 0) const override;
 
   std::vector<double> forces_on_structure(std::size_t member = 0) const override;
   typename Contact<dim>::Resultant resultant(std::size_t member = 0) const override;

@@ -95,6 +95,14 @@ void FacetContact<dim>::add_stiffness_sums(std::span<double> sums) const {
   }
 }
 
+template <int dim>
+void FacetContact<dim>::mark_touched(std::span<char> nodes, std::size_t member) const {
+  for (const std::int32_t index : touches_of(member)) {
+    const Candidate& c = candidates_[touches_[index].candidate];
+    for (std::int32_t k = 0; k < c.num_values; ++k) nodes[nodes_[c.first_value + k]] = 1;
+  }
+}
+
 template class FacetContact<2>;
 template class FacetContact<3>;
 

@@ -151,6 +151,19 @@ void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
 }
 
 template <int dim>
+bool Surfaces<dim>::may_touch_interface() const {
+  const auto end = touching_.begin() + std::ssize(interfaces_);
+  return std::find_if(touching_.begin(), end, [](char touches) { return touches != 0; }) != end;
+}
+
+template <int dim>
+void Surfaces<dim>::mark_touched(std::span<char> nodes) const {
+  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
+    contact_of(k).mark_touched(nodes, member_of(k));
+  }
+}
+
+template <int dim>
 void Surfaces<dim>::receive(const InterfaceValues& displacements) {
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     const auto found = displacements.find(interfaces_[k].name);

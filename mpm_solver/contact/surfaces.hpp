@@ -35,6 +35,11 @@ class Surfaces {
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.
   bool symmetric() const { return symmetric_; }
+  /// Whether soil can touch an interface in this step: the coupling may then ask for several
+  /// solutions.
+  bool may_touch_interface() const;
+  /// Contact::mark_touched of all interfaces.
+  void mark_touched(std::span<char> nodes) const;
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
   /// Move the rigid walls to where they are at a time [s].
@@ -43,7 +48,7 @@ class Surfaces {
   // The following are collective.
 
   /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
-  /// @param largest  of largest_surplus_way on this rank [m]
+  /// @param largest  of SurplusWays on this rank [m]
   void refuse_misses(double largest) const;
   /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
   bool look_ahead() const;
