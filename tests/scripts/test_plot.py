@@ -59,6 +59,13 @@ class Reading(ScriptCase):
         made_up.write_series(self.folder / "fence", "structure", made_up.structure_frames())
         self.assertEqual([series.path.parent.name for series in Results(self.folder).structures], ["fem", "fence"])
 
+    def test_moment_of_a_support_is_about_z_in_2d(self) -> None:
+        for names, dim in (("structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z", 2),
+                           ("structure.moment_foot_x,structure.moment_foot_y,structure.moment_foot_z", 3),
+                           ("structure.A.ux,structure.A.uy,structure.A.uz", 3)):
+            folder = self.write(f"{len(names)}/probes.csv", f"time,{names}\n0,0,0,0\n").parent
+            self.assertEqual(Results(folder).dim, dim, names)
+
     def test_missing_frame_is_named(self) -> None:
         made_up.write_series(self.folder, "soil", made_up.soil_frames())
         (self.folder / "soil_000002.h5").unlink()
