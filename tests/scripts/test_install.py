@@ -44,6 +44,7 @@ class Install(ScriptCase):
         summary = json.loads((self.folder / "results/scene/summary.json").read_text(encoding="utf-8"))
         self.assertIs(summary["completed"], True)
         self.call("gabion", "run", self.tree / "configs/slope_section", "--check")
+        self.assertIn("oedometer", self.call("gabion", "element-test", "scene", "--test", "oedometer", "--stress", "100e3"))
         self.assertIn(str(self.tree), self.call("/usr/bin/python3", "-c", "import sys; sys.path.insert(0, sys.argv[1]); import "
                                                 "gabion; print(gabion.ROOT)", self.prefix / "lib/python3/dist-packages"))
 
