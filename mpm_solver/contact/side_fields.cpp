@@ -2,7 +2,6 @@
 #include "mpm_solver/contact/side_fields.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
