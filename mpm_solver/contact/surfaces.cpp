@@ -12,6 +12,7 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
 
@@ -117,6 +118,13 @@ template <int dim>
 const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t surface) const {
   const bool wall = surface >= interfaces_.size();
   return wall ? walls_[surface - interfaces_.size()].boundary : interfaces_[surface];
+}
+
+template <int dim>
+std::span<const Vector<dim>> Surfaces<dim>::accepted_vertices(std::size_t surface) const {
+  const auto* const facets = dynamic_cast<const FacetContact<dim>*>(&contact_of(surface));
+  if (facets == nullptr) return {};
+  return facets->accepted_vertices(member_of(surface));
 }
 
 template <int dim>
