@@ -10,6 +10,7 @@
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/herschel_bulkley.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
+#include "common/mechanics/materials/mu_i.hpp"
 #include "common/mechanics/materials/softening_soil.hpp"
 #include "common/mechanics/materials/tresca.hpp"
 #include "common/settings/config_reader.hpp"
@@ -40,9 +41,9 @@ concept ConstitutiveLaw = std::copyable<Law> &&
 };
 
 template <int dim>
-using MaterialLaw =
-    std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, MohrCoulomb<dim>,
-                 Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>, SofteningSoil<dim>>;
+using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
+                                 MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>,
+                                 HerschelBulkley<dim>, SofteningSoil<dim>, MuI<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {
