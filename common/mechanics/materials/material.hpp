@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "common/mechanics/materials/cam_clay.hpp"
 #include "common/mechanics/materials/drucker_prager.hpp"
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/herschel_bulkley.hpp"
@@ -43,7 +44,7 @@ concept ConstitutiveLaw = std::copyable<Law> &&
 template <int dim>
 using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
                                  MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>,
-                                 HerschelBulkley<dim>, SofteningSoil<dim>, MuI<dim>>;
+                                 HerschelBulkley<dim>, SofteningSoil<dim>, MuI<dim>, CamClay<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/read_cam_clay.hpp"
 #include "common/mechanics/materials/read_softening.hpp"
 
 namespace gabion {
@@ -14,10 +15,13 @@ namespace {
 
 const std::vector<std::string> with_friction = {"mohr_coulomb", "drucker_prager"};
 
-std::vector<Key> elasticity_keys() {
+std::vector<Key> elasticity_keys(const std::vector<std::string>& laws) {
+  std::vector<std::string> with_modulus = laws;
+  const bool all = std::erase(with_modulus, "cam_clay") == 0;
+  const Key modulus = key::number("young_modulus", "Pa", "Young's modulus.").in(positive());
   return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
               .in(positive()),
-          key::number("young_modulus", "Pa", "Young's modulus.").in(positive()),
+          all ? modulus : Key(modulus).when("law", with_modulus),
           key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5))};
 }
 
@@ -259,13 +263,13 @@ MuI<dim> read_mu_i(ConfigReader& in, const LameConstants& elastic) {
 const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
 const std::vector<std::string> material_laws = {"linear_elastic",   "neo_hookean", "hencky_elastic",
                                                 "mohr_coulomb",     "tresca",      "drucker_prager",
-                                                "herschel_bulkley", "mu_i"};
+                                                "herschel_bulkley", "mu_i",        "cam_clay"};
 
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group : {elasticity_keys(), strength_keys(), flow_keys(), granular_keys(),
-                            apex_keys(), softening_key()}) {
+  for (const auto& group : {elasticity_keys(laws), strength_keys(), flow_keys(), granular_keys(),
+                            cam_clay_keys(), apex_keys(), softening_key()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }
@@ -277,6 +281,11 @@ Material<dim> read_material(ConfigReader in) {
   Material<dim> material;
   material.law_name = in.choice("law");
   material.density = in.number("density");
+  if (material.law_name == "cam_clay") {
+    material.law = CamClay<dim>(read_cam_clay(in));
+    in.finish();
+    return material;
+  }
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
     material.law = LinearElastic<dim>{elastic.lambda, elastic.mu};
