@@ -74,7 +74,7 @@ struct BodyAtRest {
 ///
 /// Cam-Clay has a bulk modulus P / kappa, P = a + (1 + 2 K0) s / 3, and takes from here what its
 /// points remember: mu_0 of P, and P_c of the ellipse through the normally consolidated stress with
-/// s_nc = ocr s. Its volumes follow from J = (P_r / P)^-kappa, so that
+/// s_nc = ocr s. Its volumes follow from J = (P_r / P)^kappa, so that
 ///
 ///     s (1 + kappa) - kappa a / b ln(1 + b s / a) = rho g d ,  b = (1 + 2 K0) / 3
 ///
