@@ -74,8 +74,12 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     }
     boundary.friction = in.number("friction");
   }
+  if (in.has("turbulent_drag") && !(in.has("friction") && in.choice("method") == "facets")) {
+    in.fail("turbulent_drag", "allowed only with \"friction\" and \"method\": \"facets\"");
+  }
   if (in.choice("method") == "facets") {
     boundary.method = read_facets(in, boundary.mode, resting_factor);
+    if (boundary.friction >= 0) boundary.drag = in.number("turbulent_drag");
     if (boundary.mode == ContactMode::contact && boundary.friction < 0) {
       boundary.friction = sticking;
     }

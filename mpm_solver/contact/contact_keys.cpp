@@ -22,6 +22,17 @@ Key resting_factor_key() {
       .when("method", {"facets"});
 }
 
+Key turbulent_drag_key() {
+  return key::number("turbulent_drag", "Pa s^2/m^2",
+                     "Shear stress over the square of the speed of sliding, beside `friction`: rho "
+                     "g / xi of Voellmy.")
+      .in(non_negative())
+      .or_else(0)
+      .when("mode", {"contact"})
+      .when("method", {"facets"})
+      .with("friction");
+}
+
 std::vector<Key> boundary_keys() {
   return {
       key::object("surface", surface_keys(), "Where the boundary points lie."),
@@ -64,6 +75,7 @@ std::vector<Key> boundary_keys() {
           .in(non_negative())
           .or_none()
           .when("mode", {"contact"}),
+      turbulent_drag_key(),
       key::number("tangential_factor", "",
                   "Tangential stiffness times the mean cell size over the P-wave modulus of the "
                   "body.")

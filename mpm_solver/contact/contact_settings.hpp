@@ -54,6 +54,7 @@ struct ContactSettings {
   ContactSurface<dim> surface;
   ContactMode mode = ContactMode::contact;
   double friction = -1;  ///< as in ContactLaw
+  double drag = 0;       ///< as in ContactLaw, of facets [Pa s^2/m^2]
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

@@ -39,7 +39,9 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
                  .friction = member.friction,
                  .penalty = method.penalty_factor * M / (h * h),
                  .tangential_penalty = part * method.tangential_factor * M / h,
-                 .normal = NormalLaw::quadratic};
+                 .normal = NormalLaw::quadratic,
+                 .drag = member.drag,
+                 .time = soil_ ? share_ * soil_->dt : 0};
   const double k = method.resting_factor;
   if (c.took_weight && k * k * M > 4 * c.weight * method.penalty_factor) {
     law.penalty = k * k * M / (4 * c.weight) * M / (h * h);
@@ -265,10 +267,9 @@ void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slo
   const Vector<dim> by_depth = scale * (touch.frame * slope.col(0));
   const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
-  const bool sticks = !touch.traction.sliding;
-  const Vector<dim> by_part = force_weight_ / touch.part *
-                                  (sticks ? tangential<dim>(touch.force, n) : Vector<dim>::Zero()) -
-                              by_slip * touch.slip_part_slope;
+  const Vector<dim> by_part =
+      force_weight_ / touch.part * (touch.traction.elastic * tangential<dim>(touch.force, n)) -
+      by_slip * touch.slip_part_slope;
   const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
   for (std::int32_t j = 0; j < c.num_values; ++j) {
     Vector<dim> depth_slope = Vector<dim>::Zero(), part_slope = Vector<dim>::Zero();

@@ -225,7 +225,7 @@ class FacetContact final : public Contact<dim> {
   /// One of the surfaces.
   struct Member {
     ContactMode mode = ContactMode::contact;
-    double friction = -1;
+    double friction = -1, drag = 0;
     FacetSettings method;
     ContactSurface<dim> surface;                        // reference
     std::int32_t first_vertex = 0, num_vertices = 0;    // of all members'

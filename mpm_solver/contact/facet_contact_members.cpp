@@ -22,6 +22,7 @@ void FacetContact<dim>::add_member(const ContactSettings<dim>& settings) {
   Member& member = members_.emplace_back();
   member.mode = settings.mode;
   member.friction = settings.friction;
+  member.drag = settings.drag;
   member.method = std::get<FacetSettings>(settings.method);
   member.surface = settings.surface;
   member.first_vertex = static_cast<std::int32_t>(start_.size());

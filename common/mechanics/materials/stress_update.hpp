@@ -90,7 +90,8 @@ concept ContextualLaw = requires(const Law& law, StressUpdate<dim>& out, Tangent
   law.update(PointContext{}, Matrix<dim>{}, MaterialState<dim>{}, out, A);
 };
 
-/// Laws with internal variables: all zero in the virgin soil, changed only where a point yields.
+/// Laws with internal variables: all zero in the virgin soil, or as its initial stress sets them;
+/// changed only where a point yields.
 /// `internal_names` are those of the fields in which frames have them.
 template <class Law>
 concept RemembersInternal = requires {
