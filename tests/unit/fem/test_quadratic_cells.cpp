@@ -235,6 +235,20 @@ TEST(QuadraticCells, formulations_of_other_cells_are_refused) {
       {"found \"formulation\" \"reduced\" with cells of type quad9, allowed: quad8, hex20"});
 }
 
+/// A row of single cells keeps a mode of each of them, even where an end is held.
+TEST(QuadraticCells, reduced_hexahedra_in_a_row_are_refused) {
+  Json json = {{"dimension", 3},
+               {"mesh", box_3d({2, 1, 1}, {3, 1, 1}, "hex20")},
+               {"material", material_of("neo_hookean", "reduced")},
+               {"supports", {{{"group", "left"}}}}};
+  expect_error<ConfigError>([&] { fem_solver<3>(json); },
+                            {"\"reduced\" with cell 0 near (0.333333, 0.5, 0.5), which has "
+                             "neighbours along 1 of its axes",
+                             "allowed: hex20 with neighbours along two, or \"full\""});
+  json["mesh"] = box_3d({2, 1, 1}, {3, 1, 2}, "hex20");
+  fem_solver<3>(json);
+}
+
 /// Work of random forces of the vertices over displacements of the vertices and of the nodes.
 template <int dim>
 void expect_same_work(const std::string& type) {
