@@ -182,6 +182,9 @@ TEST(SoilAtRest, an_interface_that_gives_while_soil_takes_its_weight) {
   expect_parts(text_of(1e8, Json::object()),
                {"at gate", "at 1e+04 Pa", "\"soil\"", "gives by 0.00034 m", "over 2 m", "some 86 %",
                 "resting_factor", "initial_stress"});
+  // Under inclined gravity the 2 m look 1.41 m long, the mean depth is 0.94 m.
+  expect_parts(text_of(1e8, {{"gravity", {7.0710678118654755, -7.0710678118654755}}}),
+               {"at 9.43e+03 Pa", "over 1.41 m", "some 92 %"});
   EXPECT_EQ(text_of(1e3, Json::object()), "");
   EXPECT_EQ(text_of(1e8, {{"gravity_ramp", nullptr}}), "");
   EXPECT_NE(text_of(1e8, {{"gravity_ramp", nullptr}, {"analysis", "quasi_static"}}), "");
