@@ -11,10 +11,10 @@ namespace gabion::mpm {
 
 namespace {
 
-// To set a ball off from faces at any angle; one is enough where they are at right angles.
+// To set a sphere off from faces at any angle; one is enough where they are at right angles.
 constexpr int projections = 20;
 
-// Balls that are off by less, by the cell size, touch.
+// Contact spheres that are off by less, by the cell size, touch.
 constexpr double round_off = 1e-9;
 
 }  // namespace
@@ -30,11 +30,7 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
   double deepest = 0;
   for (const auto& side : sides) deepest = std::max(deepest, side.depth);
   const double tolerance = touching_share * cell_size_;
-  list_facing(c);
-  c.place = Place::other;
-  find_features<dim>(surface_of(c, end_), c.x, c.x, {deepest + tolerance, mean_radius(c)},
-                     features_);
-  for (const auto& feature : features_) {
+  for (const auto& feature : search_.features_at_rest(c, deepest + tolerance)) {
     const Vector<dim>& n = feature.normal;
     const auto side = std::find_if(sides.begin(), sides.end(), [&](const auto& s) {
       return s.normal.dot(n) > along_side && std::abs(s.depth - feature.distance) <= tolerance;
@@ -42,8 +38,8 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
     if (side == sides.end()) continue;
     const Vector<dim> stress = rest.stress(c.body, feature.x + side->shift);
     const Vector<dim> force = side->area * stress.cwiseProduct(n);
-    const double R = radius(c, n), area = c.volume / (2 * R);
-    const std::int32_t owner = owner_[feature.simplex];
+    const double R = c.radius(n), area = c.volume / (2 * R);
+    const std::int32_t owner = surface_.owner(feature.simplex);
     const double penalty = law_of(c, owner, 1).penalty;
     const double square = -n.dot(force) / (area * penalty);
     if (!(square > 0)) continue;
@@ -56,7 +52,7 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
   return places;
 }
 
-// Set the ball off to where it touches, and remember the depths of its touches.
+// Set the sphere off to where it touches, and remember the depths of its contacts.
 template <int dim>
 void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candidate& c) {
   Vector<dim> offset = Vector<dim>::Zero();
@@ -66,10 +62,10 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     }
   }
   if (offset.norm() > round_off * cell_size_) {
-    offset_[c.id] = c.offset = offset;
+    memory_.offsets()[c.id] = c.offset = offset;
     c.x += offset;
   }
-  auto& memory = memory_[c.id];
+  auto& memory = memory_.add(c.id);
   memory.clear();
   std::vector<RestingPlace<dim>> together;
   for (const auto& place : places) {
@@ -92,63 +88,61 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
 }
 
 template <int dim>
-void FacetContact<dim>::remember_shear(const Touch& touch,
+void FacetContact<dim>::remember_shear(const ContactPoint& contact,
                                        std::span<const RestingPlace<dim>> places) {
-  const Candidate& c = candidates_[touch.candidate];
-  const double k = touch.area * law_of(c, touch.owner, touch.part).tangential_penalty;
-  for (Memory& memory : memory_[c.id]) {
+  const Candidate& c = candidate(contact);
+  const double k = contact.area * law_of(c, contact.owner, contact.part).tangential_penalty;
+  for (Remembered& memory : memory_.add(c.id)) {
     for (const auto& place : places) {
-      if (memory.normal == place.normal && place.normal == touch.feature.normal) {
+      if (memory.normal == place.normal && place.normal == contact.feature.normal) {
         memory.slip += place.pull / k;
-        memory.part = touch.part;
+        memory.part = contact.part;
       }
     }
   }
 }
 
-// The accepted state is that in which the touches stand as they do.
+// The accepted state is that in which the contacts stand as they do.
 template <int dim>
-void FacetContact<dim>::remember_touches() {
-  memory_.clear();
+void FacetContact<dim>::remember_contacts() {
+  memory_.take_contacts();
   for (Member& member : members_) {
     member.energy = {};
     member.stored_slip = 0;
   }
-  for (const Touch& touch : touches_) {
-    const Memory memory = memory_of(touch);
-    Member& member = members_[touch.owner];
-    member.stored_slip += stored_in_slip(touch, memory);
-    member.energy.stored += stored_in_depth(touch) + stored_in_slip(touch, memory);
-    deepest_ = std::max(deepest_, -touch.gap);
-    memory_[candidates_[touch.candidate].id].push_back(memory);
+  for (const ContactPoint& contact : contacts_) {
+    const Remembered memory = memory_of(contact);
+    Member& member = members_[contact.owner];
+    member.stored_slip += stored_in_slip(contact, memory);
+    member.energy.stored += stored_in_depth(contact) + stored_in_slip(contact, memory);
+    deepest_ = std::max(deepest_, -contact.gap);
+    memory_.add(candidate(contact).id).push_back(memory);
   }
   deepest_ = max_over_ranks(comm_, deepest_);
-  for (Candidate& c : candidates_) {
-    const auto memory = memory_.find(c.id);
-    c.memory = memory == memory_.end() ? nullptr : &memory->second;
-  }
+  search_.refer_to_memory();
 }
 
 template <int dim>
 void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
-  if (!soil_) return;
-  complete_all();
-  const std::vector<double> du(static_cast<std::size_t>(soil_->nodes.size()) * dim, 0.0);
+  const auto& soil = search_.soil();
+  if (!soil) return;
+  search_.complete_all();
+  const std::vector<double> du(static_cast<std::size_t>(soil->nodes.size()) * dim, 0.0);
   std::vector<double> r(du.size());
   std::vector<std::vector<RestingPlace<dim>>> places;
-  for (Candidate& c : candidates_) {
+  for (Candidate& c : search_.candidates()) {
     places.push_back(places_at_rest(c, rest));
     if (!places.back().empty()) lay_on(places.back(), c);
   }
   add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness
   const auto has_shear = [](const Member& member) { return member.mode == ContactMode::contact; };
   if (std::ranges::any_of(members_, has_shear)) {
-    for (const Touch& touch : touches_) {
-      if (has_shear(members_[touch.owner])) remember_shear(touch, places[touch.candidate]);
+    for (const ContactPoint& contact : contacts_) {
+      if (has_shear(members_[contact.owner])) remember_shear(contact, places[contact.candidate]);
     }
     add_forces(du, r, nullptr);
   }
-  remember_touches();
+  remember_contacts();
 }
 
 template class FacetContact<2>;

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/mechanics/ranks/packet.hpp"
+#include "common/mechanics/tensor.hpp"
+#include "common/run/state.hpp"
+#include "mpm_solver/contact/front_features.hpp"
+#include "mpm_solver/contact/index_table.hpp"
+
+namespace gabion::mpm {
+
+/// What is remembered of a contact point of the accepted state.
+template <int dim>
+struct RememberedContact {
+  std::int32_t owner = 0;                    ///< member of the contact that has the facet
+  Vector<dim> normal = Vector<dim>::Zero();  ///< of length 1, into the soil
+  Vector<dim> force = Vector<dim>::Zero();   ///< of the last step, on the soil [N]
+  Vector<dim> slip = Vector<dim>::Zero();    ///< elastic; along -normal the initial penetration [m]
+  double part = 1;                           ///< of the tangential stiffness, in which the slip is
+  Vector<dim> lasting = Vector<dim>::Zero();  ///< part of the force that has lasted [N]
+  bool took_weight = false;                   ///< it began in a step in which soil took its weight
+
+  /// Initial penetration [m].
+  double begun() const { return -normal.dot(slip); }
+  Vector<dim> tangential() const { return slip + begun() * normal; }
+};
+
+/// Those of one material point.
+template <int dim>
+using RememberedContacts = std::vector<RememberedContact<dim>>;
+
+inline constexpr std::int32_t any_owner = -1;
+
+/// The contact that goes on with this normal; null: none does.
+/// @param contacts  may be null
+template <int dim>
+const RememberedContact<dim>* going_on(const RememberedContacts<dim>* contacts,
+                                       const Vector<dim>& normal, std::int32_t owner = any_owner) {
+  if (!contacts) return nullptr;
+  const RememberedContact<dim>* best = nullptr;
+  double largest = same_normal;
+  for (const auto& contact : *contacts) {
+    if (owner != any_owner && contact.owner != owner) continue;
+    if (contact.normal.dot(normal) <= largest) continue;
+    largest = contact.normal.dot(normal);
+    best = &contact;
+  }
+  return best;
+}
+
+/// What contact by facets remembers of the material points of a rank, by their ids: their contact
+/// points, how far their contact spheres are off from them, and the shapes of those spheres that
+/// deform.
+template <int dim>
+class ContactMemory {
+ public:
+  using Contacts = RememberedContacts<dim>;
+  /// What is known of a point; null where there is nothing.
+  struct Known {
+    const Contacts* contacts = nullptr;
+    const Vector<dim>* offset = nullptr;
+  };
+
+  /// The contacts of a point; null: none.
+  const Contacts* contacts(std::int64_t id) const;
+  Contacts& add(std::int64_t id) { return contacts_[id]; }
+  /// Hands out all contacts and forgets them.
+  std::map<std::int64_t, Contacts> take_contacts() { return std::exchange(contacts_, {}); }
+  /// Offset of a contact sphere from its point [m].
+  Vector<dim> offset(std::int64_t id) const;
+  std::map<std::int64_t, Vector<dim>>& offsets() { return offsets_; }
+  /// |shape^T n| is the radius in direction n [m].
+  /// @param depth  of the point in the cell that it was laid in [m]
+  Matrix<dim> shape(std::int64_t id, double depth) const;
+  std::map<std::int64_t, Matrix<dim>>& shapes() { return shapes_; }
+
+  /// Prepare known(): contacts and offsets do not change until it is called again.
+  void make_index();
+  Known known(std::int64_t id) const;
+
+  /// Sum of the forces on these points, one member after the other [N].
+  Vector<dim> force_on(std::span<const std::int64_t> ids, std::size_t num_members) const;
+  /// A contact sphere without other contacts goes back to its point.
+  void forget_member(std::int32_t member);
+  void give(std::span<const std::int64_t> ids, Packet& packet);
+  void take(Packet& packet);
+  /// @throws Error  a saved member is none of num_members
+  void visit_state(StateVisitor& visitor, const std::string& prefix, std::size_t num_members);
+
+ private:
+  void visit_contacts(StateVisitor& visitor, const std::string& prefix, std::size_t num_members);
+
+  std::map<std::int64_t, Contacts> contacts_;
+  std::map<std::int64_t, Vector<dim>> offsets_;
+  std::map<std::int64_t, Matrix<dim>> shapes_;
+  IndexTable<1> index_;       // ids of points with contacts or offset
+  std::vector<Known> known_;  // of them
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Places that the points may touch, looked for where they come near.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm_solver/contact/point_search.hpp"
+#include "mpm_solver/contact/surface_sights.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// What is nearer than a limit to within this share of it may be beyond it by rounding.
+constexpr double rounding = 1e-9;
+
+// Sum of |grad N_i| of a point, or more.
+template <int dim>
+double sum_of_gradients(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry) {
+  if (soil.grid.box) return 2 * soil.grid.box->spacing.cwiseInverse().sum();
+  const PointWeights<dim>& weights = soil.weights;
+  const Vector<dim>* grad = weights.grad_of(weights.constant_gradient ? group.first : entry);
+  double sum = 0;
+  for (int i = 0; i < weights.num_nodes(entry); ++i) sum += grad[i].norm();
+  return sum;
+}
+
+// Largest initial penetration.
+template <int dim>
+double most_begun(const RememberedContacts<dim>* contacts) {
+  double most = 0;
+  if (!contacts) return most;
+  for (const auto& contact : *contacts) most = std::max(most, contact.begun());
+  return most;
+}
+
+}  // namespace
+
+template <int dim>
+void PointSearch<dim>::surface_weights(const Candidate& c, const Vector<dim>& n, double* w) const {
+  Vector<dim> d = c.offset - c.radius(n) * n;
+  const double* N = N_.data() + c.first_value;
+  if (c.surface) {
+    d -= c.surface->at(n, -n.dot(d), w);
+    N = w;
+  }
+  for (std::int32_t k = 0; k < c.num_values; ++k) w[k] = N[k] + grad_N_[c.first_value + k].dot(d);
+}
+
+template <int dim>
+void PointSearch<dim>::scatter(const Candidate& c, const double* w, const Vector<dim>& f,
+                               std::span<double> field) const {
+  for (std::int32_t k = 0; k < c.num_values; ++k) {
+    const std::ptrdiff_t node = nodes_[c.first_value + k];
+    Eigen::Map<Vector<dim>>(field.data() + node * dim) += w[k] * f;
+  }
+}
+
+template <int dim>
+void PointSearch<dim>::find(std::span<const double> du, const Take& take) {
+  du_.assign(du.begin(), du.end());
+  at_rest_.clear();
+  for (std::int32_t m = 0; m < surface_.num_members(); ++m) {
+    at_rest_.push_back(surface_.member(m).motion == 0 ? 1 : 0);
+  }
+  for (const WatchedGroup& watched : watched_groups_) {
+    const CellGroup& group = soil_->weights.groups[watched.group];
+    const NodalBox box = box_of(group, du);
+    if (stays_away(watched, box)) continue;
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      Watched& point = watched_[k];
+      if (stays_away(point, group, box)) continue;
+      find_of(complete(point, group), du);
+      take(point.candidate, features_);
+    }
+  }
+}
+
+template <int dim>
+typename PointSearch<dim>::NodalBox PointSearch<dim>::box_of(const CellGroup& group,
+                                                             std::span<const double> du) const {
+  const auto list = soil_->weights.nodes_of(group);
+  const auto nodes = std::span(soil_->nodes.of_groups).subspan(list.first, list.size());
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
+  for (const std::int32_t node : nodes) {
+    const Eigen::Map<const Vector<dim>> du_i(du.data() + std::ptrdiff_t{node} * dim);
+    low = low.cwiseMin(du_i);
+    high = high.cwiseMax(du_i);
+  }
+  return {.middle = 0.5 * (low + high), .half = 0.5 * (high - low)};
+}
+
+// Whether find_features would surely find nothing: the point touched nothing when the step began,
+// and no simplex is in reach at its end, nor one that it may have come behind (front_reach).
+// @param box  of the displacements of its nodes
+template <int dim>
+bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
+                                  const NodalBox& box) const {
+  if (point.candidate >= 0) {
+    const Candidate& c = candidates_[point.candidate];
+    if (c.memory || c.deforms) return false;
+  }
+  const double spread = box.half.norm();
+  const double way = box.middle.norm() + spread + surface_.motion();
+  const double behind = surface_.motion() > 0 ? 2 * way : way;
+  const double nearest =
+      surface_.search().at_least(point.x + box.middle, box.half) - surface_.motion();
+  if (!(nearest > (1 + rounding) * std::max(point.reach + 2 * spread, behind))) return false;
+  const double strained =
+      spread * sum_of_gradients(*soil_, group, point.entry) * point.reach;  // |H| |shape|
+  return nearest > (1 + rounding) * (point.reach + strained);
+}
+
+// The same of all points of a group.
+template <int dim>
+bool PointSearch<dim>::stays_away(const WatchedGroup& watched, const NodalBox& box) const {
+  const double spread = box.half.norm();
+  const double way = box.middle.norm() + spread + surface_.motion();
+  const double nearest = watched.clearance - way, behind = surface_.motion() > 0 ? 2 * way : way;
+  if (!(nearest > (1 + rounding) * std::max(watched.reach + 2 * spread, behind))) return false;
+  const CellGroup& group = soil_->weights.groups[watched.group];
+  double gradients = 0;
+  if (soil_->grid.box) {
+    gradients = sum_of_gradients(*soil_, group, group.first);
+  } else {
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      gradients = std::max(gradients, sum_of_gradients(*soil_, group, watched_[k].entry));
+    }
+  }
+  return nearest > (1 + rounding) * watched.reach * (1 + spread * gradients);
+}
+
+template <int dim>
+void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
+  Vector<dim> motion = Vector<dim>::Zero();
+  Matrix<dim> H = Matrix<dim>::Zero();
+  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
+    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
+    motion += N_[k] * du_k;
+    H += du_k * grad_N_[k].transpose();
+  }
+  c.motion = motion;
+  c.H = H;
+  double spread = 0;
+  for (std::int32_t k = c.first_value; k < c.first_value + c.num_values; ++k) {
+    const Eigen::Map<const Vector<dim>> du_k(du.data() + std::ptrdiff_t{nodes_[k]} * dim);
+    spread = std::max(spread, (du_k - motion).squaredNorm());
+  }
+  c.spread = std::sqrt(spread);
+  const double reach = reach_of(c);
+  const double shorter = c.reaches_far ? reach : std::min(reach, touch_reach(c));
+  find_features_of(c, shorter);
+  c.found = !features_.empty();
+}
+
+// How far from the centre of its sphere, at the end of its way, a point feels the surface: the
+// surface of the sphere goes against the centre by no more than its nodes, or its strain, do.
+template <int dim>
+double PointSearch<dim>::reach_of(const Candidate& c) const {
+  const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
+  return c.shape.norm() + against_centre + c.offset.norm() + most_begun<dim>(c.memory);
+}
+
+// How far a place may be that it touches, if the sphere is rigid: the plane of a simplex pushes a
+// little beyond its end (find_features).
+template <int dim>
+double PointSearch<dim>::touch_reach(const Candidate& c) const {
+  const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();
+  const double height =
+      R + c.spread + 2 * c.H.norm() * size + c.offset.norm() + most_begun<dim>(c.memory);
+  return (1 + rounding) * std::hypot(height, sights::fading_share * R);
+}
+
+template <int dim>
+void PointSearch<dim>::find_opened(const Take& take) {
+  if (du_.empty()) return;
+  for (const WatchedGroup& watched : watched_groups_) {
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      if (watched_[k].candidate < 0) continue;
+      Candidate& c = candidates_[watched_[k].candidate];
+      if (c.reaches_far || !(c.found || !c.offset.isZero(0))) continue;
+      find_features_of(c, reach_of(c));
+      take(watched_[k].candidate, features_);
+    }
+  }
+}
+
+// Whether the point is in front of the nearest simplex of those that it touched.
+template <int dim>
+typename PointSearch<dim>::Place PointSearch<dim>::place_of(Candidate& c) {
+  if (!c.memory) return Place::front;
+  double nearest = std::numeric_limits<double>::infinity(), height = 0;
+  for (const std::int32_t s : surface_.search().near(c.x, surface_.search().reach(), near_)) {
+    const SimplexBounds<dim>& bounds = surface_.search().bounds()[s];
+    if (bounds.is_beyond(c.x, std::min(nearest, c.margin))) continue;
+    if (!going_on(c.memory, bounds.normal, surface_.owner(s))) continue;
+    const auto corners = surface_.corners(s);
+    const double distance = (closest_place<dim>(corners, c.x).x - c.x).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    height = (c.x - corners[0]).dot(bounds.normal);
+  }
+  c.touched_distance = nearest;
+  const bool known = nearest < (1 - rounding) * surface_.search().reach();
+  return known && height > 0 ? Place::front : Place::other;
+}
+
+// @param around  see FrontView
+template <int dim>
+bool PointSearch<dim>::look_in_front(const Candidate& c, const FeatureReach& reach, double around) {
+  const auto surface = view_of(c);
+  const Vector<dim> y = c.x + c.motion;
+  const double needed = std::max(around, front_reach<dim>(surface, reach, c.motion.norm()));
+  known_.clear();
+  if (c.memory) {
+    for (const auto& contact : *c.memory) known_.push_back({contact.owner, contact.normal});
+  }
+  const FrontView<dim> view{.surface = surface,
+                            .bounds = surface_.search().bounds(),
+                            .neighbours = surface_.neighbours(),
+                            .at_rest = at_rest_,
+                            .near = surface_.search().near(y, needed + surface_.motion(), near_),
+                            .touched = known_,
+                            .around = around,
+                            .margin = c.margin};
+  return features_in_front<dim>(view, c.x, y, reach, features_);
+}
+
+// A point that came off may have what it touched farther away than its reach.
+template <int dim>
+void PointSearch<dim>::find_features_of(Candidate& c, double reach) {
+  const FeatureReach feature_reach{reach, c.mean_radius()};
+  if (c.place == Place::unknown) c.place = place_of(c);
+  if (c.place == Place::front) {
+    if (look_in_front(c, feature_reach, 0)) return;
+    const double touched = (1 + 2e-6) * (c.touched_distance + c.motion.norm() + surface_.motion());
+    if (c.memory && touched < c.margin && look_in_front(c, feature_reach, touched)) return;
+  }
+  list_facing(c);
+  features_.clear();
+  if (c.distance - c.motion.norm() - surface_.motion() > reach) return;
+  find_features<dim>(view_of(c), c.x, c.x + c.motion, feature_reach, features_);
+}
+
+// The motion of a point in the last add_forces [m].
+template <int dim>
+Vector<dim> PointSearch<dim>::motion_of(std::int32_t entry, const CellGroup& group) const {
+  Vector<dim> motion = Vector<dim>::Zero();
+  if (du_.empty()) return motion;
+  const PointWeights<dim>& weights = soil_->weights;
+  const double* N = weights.N_of(entry);
+  const std::uint8_t* local = weights.local_of(entry);
+  const std::int32_t first = weights.nodes_of(group).first;
+  for (int i = 0; i < weights.num_nodes(entry); ++i) {
+    const std::ptrdiff_t node = soil_->nodes.of_groups[first + local[i]];
+    motion += N[i] * Eigen::Map<const Vector<dim>>(du_.data() + node * dim);
+  }
+  return motion;
+}
+
+// A point that touched nothing and is far away, or slow, cannot ask for the smallest step.
+template <int dim>
+double PointSearch<dim>::approach_step(double dt, double margin) const {
+  double result = std::numeric_limits<double>::infinity();
+  for (const WatchedGroup& watched : watched_groups_) {
+    const CellGroup& group = soil_->weights.groups[watched.group];
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      const Watched& point = watched_[k];
+      const Vector<dim> motion = motion_of(point.entry, group);
+      if (point.candidate < 0) {
+        const double closing = motion.norm() + surface_.motion();  // or less
+        const double nearest = surface_.search().far_at_least(point.x, Vector<dim>::Zero());
+        const double gap = std::max(nearest - closing - point.reach, 0.0);
+        if (dt * (gap + margin) > 1.001 * result * closing) continue;
+      }
+      const Candidate c =
+          point.candidate < 0 ? candidate_of(point, group) : candidates_[point.candidate];
+      const Facing facing = facing_of(c);
+      if (facing.simplices.empty()) continue;
+      for (const Near& near : facing.near) {
+        const Vector<dim>& n = near.place.normal;
+        const double closing = n.dot(surface_.motion_at(near.place) - motion);
+        const double gap = near.distance - closing - c.radius(n);
+        if (closing > 0) result = std::min(result, dt * (std::max(gap, 0.0) + margin) / closing);
+      }
+    }
+  }
+  return result;
+}
+
+template class PointSearch<2>;
+template class PointSearch<3>;
+
+}  // namespace gabion::mpm
