@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/base/require.hpp"
@@ -17,6 +18,9 @@ namespace {
 
 // Facets that look within 60 degrees of a mark's normal may share it.
 constexpr double same_side = 0.5;
+
+// What is nearer than a limit to within this share of it may be beyond it by rounding.
+constexpr double rounding = 1e-9;
 
 // In 3D the square of a mark is cut into this many parts along each side.
 constexpr int parts = 4;
@@ -84,7 +88,8 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
     double least = width / 2;
     std::int32_t nearest = -1;
     for (const std::int32_t s : near) {
-      if (surface.bounds[s].normal.dot(mark.normal) <= same_side) continue;
+      const SimplexBounds<3>& bounds = surface.bounds[s];
+      if (bounds.normal.dot(mark.normal) <= same_side || bounds.is_beyond(y, least)) continue;
       const double distance = (closest_place<3>(surface.corners(s), y).x - y).norm();
       if (distance >= least - 1e-9 * width) continue;
       least = distance;
@@ -94,8 +99,8 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
   }
 }
 
-// Between a triangle or segment and the soil of a point that it faces: a ball of radius R, and soil
-// aside of it up to half_width, which touches at most: it ends where the surface falls away.
+// Between a triangle or segment and the soil of a point that it faces: a sphere of radius R, and
+// soil aside of it up to half_width, which touches at most: it ends where the surface falls away.
 template <int dim>
 double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x, double height,
                    double R, double half_width) {
@@ -183,7 +188,7 @@ void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMar
 
 template <int dim>
 void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& points,
-              const BallRadius<dim>& radius, double reach, ContactFields<dim>& fields) {
+              const SphereOfPoint<dim>& sphere_of, double reach, ContactFields<dim>& fields) {
   double widest = 0;
   for (std::int32_t p = 0; p < points.size(); ++p) {
     widest = std::max(widest, points.V0[p] * points.J[p]);
@@ -192,6 +197,7 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   const PlacedSurface<dim> placed(surface, fields.vertices, farthest);
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
+    std::optional<ContactSphere<dim>> sphere;
     for (const std::int32_t s : placed.hash.near(x)) {
       const SimplexBounds<dim>& bounds = placed.bounds[s];
       if (bounds.is_beyond(x, farthest)) continue;
@@ -199,10 +205,15 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
       const Vector<dim>& n = bounds.normal;
       const double height = (x - corners[0]).dot(n);
       if (height <= 0) continue;
-      const double R = radius(p, n);
+      if (!sphere) sphere = sphere_of(p);
+      const double R = sphere->reach(n);
       const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
-      const double gap = gap_to_soil<dim>(corners, x, height, R, half_width);
       double& least = fields.gap[placed.facet(s)];
+      // the gap is at least the distance of the simplex - half_width - R
+      const double limit =
+          std::max(0.0, (1 + rounding) * (std::min(least, reach) + R + half_width));
+      if (height > limit || bounds.is_beyond(x, limit)) continue;
+      const double gap = gap_to_soil<dim>(corners, x, height, R, half_width);
       if (gap <= reach) least = std::min(least, gap);
     }
   }
@@ -218,9 +229,9 @@ template void spread_marks<2>(const ContactSurface<2>&, std::span<const ContactM
                               ContactFields<2>&);
 template void spread_marks<3>(const ContactSurface<3>&, std::span<const ContactMark<3>>,
                               ContactFields<3>&);
-template void add_gaps<2>(const ContactSurface<2>&, const MaterialPoints<2>&, const BallRadius<2>&,
-                          double, ContactFields<2>&);
-template void add_gaps<3>(const ContactSurface<3>&, const MaterialPoints<3>&, const BallRadius<3>&,
-                          double, ContactFields<3>&);
+template void add_gaps<2>(const ContactSurface<2>&, const MaterialPoints<2>&,
+                          const SphereOfPoint<2>&, double, ContactFields<2>&);
+template void add_gaps<3>(const ContactSurface<3>&, const MaterialPoints<3>&,
+                          const SphereOfPoint<3>&, double, ContactFields<3>&);
 
 }  // namespace gabion::mpm

@@ -54,15 +54,23 @@ template <int dim>
 void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMark<dim>> marks,
                   ContactFields<dim>& fields);
 
-/// Radius of the ball of material point p in direction n [m].
+/// A contact sphere, at its material point.
 template <int dim>
-using BallRadius = std::function<double(std::int32_t p, const Vector<dim>& n)>;
+struct ContactSphere {
+  Matrix<dim> shape = Matrix<dim>::Identity();  ///< |shape^T n| is the radius in direction n [m]
+  Vector<dim> offset = Vector<dim>::Zero();     ///< of its centre from the point [m]
+
+  /// How far it reaches from the point against n [m].
+  double reach(const Vector<dim>& n) const { return (shape * n).norm() - offset.dot(n); }
+};
+template <int dim>
+using SphereOfPoint = std::function<ContactSphere<dim>(std::int32_t p)>;
 
 /// Set the gaps to the distances between each facet and the material points that it faces: from
 /// points that stand over it along the normal, else from the rim of their areas. Farther than
 /// `reach` [m] is not looked.
 template <int dim>
 void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& points,
-              const BallRadius<dim>& radius, double reach, ContactFields<dim>& fields);
+              const SphereOfPoint<dim>& sphere_of, double reach, ContactFields<dim>& fields);
 
 }  // namespace gabion::mpm

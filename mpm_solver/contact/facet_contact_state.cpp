@@ -34,11 +34,11 @@ ContactFields<dim> FacetContact<dim>::fields(const MaterialPoints<dim>& points, 
                             own.surface.facets.size() / num_nodes(own.surface.facet_type));
   if (own.dropped) return fields;
   spread_marks<dim>(own.surface, members_[member].marks, fields);
-  const auto radius = [&](std::int32_t p, const Vector<dim>& n) {
+  const auto sphere_of = [&](std::int32_t p) -> ContactSphere<dim> {
     const std::int64_t id = points.id[p];
-    return (memory_.shape(id, points.depth[p]) * n).norm() - memory_.offset(id).dot(n);
+    return {memory_.shape(id, points.depth[p]), memory_.offset(id)};
   };
-  add_gaps<dim>(own.surface, points, radius, reach, fields);
+  add_gaps<dim>(own.surface, points, sphere_of, reach, fields);
   return fields;
 }
 
@@ -75,12 +75,12 @@ typename FacetContact<dim>::Remembered FacetContact<dim>::memory_of(
     const ContactPoint& contact) const {
   const Vector<dim>& n = contact.feature.normal;
   Remembered memory{.owner = contact.owner,
-                .normal = n,
-                .force = contact.force,
-                .slip = -contact.begun * n,
-                .part = contact.part,
-                .lasting = lasting_force(contact),
-                .took_weight = candidate(contact).took_weight};
+                    .normal = n,
+                    .force = contact.force,
+                    .slip = -contact.begun * n,
+                    .part = contact.part,
+                    .lasting = lasting_force(contact),
+                    .took_weight = candidate(contact).took_weight};
   const ContactLaw law = law_of(candidate(contact), contact.owner, contact.part);
   if (law.mode == ContactMode::contact) {
     const Vector<dim> pull = contact.force - n.dot(contact.force) * n;
