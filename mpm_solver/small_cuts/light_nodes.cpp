@@ -172,7 +172,7 @@ std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
     const std::int32_t node = nodes.grid_node[i];
     const bool is_light = nodes.m[i] < search.share * reach[i];
     const bool is_free = !search.walls.holds(nodes.place(i));
-    kinds.at(node) = !is_free ? heavy : is_weak[i] == 1 ? weak : is_light ? light : heavy;
+    kinds.at(node) = !is_free ? heavy : is_light ? light : is_weak[i] == 1 ? weak : heavy;
     any |= joins(kinds[node]);
   }
   if (nodes.shared.all(!any)) return 0;

@@ -40,13 +40,6 @@ inline SmallCutMethod method_in(const SmallCutSettings& settings, Basis basis, b
   return dynamic || basis == Basis::bspline ? SmallCutMethod::none : SmallCutMethod::ghost;
 }
 
-/// Whether nodes behind a surface may be weak (find_weak_nodes), and are to join others: on triangles
-/// and tetrahedra, unless the method `none` is named.
-template <int dim>
-bool may_have_weak_nodes(const SmallCutSettings& settings, const BackgroundGrid<dim>& grid) {
-  return grid.is_simplex() && settings.method != SmallCutMethod::none;
-}
-
 /// Whether any phase has this method.
 inline bool any_has_method(SmallCutMethod method, const SmallCutSettings& settings, Basis basis,
                            const std::vector<Phase>& phases) {

@@ -32,6 +32,14 @@ double longest_edge(const BackgroundGrid<dim>& grid) {
 }  // namespace
 
 template <int dim>
+bool may_have_weak_nodes(const SmallCutSettings& settings, const BackgroundGrid<dim>& grid,
+                         const std::vector<Body<dim>>& bodies) {
+  if (!grid.is_simplex() || settings.method == SmallCutMethod::none) return false;
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [](const Body<dim>& body) { return !is_elastic(body.material.law); });
+}
+
+template <int dim>
 FacetSights<dim>::FacetSights(const std::vector<StartSurface<dim>>& surfaces,
                               const BackgroundGrid<dim>& grid)
     : faces_(surfaces),
@@ -105,6 +113,10 @@ std::vector<char> find_weak_nodes(const FacetSights<dim>& sights, const Material
   return weak;
 }
 
+template bool may_have_weak_nodes<2>(const SmallCutSettings&, const BackgroundGrid<2>&,
+                                     const std::vector<Body<2>>&);
+template bool may_have_weak_nodes<3>(const SmallCutSettings&, const BackgroundGrid<3>&,
+                                     const std::vector<Body<3>>&);
 template class FacetSights<2>;
 template class FacetSights<3>;
 template std::vector<char> find_weak_nodes<2>(const FacetSights<2>&, const MaterialPoints<2>&,

@@ -9,8 +9,15 @@
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/contact/thin_pairs.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/small_cuts/small_cuts.hpp"
 
 namespace gabion::mpm {
+
+/// Whether nodes may be weak (find_weak_nodes) and are to join others: on triangles and tetrahedra,
+/// where a body yields, unless the method `none` is named.
+template <int dim>
+bool may_have_weak_nodes(const SmallCutSettings& settings, const BackgroundGrid<dim>& grid,
+                         const std::vector<Body<dim>>& bodies);
 
 /// The surfaces of the method `facets`, to tell grid nodes behind them from those of the soil.
 /// Refers to the grid.
@@ -29,22 +36,22 @@ class FacetSights {
  private:
   Faces<dim> faces_;
   std::size_t num_surfaces_ = 0;
-  double reach_ = 0, tiny_ = 0;           // longest edge of a cell, and a small part of it [m]
-  std::vector<Simplex<dim>> acting_;      // of surfaces that were not dropped
-  std::vector<Vector<dim>> normals_;      // of acting_
-  std::optional<FacetHash<dim>> hash_;    // of acting_
+  double reach_ = 0, tiny_ = 0;         // longest edge of a cell, and a small part of it [m]
+  std::vector<Simplex<dim>> acting_;    // of surfaces that were not dropped
+  std::vector<Vector<dim>> normals_;    // of acting_
+  std::optional<FacetHash<dim>> hash_;  // of acting_
 };
 
 /// Triangles and tetrahedra that a surface cuts leave nodes behind it on which only the narrow ends
-/// of cells weigh. What contact does to such a node, by the functions of a few points, need not be
-/// what the stress of these points asks for; elastic soil passes the difference on, soil that
-/// yields gives way there. A node is weak where a facet lies between it and the mean place of the
-/// points that weigh on it, and
+/// of cells weigh. The force of contact on such a node, by the functions of a few points, need not
+/// be the one that the stress of these points requires; elastic soil passes the difference on, soil
+/// that yields gives way there. A node is weak where a facet lies between it and the mean place of
+/// the points that weigh on it, and
 ///
 ///     m_i < 3/4 sum_p m_p / (dim + 1)   over the points with N_ip among their values.
 ///
-/// A cell's nodes have m_p / (dim + 1) each in the mean, so a full half space, too, gives a node its
-/// whole share.
+/// The nodes of a cell have m_p / (dim + 1) each in the mean, so a node of the surface of soil that
+/// fills its cells has its whole share.
 /// @param nodes  active, with their mass
 /// @returns 1 for the weak ones of the active nodes, the same on all ranks
 /// @note Collective.
