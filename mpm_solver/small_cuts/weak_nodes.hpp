@@ -20,7 +20,6 @@ bool may_have_weak_nodes(const SmallCutSettings& settings, const BackgroundGrid<
                          const std::vector<Body<dim>>& bodies);
 
 /// The surfaces of the method `facets`, to tell grid nodes behind them from those of the soil.
-/// Refers to the grid.
 template <int dim>
 class FacetSights {
  public:
