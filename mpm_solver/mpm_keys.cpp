@@ -67,7 +67,9 @@ KeyTable small_cut_keys() {
       "What is done about cells and nodes that hold little soil.",
       {key::choice("method", {"auto", "none", "ghost", "mass_cutoff"},
                    "`auto`: `ghost` in quasi-static phases with `linear` or `gimp`, else `none`; "
-                   "another word holds for all phases, `ghost` not with `bspline`.")
+                   "another word holds for all phases, `ghost` not with `bspline`. With all but a "
+                   "named `none`, on triangles and tetrahedra with soil that yields, nodes behind a "
+                   "surface that cuts their cells join one before it where little soil holds them.")
            .or_else("auto"),
        key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
            .in(positive())

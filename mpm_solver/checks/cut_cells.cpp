@@ -78,9 +78,9 @@ std::string text_of(const std::string& where, const std::string& name, const Cut
   return fmt::format(
       "{}: the surface of \"{}\" cuts cells of the grid, where soil rests on it ({} of {} material "
       "points there). With \"basis\": \"linear\" the few points in such a cell do not have the "
-      "volume of the soil in it: its thrust may be 1 to 10 % too small, of soil that yields on "
-      "\"alternate\" triangles up to 30 % (docs/theory/interface.md, soil at rest). A grid whose "
-      "cells end at the surface has none of this, nor has \"gimp\" on a box of quad4 or hex8",
+      "volume of the soil in it: its thrust may be 1 to 10 % too small, on triangles with 6 points "
+      "or more up to 2 % (docs/theory/interface.md, soil at rest). A grid whose cells end at the "
+      "surface has none of this, nor has \"gimp\" on a box of quad4 or hex8",
       where, name, found.in_cut, found.touching);
 }
 

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "mpm_solver/contact/goes_through.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -23,32 +25,6 @@ constexpr double before_cosine = 0.5;
 
 constexpr std::int32_t unknown = -1;
 constexpr std::int32_t no_face = -2;
-
-template <int dim>
-Vector<dim> aside() {
-  if constexpr (dim == 2)
-    return {0.6139, 0.7894};
-  else
-    return {0.5773, 0.3137, 0.7539};
-}
-
-double cross(const Vector<2>& a, const Vector<2>& b) {
-  return a[0] * b[1] - a[1] * b[0];
-}
-
-// Whether the line from x to y goes through a simplex.
-bool goes_through(const Vector<2>& x, const Vector<2>& y, const std::array<Vector<2>, 2>& corners) {
-  const Vector<2> way = y - x;
-  return (cross(way, corners[0] - x) >= 0) != (cross(way, corners[1] - x) >= 0);
-}
-
-bool goes_through(const Vector<3>& x, const Vector<3>& y, const std::array<Vector<3>, 3>& corners) {
-  const Vector<3> way = y - x;
-  const auto side = [&](int a, int b) {
-    return way.dot((corners[a] - x).cross(corners[b] - x)) >= 0;
-  };
-  return side(0, 1) == side(1, 2) && side(1, 2) == side(2, 0);
-}
 
 // Give the entries of a group another order.
 template <int dim>

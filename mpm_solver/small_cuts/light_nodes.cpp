@@ -33,7 +33,11 @@ std::vector<double> mass_within_reach(const MaterialPoints<dim>& points,
 }
 
 // Kind of a grid node on any rank.
-enum Weight : std::int32_t { inactive = 0, heavy = 1, light = 2 };
+enum Weight : std::int32_t { inactive = 0, heavy = 1, light = 2, weak = 3 };
+
+constexpr bool joins(std::int32_t kind) {
+  return kind == light || kind == weak;
+}
 
 using Kinds = SparseList<std::int32_t>;  // of the grid nodes
 
@@ -43,7 +47,7 @@ std::vector<std::int32_t> cells_of_light_nodes(const BackgroundGrid<dim>& grid, 
   std::vector<std::int32_t> cells;
   if (grid.box) {
     kinds.for_each([&](std::size_t node, std::int32_t kind) {
-      if (kind != light) return;
+      if (!joins(kind)) return;
       const auto around = grid.box->cells_around(static_cast<std::int32_t>(node));
       cells.insert(cells.end(), around.begin(), around.end());
     });
@@ -52,7 +56,7 @@ std::vector<std::int32_t> cells_of_light_nodes(const BackgroundGrid<dim>& grid, 
   } else {
     for (std::int32_t c = 0; c < grid.num_cells(); ++c) {
       const CellList nodes = grid.cell(c);
-      if (std::any_of(nodes.begin(), nodes.end(), [&](auto n) { return kinds[n] == light; })) {
+      if (std::any_of(nodes.begin(), nodes.end(), [&](auto n) { return joins(kinds[n]); })) {
         cells.push_back(c);
       }
     }
@@ -92,22 +96,25 @@ void ask_other_ranks(MPI_Comm comm, const BackgroundGrid<dim>& grid,
   }
 }
 
-// The nearest heavy node of the cells of each light node, as grid nodes; -1: none.
+// The nearest heavy node of the cells of each node that joins one, as grid nodes; -1: none.
 template <int dim>
-std::vector<std::int32_t> nearest_heavy(const BackgroundGrid<dim>& grid,
+std::vector<std::int32_t> nearest_heavy(const LightNodeSearch<dim>& search,
                                         std::span<const std::int32_t> cells,
-                                        const WallConditions<dim>& walls,
                                         const GridNodes<dim>& nodes, const Kinds& kinds) {
+  const BackgroundGrid<dim>& grid = search.grid;
   std::vector<std::int32_t> partner(nodes.grid_node.size(), -1);
   std::vector<double> distance(partner.size(), std::numeric_limits<double>::infinity());
   for (const std::int32_t c : cells) {
     for (const std::int32_t from : grid.cell(c)) {
       const std::int32_t i = nodes.active[from];
-      if (i < 0 || kinds[from] != light) continue;
+      if (i < 0 || !joins(kinds[from])) continue;
       for (const std::int32_t to : grid.cell(c)) {
-        if (kinds[to] != heavy || walls.holds(to)) continue;
+        if (kinds[to] != heavy || search.walls.holds(to)) continue;
         const double d = (grid.node(to) - grid.node(from)).norm();
         if (d > distance[i] || (d == distance[i] && to >= partner[i])) continue;
+        if (kinds[from] == weak && !search.sights->is_behind(grid.node(from), grid.node(to))) {
+          continue;
+        }
         distance[i] = d;
         partner[i] = to;
       }
@@ -125,7 +132,7 @@ std::vector<std::int32_t> nearest_heavy_of_groups(const LightNodeSearch<dim>& se
   std::vector<double> distance(partner.size(), std::numeric_limits<double>::infinity());
   for (const CellGroup& group : search.weights.groups) {
     for (const std::int32_t from : search.weights.nodes_of(group)) {
-      if (kinds[from] != light) continue;
+      if (!joins(kinds[from])) continue;
       const std::int32_t i = nodes.active[from];
       for (const std::int32_t to : search.weights.nodes_of(group)) {
         const std::int32_t j = nodes.active[to];
@@ -147,7 +154,7 @@ std::vector<std::int32_t> find_partners(MPI_Comm comm, const LightNodeSearch<dim
   if (nodes.num_fields > 1) return nearest_heavy_of_groups(search, nodes, kinds);
   const auto cells = cells_of_light_nodes(search.grid, kinds);
   ask_other_ranks<dim>(comm, search.grid, cells, kinds);
-  return nearest_heavy<dim>(search.grid, cells, search.walls, nodes, kinds);
+  return nearest_heavy<dim>(search, cells, nodes, kinds);
 }
 
 }  // namespace
@@ -156,14 +163,17 @@ template <int dim>
 std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes) {
   const auto reach = mass_within_reach(search.points, search.weights, nodes);
+  const std::vector<char> is_weak =
+      search.sights ? find_weak_nodes(*search.sights, search.points, search.weights, nodes)
+                    : std::vector<char>(nodes.size(), 0);
   Kinds kinds(std::size_t{1} * nodes.num_fields * search.grid.num_nodes_total(), inactive);
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
     const std::int32_t node = nodes.grid_node[i];
-    const bool is_light =
-        nodes.m[i] < search.share * reach[i] && !search.walls.holds(nodes.place(i));
-    kinds.at(node) = is_light ? light : heavy;
-    any |= is_light;
+    const bool is_light = nodes.m[i] < search.share * reach[i];
+    const bool is_free = !search.walls.holds(nodes.place(i));
+    kinds.at(node) = !is_free ? heavy : is_light ? light : is_weak[i] == 1 ? weak : heavy;
+    any |= joins(kinds[node]);
   }
   if (nodes.shared.all(!any)) return 0;
 

@@ -5,6 +5,7 @@
 
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
 namespace gabion::mpm {
@@ -17,6 +18,8 @@ struct LightNodeSearch {
   const PointWeights<dim>& weights;
   const WallConditions<dim>& walls;
   double share = 0;  ///< of the mass within reach
+  /// The surfaces, where weak nodes (find_weak_nodes) join too; null: they do not.
+  const FacetSights<dim>* sights = nullptr;
 };
 
 /// Without inertia nothing but the gradient of a shape function keeps a node in its place, and a
@@ -26,7 +29,8 @@ struct LightNodeSearch {
 ///
 /// makes the stiffness nearly singular. It is not solved for: it takes the number of the nearest
 /// heavier node of its grid cells and moves with it, so that mass, weight and every force on it act
-/// there. Nodes that a wall holds neither join nor are joined; without a partner a node stays.
+/// there. Weak nodes join the nearest one that is before the surface which they are behind. Nodes
+/// that a wall holds neither join nor are joined; without a partner a node stays.
 ///
 /// @param[in,out] nodes  active, with their mass; numbered anew where a node joined, mass and
 ///                       motion are then to be mapped again

@@ -81,6 +81,10 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
     }
   }
   find_thin_walls();
+  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
+  if (!surfaces.empty() && may_have_weak_nodes(settings.small_cuts, model_.grid, settings.bodies)) {
+    sights_.emplace(surfaces, model_.grid);
+  }
   if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
                      settings.phases)) {
     ghost_.emplace(model_.grid, settings.bodies, settings.small_cuts.ghost_factor);
@@ -161,13 +165,16 @@ void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
   const SmallCutSettings& cuts = model_.settings.small_cuts;
   const SmallCutMethod method =
       method_in(cuts, model_.grid.basis, model_.settings.phases[mapping.phase].dynamic);
-  if (!mapping.with_inertia || method == SmallCutMethod::mass_cutoff) {
+  const bool joins_light = !mapping.with_inertia || method == SmallCutMethod::mass_cutoff;
+  const bool joins_weak = sights_ && sights_->follow(surfaces_);
+  if (joins_light || joins_weak) {
     const auto joined = join_light_nodes<dim>(model_.comm,
                                               {.grid = model_.grid,
                                                .points = points_,
                                                .weights = weights_,
                                                .walls = walls(mapping.phase),
-                                               .share = cuts.mass_share},
+                                               .share = joins_light ? cuts.mass_share : 0,
+                                               .sights = joins_weak ? &*sights_ : nullptr},
                                               nodes_);
     if (joined > 0) points_to_grid(points_, weights_, nodes_);
     small_cuts_.joined_nodes += joined;

@@ -9,6 +9,7 @@
 #include "common/base/timer.hpp"
 #include "mpm_solver/contact/side_fields.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+#include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/soil_state.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
 #include "mpm_solver/walls/wall_stop.hpp"
@@ -89,6 +90,7 @@ class SoilOnGrid {
   std::vector<OpenNodes> open_of_phases_;          // with it
   std::optional<GhostStiffness<dim>> ghost_;
   bool ghost_acts_ = false;
+  std::optional<FacetSights<dim>> sights_;  // none: no node is weak
   SmallCutCounts small_cuts_;
   const Surfaces<dim>& surfaces_;
   std::vector<FacePair> shared_pairs_;
