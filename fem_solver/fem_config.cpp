@@ -226,6 +226,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.interfaces.push_back(read_interface(item, "groups"));
   }
   s.probes = read_probes<dim>(in);
+  s.sections = read_sections<dim>(in);
   require_distinct_names(in, "interfaces", s.interfaces);
   require_distinct_supports(in, s.supports);
   together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });

@@ -90,6 +90,15 @@ struct ProbeSettings {
   std::string where;
 };
 
+/// A plane on which force and moment between the parts of a structure are reported.
+template <int dim>
+struct SectionSettings {
+  std::string name;
+  Vector<dim> point;   ///< [m], reference configuration
+  Vector<dim> normal;  ///< of length 1
+  std::string where;
+};
+
 /// How a structure starts and moves, whatever it is made of.
 template <int dim>
 struct MotionSettings {
@@ -118,6 +127,7 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
   std::vector<ProbeSettings<dim>> probes;
+  std::vector<SectionSettings<dim>> sections;
   NewtonSettings newton = newton_defaults;
   LinearSolverSettings linear_solver;
 };
@@ -127,6 +137,8 @@ inline constexpr const char* component_names[3] = {"x", "y", "z"};
 
 /// Keys of fem.json.
 KeyTable fem_keys();
+
+KeyTable section_keys();
 
 /// "dimension": 2 or 3.
 int read_dimension(ConfigReader& in);
@@ -139,6 +151,8 @@ void read_motion(ConfigReader& in, MotionSettings<dim>& s);
 WetSurfaceSettings read_interface(ConfigReader in, const std::string& surface);
 template <int dim>
 std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in);
+template <int dim>
+std::vector<SectionSettings<dim>> read_sections(ConfigReader& in);
 
 /// @throws ConfigError  two of a list have the same name
 template <class List>

@@ -167,6 +167,9 @@ std::vector<Key> condition_keys() {
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("probes", probe_keys(), "Reported points.").or_empty(),
+      key::objects("sections", section_keys(), "Planes whose force and moment are reported.")
+          .or_empty()
+          .without("matrices"),
       key::object("newton", newton_keys(newton_defaults), "Newton's method.")
           .or_empty()
           .without("matrices"),

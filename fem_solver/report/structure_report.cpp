@@ -14,6 +14,12 @@ StructureReport<dim>::StructureReport(const FemSettings<dim>& settings,
   const auto own = std::ranges::count_if(step.conditions().constrained_dofs(),
                                          [&](auto dof) { return shared.owns(dof / dim); });
   num_constrained_ = static_cast<std::int64_t>(shared.total(static_cast<double>(own)));
+  names_ = probes_.names();
+  for (const auto& section : settings.sections) {
+    sections_.emplace_back(settings, section, step.equilibrium().cells());
+    const auto names = sections_.back().names();
+    names_.insert(names_.end(), names.begin(), names.end());
+  }
   if (output_folder.empty()) return;
   output_.emplace(settings, output_folder);
   if (!settings.line_materials.empty()) line_output_.emplace(settings, output_folder);
@@ -21,7 +27,12 @@ StructureReport<dim>::StructureReport(const FemSettings<dim>& settings,
 
 template <int dim>
 std::vector<double> StructureReport<dim>::probes(const StructureState& state) const {
-  return probes_.values(state, step_.equilibrium());
+  std::vector<double> values = probes_.values(state, step_.equilibrium());
+  for (const auto& section : sections_) {
+    const auto own = section.values(state, step_.equilibrium().cells());
+    values.insert(values.end(), own.begin(), own.end());
+  }
+  return values;
 }
 
 template <int dim>

@@ -9,6 +9,7 @@
 #include "fem_solver/report/fem_output.hpp"
 #include "fem_solver/report/fem_probes.hpp"
 #include "fem_solver/report/line_output.hpp"
+#include "fem_solver/report/section_forces.hpp"
 #include "fem_solver/step/structure_step.hpp"
 
 namespace gabion::fem {
@@ -19,12 +20,12 @@ template <int dim>
 class StructureReport {
  public:
   /// @param output_folder  folder of the frames; empty: none are written
-  /// @throws ConfigError  a probe outside the mesh
+  /// @throws ConfigError  a probe outside the mesh, a section that does not cut it
   StructureReport(const FemSettings<dim>& settings, const StructureStep<dim>& step,
                   const std::string& output_folder);
 
   /// Columns of probes.csv.
-  const std::vector<std::string>& probe_names() const { return probes_.names(); }
+  const std::vector<std::string>& probe_names() const { return names_; }
   std::vector<double> probes(const StructureState& state) const;
 
   void write_frame(double time, const StructureState& state);
@@ -34,6 +35,8 @@ class StructureReport {
   const FemSettings<dim>& settings_;
   const StructureStep<dim>& step_;
   FemProbes<dim> probes_;
+  std::vector<SectionForces<dim>> sections_;
+  std::vector<std::string> names_;    // of the probes, then of the sections
   std::int64_t num_constrained_ = 0;  // unknowns of all ranks
   std::optional<FemOutput<dim>> output_;
   std::optional<LineOutput<dim>> line_output_;

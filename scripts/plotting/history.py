@@ -22,6 +22,7 @@ ITERATIONS = {
     "newton_iterations": "Newton",
 }
 REMOVED = re.compile(r"(?:^|\.)(?:removed_mass|removed\..+\.mass)$")
+SECTION = re.compile(r"\.(N|V_[xyz]|M_[xyz])$")  # columns of a section of a structure
 GRID_WALL = re.compile(r"(?:^|\.)wall\.[^.]+\.f[xyz]$")
 COMPONENTS = ("ux", "uy", "uz")
 VARIED = 4  # largest over smallest step from which on step sizes are drawn on a logarithmic scale
@@ -231,6 +232,21 @@ def plot_moments(results: Results, out: Path) -> Path | None:
         _draw_curves(axes, curves, f"moment [N m{results.per_metre}]")
     panels[-1].set_xlabel("time [s]")
     return save(figure, out / "moments.png")
+
+
+def plot_sections(results: Results, out: Path) -> Path | None:
+    """Forces and moments of the sections of structures against time, a panel for each of the two."""
+    table = results.table("probes.csv")
+    names = [name for name in table.names if SECTION.search(name)] if table else []
+    if not names:
+        return None
+    moments = [name for name in names if ".M_" in name]
+    figure, panels = new_figure(9.5, 7.4, 2)
+    _draw_curves(panels[0], [(table, name) for name in names if name not in moments],
+                 f"force [N{results.per_metre}]")
+    _draw_curves(panels[1], [(table, name) for name in moments], f"moment [N m{results.per_metre}]")
+    panels[1].set_xlabel("time [s]")
+    return save(figure, out / "sections.png")
 
 
 def plot_removed(results: Results, out: Path) -> Path | None:

@@ -507,6 +507,13 @@ class Curves(ScriptCase):
         self.assertEqual([text.get_text() for text in axes[0].get_legend().get_texts()],
                          ["soil wall left fx", "soil lid fx"])
 
+    def test_forces_and_moments_of_sections(self) -> None:
+        names = ["time", "wall.foot.N", "wall.foot.V_x", "wall.foot.M_z", "wall.A.ux", "MASS.N_A"]
+        made_up.write_table(self.folder / "probes.csv", names, [[0, 0, 0, 0, 0, 0], [1, 2, 3, 4, 5, 6]])
+        axes = self.axes_of(history.plot_sections, Results(self.folder))
+        self.assertEqual([[text.get_text() for text in each.get_legend().get_texts()] for each in axes],
+                         [["wall foot N", "wall foot V x"], ["wall foot M z"]])
+
     def test_mass_that_left_by_side(self) -> None:
         names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]
         made_up.write_table(self.folder / "probes.csv", names, [[0, 5, 0, 0, 0], [1, 2, 3, 3, 0]])
