@@ -21,6 +21,9 @@ constexpr double same_side = 0.5;
 // In 3D the square of a mark is cut into this many parts along each side.
 constexpr int parts = 4;
 
+// Relative error of the distance between a place and a triangle, generously.
+constexpr double round_off = 1e-10;
+
 /// The facets of a surface where they are, to be found by place.
 template <int dim>
 struct PlacedSurface {
@@ -76,7 +79,13 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
                std::vector<FacetShare>& shares) {
   const double width = std::sqrt(mark.area);
   const Vector<3> e1 = mark.normal.unitOrthogonal(), e2 = mark.normal.cross(e1);
-  const auto near = surface.hash.near(mark.x);
+  std::vector<std::int32_t> near;  // of the square and of half its width around it
+  for (const std::int32_t s : surface.hash.near(mark.x)) {
+    const SimplexBounds<3>& bounds = surface.bounds[s];
+    if (bounds.normal.dot(mark.normal) > same_side && !bounds.is_beyond(mark.x, 1.5 * width)) {
+      near.push_back(s);
+    }
+  }
   for (int k = 0; k < parts * parts; ++k) {
     const double u = ((k % parts + 0.5) / parts - 0.5) * width;
     const double v = ((k / parts + 0.5) / parts - 0.5) * width;
@@ -84,7 +93,7 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
     double least = width / 2;
     std::int32_t nearest = -1;
     for (const std::int32_t s : near) {
-      if (surface.bounds[s].normal.dot(mark.normal) <= same_side) continue;
+      if (surface.bounds[s].is_beyond(y, least)) continue;
       const double distance = (closest_place<3>(surface.corners(s), y).x - y).norm();
       if (distance >= least - 1e-9 * width) continue;
       least = distance;
@@ -200,9 +209,11 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
       const double height = (x - corners[0]).dot(n);
       if (height <= 0) continue;
       const double R = radius(p, n);
+      double& least = fields.gap[placed.facet(s)];
+      // A gap is at least this but for round-off.
+      if (height - R > std::min(least, reach) + round_off * (height + R)) continue;
       const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
       const double gap = gap_to_soil<dim>(corners, x, height, R, half_width);
-      double& least = fields.gap[placed.facet(s)];
       if (gap <= reach) least = std::min(least, gap);
     }
   }
