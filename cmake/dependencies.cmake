@@ -15,6 +15,7 @@ pkg_check_modules(SLEPC REQUIRED IMPORTED_TARGET SLEPc)
 set_target_properties(PkgConfig::SLEPC PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 # The one that PETSc is linked with: two libraries of HDF5 in one process would be two states of it.
 pkg_check_modules(HDF5_OPENMPI REQUIRED IMPORTED_TARGET hdf5-openmpi)
+find_package(ZLIB REQUIRED)
 if(GABION_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)
 endif()

@@ -15,6 +15,8 @@ class ArrayFile {
   /// Rows of one chunk of a dataset, which is compressed as a whole: the fastest of those measured
   /// that does not cost much in size.
   static constexpr int chunk_rows = 4096;
+  /// Numbers of fewer bytes are not compressed: the list of chunks would take what that saves.
+  static constexpr int smallest_compressed = 4096;
 
   ArrayFile() = default;
   virtual ~ArrayFile() = default;
@@ -23,7 +25,7 @@ class ArrayFile {
   ArrayFile(ArrayFile&&) = delete;
   ArrayFile& operator=(ArrayFile&&) = delete;
 
-  /// Write a row-major array of `columns` columns, with byte shuffle and deflate level 1.
+  /// Write a row-major array of `columns` columns, with byte shuffle and deflate.
   /// @param dataset  such as "coordinates" or "point/velocity"; groups are made when missing
   /// @param values   of a file that several ranks write: rows of this rank, which stand behind
   ///                 those of the ranks before

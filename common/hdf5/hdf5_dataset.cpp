@@ -7,6 +7,11 @@
 
 namespace gabion {
 
+hsize_t chunk_rows_of(const DatasetSize& size, std::size_t value_size) {
+  if (size.rows * size.columns * value_size < ArrayFile::smallest_compressed) return 0;
+  return std::min<hsize_t>(size.rows, ArrayFile::chunk_rows);
+}
+
 hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const DatasetSize& size) {
   const hsize_t extents[2] = {size.rows, size.columns};
   const Handle space(H5Screate_simple(size.rank(), extents, nullptr), H5Sclose);
@@ -15,8 +20,9 @@ hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const Dataset
   if (space.id() < 0 || links.id() < 0 || creation.id() < 0) return -1;
   bool good = H5Pset_create_intermediate_group(links.id(), 1) >= 0 &&
               H5Pset_obj_track_times(creation.id(), false) >= 0;  // equal runs, equal files
-  if (size.rows > 0) {
-    const hsize_t chunk[2] = {std::min<hsize_t>(size.rows, ArrayFile::chunk_rows), size.columns};
+  const hsize_t rows = chunk_rows_of(size, H5Tget_size(type));
+  if (rows > 0) {
+    const hsize_t chunk[2] = {rows, size.columns};
     good = good && H5Pset_chunk(creation.id(), size.rank(), chunk) >= 0 &&
            H5Pset_shuffle(creation.id()) >= 0 && H5Pset_deflate(creation.id(), 1) >= 0;
   }

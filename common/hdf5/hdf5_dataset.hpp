@@ -14,8 +14,13 @@ struct DatasetSize {
   int rank() const { return columns == 1 ? 1 : 2; }
 };
 
-/// A new dataset for numbers, compressed by byte shuffle and deflate level 1. Groups of its name
-/// are made when missing. @returns identifier, to be closed; negative: hdf5_cause() says why
+/// Rows of a chunk of a dataset; 0: it has no chunks and is not compressed.
+/// @param value_size  [bytes] of one number
+hsize_t chunk_rows_of(const DatasetSize& size, std::size_t value_size);
+
+/// A new dataset for numbers, compressed by byte shuffle and deflate level 1 where it has chunks.
+/// Groups of its name are made when missing.
+/// @returns  identifier, to be closed; negative: hdf5_cause() says why
 hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const DatasetSize& size);
 
 /// As above, for one text of so many bytes.

@@ -26,7 +26,8 @@ void Hdf5File::fail(const std::string& what, const std::string& cause) const {
   throw Error(fmt::format("{}: cannot {}: {}", path_, what, cause));
 }
 
-Hdf5File::Hdf5File(std::string path) : path_(std::move(path)), part_path_(path_ + ".part") {
+Hdf5File::Hdf5File(std::string path, KeptChunks* kept)
+    : path_(std::move(path)), part_path_(path_ + ".part"), kept_(kept) {
   errno = 0;
   out_.open(part_path_, std::ios::binary | std::ios::trunc);
   if (!out_.is_open()) fail("create this file", std::strerror(errno));
@@ -66,15 +67,40 @@ void Hdf5File::write_text(const std::string& dataset, const std::string& text) {
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 
+bool Hdf5File::write_chunks(const std::string& dataset, std::int64_t data, const ArrayBytes& array,
+                            std::size_t rows_a_chunk) {
+  const auto chunks =
+      kept_ ? kept_->press(dataset, array, rows_a_chunk)
+            : std::make_shared<const PressedChunks>(press_chunks(array, rows_a_chunk));
+  constexpr std::uint32_t all_filters = 0;
+  hsize_t place[2] = {0, 0};
+  for (const auto& chunk : *chunks) {
+    if (H5Dwrite_chunk(data, H5P_DEFAULT, all_filters, place, chunk.size(), chunk.data()) < 0) {
+      return false;
+    }
+    place[0] += rows_a_chunk;
+  }
+  return true;
+}
+
 void Hdf5File::write_numbers(const std::string& dataset, int columns, const Numbers& numbers) {
   assert(file_ >= 0 && columns > 0 && numbers.count % columns == 0);
   const QuietErrors quiet;
   const DatasetSize size{.rows = numbers.count / columns, .columns = static_cast<hsize_t>(columns)};
   Handle data(new_dataset(file_, dataset, numbers.type, size), H5Dclose);
-  const bool good = data.id() >= 0 &&
-                    (numbers.count == 0 || H5Dwrite(data.id(), numbers.type, H5S_ALL, H5S_ALL,
-                                                    H5P_DEFAULT, numbers.data) >= 0) &&
-                    data.close();
+  const auto rows_a_chunk = static_cast<std::size_t>(chunk_rows_of(size, numbers.size));
+  bool good = data.id() >= 0;
+  if (good && rows_a_chunk > 0) {
+    const ArrayBytes array{
+        .bytes = {static_cast<const unsigned char*>(numbers.data), numbers.count * numbers.size},
+        .row_size = numbers.size * static_cast<std::size_t>(columns),
+        .value_size = numbers.size,
+        .real = H5Tget_class(numbers.type) == H5T_FLOAT};
+    good = write_chunks(dataset, data.id(), array, rows_a_chunk);
+  } else if (good && numbers.count > 0) {
+    good = H5Dwrite(data.id(), numbers.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data) >= 0;
+  }
+  good = good && data.close();
   if (!good) fail(fmt::format("write dataset {}", dataset), hdf5_cause());
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/hdf5/array_file.hpp"
+#include "common/hdf5/pressed_chunks.hpp"
 
 namespace gabion {
 
@@ -16,8 +17,9 @@ namespace gabion {
 /// program with a crash after a write to a full disk has failed.
 class Hdf5File final : public ArrayFile {
  public:
-  /// @throws Error  names the file and what HDF5 and the system say
-  explicit Hdf5File(std::string path);
+  /// @param kept     what may be taken over from the file before; has to live as long as the file
+  /// @throws Error   names the file and what HDF5 and the system say
+  explicit Hdf5File(std::string path, KeptChunks* kept = nullptr);
   ~Hdf5File() override;
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
@@ -30,12 +32,16 @@ class Hdf5File final : public ArrayFile {
  private:
   [[noreturn]] void fail(const std::string& what, const std::string& cause) const;
   void write_numbers(const std::string& dataset, int columns, const Numbers& numbers) override;
+  /// @param data  identifier of a dataset with chunks of so many rows
+  bool write_chunks(const std::string& dataset, std::int64_t data, const ArrayBytes& array,
+                    std::size_t rows_a_chunk);
   void abandon();
 
   std::string path_;
   std::string part_path_;
   std::ofstream out_;
   std::int64_t file_ = -1;  // HDF5's identifier; negative when closed
+  KeptChunks* kept_;        // null: none
 };
 
 }  // namespace gabion

@@ -80,7 +80,13 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
                std::vector<FacetShare>& shares) {
   const double width = std::sqrt(mark.area);
   const Vector<3> e1 = mark.normal.unitOrthogonal(), e2 = mark.normal.cross(e1);
-  const auto near = surface.hash.near(mark.x);
+  std::vector<std::int32_t> near;  // of the square and of half its width around it
+  for (const std::int32_t s : surface.hash.near(mark.x)) {
+    const SimplexBounds<3>& bounds = surface.bounds[s];
+    if (bounds.normal.dot(mark.normal) > same_side && !bounds.is_beyond(mark.x, 1.5 * width)) {
+      near.push_back(s);
+    }
+  }
   for (int k = 0; k < parts * parts; ++k) {
     const double u = ((k % parts + 0.5) / parts - 0.5) * width;
     const double v = ((k / parts + 0.5) / parts - 0.5) * width;
@@ -88,8 +94,7 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
     double least = width / 2;
     std::int32_t nearest = -1;
     for (const std::int32_t s : near) {
-      const SimplexBounds<3>& bounds = surface.bounds[s];
-      if (bounds.normal.dot(mark.normal) <= same_side || bounds.is_beyond(y, least)) continue;
+      if (surface.bounds[s].is_beyond(y, least)) continue;
       const double distance = (closest_place<3>(surface.corners(s), y).x - y).norm();
       if (distance >= least - 1e-9 * width) continue;
       least = distance;

@@ -155,8 +155,9 @@ void RankedHdf5File::finish() {
   require_on_all(!error, "give the written file its name", error.message());
 }
 
-std::unique_ptr<ArrayFile> new_array_file(const std::string& path, MPI_Comm comm) {
-  if (num_ranks(comm) == 1) return std::make_unique<Hdf5File>(path);
+std::unique_ptr<ArrayFile> new_array_file(const std::string& path, MPI_Comm comm,
+                                          KeptChunks* kept) {
+  if (num_ranks(comm) == 1) return std::make_unique<Hdf5File>(path, kept);
   return std::make_unique<RankedHdf5File>(path, comm);
 }
 

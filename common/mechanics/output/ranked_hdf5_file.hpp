@@ -9,6 +9,7 @@
 
 #include "common/base/descriptor.hpp"
 #include "common/hdf5/array_file.hpp"
+#include "common/hdf5/pressed_chunks.hpp"
 
 namespace gabion {
 
@@ -48,7 +49,9 @@ class RankedHdf5File final : public ArrayFile {
 
 /// The file of one process or of several.
 /// @param comm  MPI_COMM_NULL: this process is alone
+/// @param kept  what a process that is alone may take over from the file before
 /// @note Collective.
-std::unique_ptr<ArrayFile> new_array_file(const std::string& path, MPI_Comm comm);
+std::unique_ptr<ArrayFile> new_array_file(const std::string& path, MPI_Comm comm,
+                                          KeptChunks* kept = nullptr);
 
 }  // namespace gabion

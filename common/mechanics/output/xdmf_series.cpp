@@ -197,7 +197,10 @@ struct XdmfSeries::Rows {
 };
 
 XdmfSeries::XdmfSeries(std::string folder, std::string name, MPI_Comm comm)
-    : folder_(std::move(folder)), name_(std::move(name)), comm_(comm) {
+    : folder_(std::move(folder)),
+      name_(std::move(name)),
+      comm_(comm),
+      kept_({"coordinates", "connectivity"}) {
   check_name("output series", name_);
 }
 
@@ -241,7 +244,8 @@ void XdmfSeries::write(OutputFrame frame) {
     if (first && times_.empty()) make_folder();
   });
   const std::string file_name = fmt::format("{}_{:06}.h5", name_, num_frames());
-  const auto file = new_array_file((std::filesystem::path(folder_) / file_name).string(), comm_);
+  const std::filesystem::path path = std::filesystem::path(folder_) / file_name;
+  const auto file = new_array_file(path.string(), comm_, &kept_);
   // Coordinates stay in 64 bits: gaps and small motions far from the origin are read from them.
   const std::vector<int> xyz = frame.dim == 2 ? std::vector{0, 1, -1} : std::vector{0, 1, 2};
   file->write("coordinates", 3, arrange<double>(frame.coordinates, frame.dim, xyz, "coordinates"));

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/hdf5/pressed_chunks.hpp"
 #include "common/mechanics/elements/cell_type.hpp"
 
 namespace gabion {
@@ -71,6 +72,7 @@ class XdmfSeries {
   MPI_Comm comm_;
   std::vector<double> times_;
   std::vector<std::string> grids_;  // XML of each frame
+  KeptChunks kept_;                 // the mesh, where it stays the same
 };
 
 }  // namespace gabion
