@@ -5,6 +5,7 @@ import json
 import statistics
 from pathlib import Path
 
+from plotting.results import ResultsError
 from studies.instructions import FORMS, SOLVER, has_run, scene, solve
 from studies.ranks import THREADS
 from studies.runner import ROOT, Runner, folder_of
@@ -96,6 +97,8 @@ def rate(runner: Runner, name: str, settings: dict, steps: tuple[int, int]) -> t
     for repeat in range(REPEATS):
         few, many = (work_of(runner, runner.folder / f"{folder_of(name)}_{count}_{repeat}", settings, count)
                      for count in steps)
+        if not (many[1] > few[1] and many[2] > few[2]):
+            raise ResultsError(f"{name}: the longer run took no more work or time than the shorter one: machine too busy")
         rates.append(many[0] * (many[1] - few[1]) / (many[2] - few[2]) / 1e6)
     return many[0], statistics.median(rates)
 
