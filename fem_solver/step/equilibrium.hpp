@@ -10,9 +10,9 @@
 
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
+#include "fem_solver/step/damping.hpp"
 #include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/stress/cell_integrals.hpp"
-#include "fem_solver/stress/damping.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {

@@ -116,20 +116,6 @@ TEST(SectionsOfShapes, twisted_posts) {
   }
 }
 
-TEST(SectionsOfShapes, ropes_bear_their_load) {
-  const TemporaryMesh mesh(chain(4, 4).file(), rank_of(comm()));
-  Json scene = line_scene(2, mesh.path(), line_material("cable", 1e9, 1e-4));
-  scene["analysis"] = "static";
-  scene["supports"] = {{{"group", "low"}}};
-  scene["loads"] = {{{"group", "high"}, {"force", {300.0, 400.0}}}};
-  scene["sections"] = {{{"name", "mid"}, {"point", {2.0, 0.0}}, {"normal", {1.0, 0.0}}}};
-  const auto solver = fem_solver<2>(scene);
-  solve_static(*solver);
-  EXPECT_NEAR(probe(*solver, "mid.N"), 300, 1e-3);
-  EXPECT_NEAR(probe(*solver, "mid.V_y"), 400, 1e-3);
-  EXPECT_NEAR(probe(*solver, "mid.M_z"), 0, 1e-2);
-}
-
 Json shaken_beam() {
   Json material = elastic("von_mises", 1e8, 0.3, 1000);
   material["yield_stress"] = 1e5;

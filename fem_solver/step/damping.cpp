@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fem_solver/stress/damping.hpp"
+#include "fem_solver/step/damping.hpp"
 
 #include <algorithm>
 #include <cassert>
