@@ -120,6 +120,16 @@ SpringSettings<dim> read_spring(ConfigReader in) {
 }
 
 template <int dim>
+DashpotSettings<dim> read_dashpot(ConfigReader in) {
+  DashpotSettings<dim> s;
+  read_place<dim>(in, s);
+  s.damping = read_vector<dim>(in, "damping");
+  if (s.damping.isZero(0)) in.fail("damping", "found zero in all directions, allowed: > 0");
+  in.finish();
+  return s;
+}
+
+template <int dim>
 LoadSettings<dim> read_load(ConfigReader in) {
   LoadSettings<dim> load;
   read_place<dim>(in, load);
@@ -219,6 +229,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.point_masses.push_back(read_point_mass<dim>(item));
   }
   for (auto& item : in.objects("springs")) s.springs.push_back(read_spring<dim>(item));
+  for (auto& item : in.objects("dashpots")) s.dashpots.push_back(read_dashpot<dim>(item));
   for (auto& item : in.objects("tractions")) {
     s.tractions.push_back(read_traction<dim>(item));
   }
@@ -247,6 +258,7 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   for (const auto& item : s.loads) used.insert(item.group);
   for (const auto& item : s.point_masses) used.insert(item.group);
   for (const auto& item : s.springs) used.insert(item.group);
+  for (const auto& item : s.dashpots) used.insert(item.group);
   for (const auto& item : s.tractions) used.insert(item.group);
   for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
   for (const auto& item : s.line_materials) used.insert(item.group);
@@ -364,6 +376,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
   }
   read_conditions(in, s);
+  check_damping(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);

@@ -66,6 +66,15 @@ struct SpringSettings {
   std::string where;
 };
 
+/// A dashpot from a node to the ground, or in equal parts from the nodes of a group.
+template <int dim>
+struct DashpotSettings {
+  std::optional<Vector<dim>> point;  ///< [m], reference configuration
+  std::string group;                 ///< used when there is no point
+  Vector<dim> damping;               ///< along each axis [N s/m], in 2D per metre; the sum
+  std::string where;
+};
+
 /// A dead load per reference area.
 template <int dim>
 struct TractionSettings {
@@ -124,6 +133,7 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<LoadSettings<dim>> loads;
   std::vector<PointMassSettings<dim>> point_masses;
   std::vector<SpringSettings<dim>> springs;
+  std::vector<DashpotSettings<dim>> dashpots;
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
   std::vector<ProbeSettings<dim>> probes;
@@ -153,6 +163,11 @@ template <int dim>
 std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in);
 template <int dim>
 std::vector<SectionSettings<dim>> read_sections(ConfigReader& in);
+
+/// @throws ConfigError  damping in statics, or of a coupled structure with another scheme than the
+///                      trapezoidal rule
+template <int dim>
+void check_damping(const FemSettings<dim>& s);
 
 /// @throws ConfigError  two of a list have the same name
 template <class List>

@@ -83,6 +83,20 @@ KeyTable spring_keys() {
   return table;
 }
 
+KeyTable dashpot_keys() {
+  KeyTable table{"dashpot",
+                 "A linear dashpot from the node at a point to the ground, or in equal parts from "
+                 "the nodes of a group; in a dynamic analysis, of coupled structures with the "
+                 "scheme `newmark`.",
+                 place_keys("Group of facets or points whose nodes share the damping."),
+                 {"point", "group"}};
+  table.keys.push_back(
+      key::vector("damping", "N s/m",
+                  "Along each axis, the sum; in 2D per metre of thickness; 0: none.")
+          .in(non_negative()));
+  return table;
+}
+
 KeyTable traction_keys() {
   return {"traction",
           "A dead load on the facets of a group.",
@@ -162,6 +176,9 @@ std::vector<Key> condition_keys() {
           .or_empty()
           .without("matrices"),
       key::objects("springs", spring_keys(), "Springs to the ground.")
+          .or_empty()
+          .without("matrices"),
+      key::objects("dashpots", dashpot_keys(), "Dashpots to the ground.")
           .or_empty()
           .without("matrices"),
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),

@@ -87,6 +87,7 @@ State FemSolver<dim>::save_state() {
   State state;
   StateWriter writer(state);
   own.visit_state(writer, nodes);
+  if (step_.equilibrium().damped()) own.visit_damping(writer);
   if (own.history) {
     const CellIntegrals<dim>& cells = step_.equilibrium().cells();
     HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
@@ -113,6 +114,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
   together(ranks.comm(), [&] {
     StateJoiner joiner(first, own);
     loaded.visit_state(joiner, nodes);
+    if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (state_.history) loaded.visit_history(joiner, history);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,

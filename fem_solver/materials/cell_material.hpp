@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mechanics/materials/material.hpp"
+#include "fem_solver/materials/rayleigh.hpp"
 #include "fem_solver/materials/von_mises.hpp"
 
 namespace gabion::fem {
@@ -37,6 +38,7 @@ struct CellMaterial {
   double density = 0;  ///< [kg/m^3], in the stress-free state
   CellLaw<dim> law;
   Formulation formulation = Formulation::full;
+  RayleighFactors rayleigh;  ///< K: elastic, before loading
 };
 
 /// Number of values that the law keeps of a point.

@@ -51,6 +51,10 @@ KeyTable material_table(const std::string& name, const std::string& sentence) {
   table.keys.front() = key::choice("law", laws_of_cells, "Law of the stress.");
   const auto yield = yield_keys();
   table.keys.insert(table.keys.end(), yield.begin(), yield.end());
+  table.keys.push_back(key::object("rayleigh", rayleigh_keys(),
+                                   "Damping of its cells, K elastic, before loading; in a dynamic "
+                                   "analysis, of coupled structures with the scheme `newmark`.")
+                           .or_none());
   table.keys.push_back(
       key::choice(
           "formulation", {"full", "enhanced", "reduced"},
@@ -152,7 +156,7 @@ KeyTable group_material_keys() {
                   "Law of the stress; of lines `truss`, `cable` (slack where "
                   "shorter than without stress) or `brake` (a cable with a brake).");
   for (Key& key : table.keys) {
-    if (key.name == "poisson_ratio" || key.name == "formulation") {
+    if (key.name == "poisson_ratio" || key.name == "formulation" || key.name == "rayleigh") {
       key = key.when("law", laws_of_cells);
     }
   }
@@ -193,6 +197,7 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
     material.law = read_von_mises<dim>(in, lambda, mu);
   }
   material.formulation = formulation_of(in.choice("formulation"));
+  material.rayleigh = read_rayleigh(in);
   in.finish();
   return material;
 }

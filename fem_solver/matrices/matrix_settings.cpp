@@ -5,13 +5,6 @@ namespace gabion::fem {
 
 namespace {
 
-KeyTable rayleigh_keys() {
-  return {"rayleigh",
-          "Damping `mass` M + `stiffness` K.",
-          {key::number("mass", "1/s", "Damps low frequencies.").in(non_negative()).or_else(0),
-           key::number("stiffness", "s", "Damps high frequencies.").in(non_negative()).or_else(0)}};
-}
-
 Key file_key(const std::string& name, const std::string& sentence) {
   return key::text(name, sentence);
 }
@@ -73,11 +66,7 @@ void read_files(ConfigReader in, MatrixSettings<dim>& s) {
   }
   s.files.unknowns = in.text("unknowns");
   s.files.nodes = in.text("nodes");
-  if (in.has("rayleigh")) {  // beside "damping" there is no such key
-    ConfigReader rayleigh = in.object("rayleigh");
-    s.rayleigh = {rayleigh.number("mass"), rayleigh.number("stiffness")};
-    rayleigh.finish();
-  }
+  s.rayleigh = read_rayleigh(in);  // beside "damping" there is no such key
   if (in.has("modes")) s.modes = in.integer("modes");
   if (s.dynamic && s.files.mass.empty()) {
     in.fail("mass", "missing; needed when \"analysis\" is \"dynamic\"");
@@ -99,7 +88,7 @@ MatrixSettings<dim> read_matrix_settings(ConfigReader& in) {
   MatrixSettings<dim> s;
   s.where = in.where("matrices");
   for (const char* key : {"mesh", "material", "mass", "gravity", "supports", "prescribed", "loads",
-                          "tractions", "newton", "linear_solver"}) {
+                          "tractions", "dashpots", "newton", "linear_solver"}) {
     if (in.has(key)) in.fail(key, "has no meaning beside \"matrices\"");
   }
   read_motion<dim>(in, s);

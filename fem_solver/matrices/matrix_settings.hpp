@@ -14,12 +14,6 @@ struct MatrixFiles {
   std::string stiffness, mass, damping, load, unknowns, held, nodes, cells;
 };
 
-/// C = mass M + stiffness K
-struct RayleighFactors {
-  double mass = 0;       ///< [1/s]
-  double stiffness = 0;  ///< [s]
-};
-
 /// fem.json of a structure that is given as matrices.
 template <int dim>
 struct MatrixSettings : MotionSettings<dim> {

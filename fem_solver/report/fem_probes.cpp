@@ -179,6 +179,7 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
     names_.push_back("brake_run_" + material.group);
   }
   if (brakes_) names_.push_back("brake_work");
+  if (is_damped(settings)) names_.push_back("damping_work");
 }
 
 template <int dim>
@@ -298,6 +299,7 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   result[energies + 2] = state.external_work;
   add_plastic(state, equilibrium.cells(), result);
   add_lines(state, equilibrium.cells(), result);
+  if (equilibrium.damped()) result.push_back(state.damping_work);
   return result;
 }
 

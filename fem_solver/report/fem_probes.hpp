@@ -16,7 +16,8 @@ namespace gabion::fem {
 /// supports that ask for it (force of the support on the structure), and moment_<group>_<c> [N m];
 /// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
 /// and of each group; of each group of lines the largest and the least force, axial_max_<group> and
-/// axial_min_<group> [N], and what brakes ran at most, brake_run_<group> [m]; brake_work [J].
+/// axial_min_<group> [N], and what brakes ran at most, brake_run_<group> [m]; brake_work [J];
+/// damping_work [J] where there is damping.
 template <int dim>
 class FemProbes {
  public:

@@ -7,6 +7,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -54,6 +55,7 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
           "fem_solver: found {} ranks for a mesh that is {}", num_ranks(comm),
           ranks_.alone() ? "whole" : "divided");
   for (const auto dof : conditions.constrained_dofs()) constrained_[dof] = 1;
+  if (is_damped(settings)) damping_ = std::make_unique<Damping<dim>>(settings, cells_);
   find_wave_speed(settings);
   set_history(nullptr);
   forces_.internal.assign(num_dofs_, 0.0);
@@ -138,6 +140,13 @@ double Equilibrium<dim>::end_acceleration(std::size_t dof, double du) const {
   return scheme_.acceleration(du, motion_n_->v[dof], motion_n_->a[dof], dt_);
 }
 
+/// @param a  end_acceleration() of it
+template <int dim>
+double Equilibrium<dim>::end_velocity(std::size_t dof, double du, double a) const {
+  if (constrained_[dof]) return du / dt_;
+  return scheme_.velocity(a, motion_n_->v[dof], motion_n_->a[dof], dt_);
+}
+
 template <int dim>
 typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const double> du,
                                                                 BlockMatrix<dim>* K) {
@@ -150,6 +159,13 @@ typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const 
       a_mean_[i] = scheme_.inertia(end_acceleration(i, du[i]), motion_n_->a[i]);
     }
     cells_.add_mass_times(a_mean_, inertia);
+    if (damping_) {
+      v_trial_.resize(num_dofs_);
+      for (std::size_t i = 0; i < num_dofs_; ++i) {
+        v_trial_[i] = end_velocity(i, du[i], end_acceleration(i, du[i]));
+      }
+      damping_->add_times(v_trial_, internal);
+    }
     shared().sum(internal, inertia, dim);
   } else {
     shared().sum(internal, dim);
@@ -215,6 +231,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
 template <int dim>
 void Equilibrium<dim>::finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K) {
   if (with_inertia) cells_.add_mass(scheme_.inertia_slope(dt), K);
+  if (with_inertia && damping_) damping_->add(scheme_.gamma / (scheme_.beta * dt), K);
   K.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
               [this](std::int32_t i) { return shared().owns(i); });
 }
@@ -240,9 +257,7 @@ StructureMotion Equilibrium<dim>::motion_after(std::span<const double> du) const
     next.u[i] = motion_n_->u[i] + du[i];
     if (!with_inertia_) continue;
     next.a[i] = end_acceleration(i, du[i]);
-    next.v[i] = constrained_[i]
-                    ? du[i] / dt_
-                    : scheme_.velocity(next.a[i], motion_n_->v[i], motion_n_->a[i], dt_);
+    next.v[i] = end_velocity(i, du[i], next.a[i]);
   }
   return next;
 }
@@ -256,13 +271,34 @@ std::vector<double> Equilibrium<dim>::mass_times(std::span<const double> y) cons
 }
 
 template <int dim>
-std::vector<double> Equilibrium<dim>::initial_acceleration(std::span<const double> u,
+void Equilibrium<dim>::add_damping(std::span<const double> v, std::span<double> f) const {
+  if (!damping_) return;
+  std::vector<double> forces(num_dofs_, 0.0);
+  damping_->add_times(v, forces);
+  shared().sum(forces, dim);
+  for (std::size_t i = 0; i < num_dofs_; ++i) f[i] += forces[i];
+}
+
+template <int dim>
+double Equilibrium<dim>::damping_work(const StructureState& state_n, const StructureState& next,
+                                      double dt) const {
+  if (!damping_) return 0;
+  std::vector<double> du(next.motion.u), forces(num_dofs_, 0.0);
+  for (std::size_t i = 0; i < num_dofs_; ++i) du[i] -= state_n.motion.u[i];
+  damping_->add_times(du, forces);
+  const double work = std::inner_product(du.begin(), du.end(), forces.begin(), 0.0);
+  return state_n.damping_work + shared().total(work) / dt;
+}
+
+template <int dim>
+std::vector<double> Equilibrium<dim>::initial_acceleration(const StructureMotion& motion,
                                                            std::span<const double> f_ext) {
   std::vector<double> r(num_dofs_, 0.0), a(num_dofs_, 0.0);
-  const StressIntegral stresses = cells_.add_internal(u, r, nullptr, history_step());
+  const StressIntegral stresses = cells_.add_internal(motion.u, r, nullptr, history_step());
   require<ConvergenceError>(shared().all(stresses.inadmissible_cell < 0),
                             "initial displacement: det F <= 0 in a cell");
   shared().sum(r, dim);
+  add_damping(motion.v, r);
   bool balanced = true;
   for (std::size_t i = 0; i < num_dofs_; ++i) {
     r[i] = constrained_[i] ? 0.0 : f_ext[i] - r[i];

@@ -10,6 +10,7 @@
 
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/time_integration/newmark.hpp"
+#include "fem_solver/step/damping.hpp"
 #include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/stress/cell_integrals.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
@@ -18,14 +19,14 @@ namespace gabion::fem {
 
 /// Forces of a state, num_nodes x dim of the held nodes each.
 struct NodalForces {
-  std::vector<double> internal;  ///< [N]
+  std::vector<double> internal;  ///< those of damping included [N]
   std::vector<double> inertia;   ///< [N], averaged and scaled as NewmarkBossak::inertia says
   double elastic_energy = 0;     ///< [J]
 };
 
 /// Balance of forces of one step (docs/theory/structure.md, (T4)):
 ///
-///     r(du) = f' + force_memory f - M inertia(a', a) ,   f = f_ext - f_int
+///     r(du) = f' + force_memory f - M inertia(a', a) ,   f = f_ext - f_int - C v
 ///
 /// with the weights of NewmarkBossak; in statics f' alone. Rows of constrained components are zero.
 template <int dim>
@@ -73,9 +74,16 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Forces of the last admissible evaluation.
   const NodalForces& forces() const { return forces_; }
 
-  /// Accelerations from M a = f_ext - f_int(u), constrained components zero.
-  std::vector<double> initial_acceleration(std::span<const double> u,
+  /// Accelerations from M a = f_ext - f_int(u) - C v, constrained components zero.
+  std::vector<double> initial_acceleration(const StructureMotion& motion,
                                            std::span<const double> f_ext);
+
+  bool damped() const { return damping_ != nullptr; }
+  /// f += C v, of all ranks' cells. [N]
+  void add_damping(std::span<const double> v, std::span<double> f) const;
+  /// Work that damping took since time 0, du . C du / dt more at the end of a step than at its
+  /// start, never negative [J].
+  double damping_work(const StructureState& state_n, const StructureState& next, double dt) const;
 
   /// M^-1 f, constrained components zero. The factor of M is kept. [unit of f / kg]
   std::vector<double> acceleration_of(std::span<const double> f);
@@ -104,6 +112,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   void find_wave_speed(const FemSettings<dim>& settings);
   void finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K);
   double end_acceleration(std::size_t dof, double du) const;
+  double end_velocity(std::size_t dof, double du, double a) const;
 
   /// What the cells give for a trial state.
   struct CellSums {
@@ -127,7 +136,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   const MeshRanks& ranks_;
   const BoundaryConditions<dim>& conditions_;
   CellIntegrals<dim> cells_;
-  bool has_lines_;  // a rank has some
+  std::unique_ptr<Damping<dim>> damping_;  // null: none
+  bool has_lines_;                         // a rank has some
   NewmarkBossak scheme_;
   double smallest_cell_size_ = 0;  // of all cells [m]
   std::size_t num_dofs_ = 0;
@@ -145,7 +155,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   bool support_ = false;
   CellHistory history_n_;
   std::vector<double> trial_history_;
-  std::vector<double> u_trial_, a_mean_, buffer_;
+  std::vector<double> u_trial_, v_trial_, a_mean_, buffer_;
   TangentPoint last_tangent_;
   std::unique_ptr<Mass> mass_;  // after the first acceleration_of()
 };

@@ -48,6 +48,10 @@ void StructureState::visit_state(StateVisitor& visitor, std::vector<std::int64_t
   for (const auto& [name, values] : nodal_vectors()) visitor.list(name, *values);
 }
 
+void StructureState::visit_damping(StateVisitor& visitor) {
+  visitor.real("damping_work", damping_work);
+}
+
 void StructureState::visit_history(StateVisitor& visitor, HistoryRows& rows) {
   visitor.real("plastic_work", plastic_work);
   visitor.real("brake_work", brake_work);

@@ -56,7 +56,7 @@ struct StructureState {
   StructureMotion motion;
   std::vector<double> f_ext;   ///< loads and interface forces, num_nodes x dim [N]
   std::vector<double> f_step;  ///< mean interface forces of the last step, num_nodes x dim [N]
-  std::vector<double> f_int;   ///< internal forces, num_nodes x dim [N]
+  std::vector<double> f_int;   ///< internal forces, of damping too, num_nodes x dim [N]
   /// Forces of the supports on the structure at the instant that the last step balanced,
   /// num_nodes x dim [N].
   std::vector<double> reactions;
@@ -64,6 +64,7 @@ struct StructureState {
   double elastic_energy = 0;  ///< [J]
   double plastic_work = 0;    ///< of the cells since the virgin state [J]
   double brake_work = 0;      ///< that brakes of lines took since time 0 [J]
+  double damping_work = 0;    ///< that damping took since time 0 [J]
   CellHistory history;
   double external_work = 0;  ///< of loads, interface forces and reactions since time 0 [J]
   /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
@@ -78,6 +79,8 @@ struct StructureState {
   /// The same of what only a structure with history has.
   /// @param rows  of the history by cell, with the cells' numbers in the whole mesh
   void visit_history(StateVisitor& visitor, HistoryRows& rows);
+  /// The same of what only a damped structure has.
+  void visit_damping(StateVisitor& visitor);
   /// Name and values.
   std::vector<std::pair<std::string, std::vector<double>*>> nodal_vectors();
 };

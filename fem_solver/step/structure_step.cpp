@@ -94,22 +94,22 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
   state.motion = {.u = std::move(u), .v = std::move(v), .a = {}};
   equilibrium_.set_history(nullptr);
   if (dynamic_) {
-    state.motion.a = equilibrium_.initial_acceleration(state.motion.u, state.f_ext);
+    state.motion.a = equilibrium_.initial_acceleration(state.motion, state.f_ext);
     state.balanced = true;
   } else {
     state.motion.a.assign(equilibrium_.num_dofs(), 0.0);
   }
-  const std::vector<double> no_increment(equilibrium_.num_dofs(), 0.0);
-  std::vector<double> r(equilibrium_.num_dofs());
+  std::vector<double> r(equilibrium_.num_dofs()), no_increment(equilibrium_.num_dofs(), 0.0);
   equilibrium_.begin_step(state.motion, state.f_ext, {}, 1, /*with_inertia=*/false);
   const Evaluation start = equilibrium_.evaluate(no_increment, r, nullptr);
   require<ConvergenceError>(start.admissible, "initial state: " + start.reason);
+  state.f_int = equilibrium_.forces().internal;
+  equilibrium_.add_damping(state.motion.v, state.f_int);
   state.reactions.assign(equilibrium_.num_dofs(), 0.0);
   const std::vector<double> inertia = equilibrium_.mass_times(state.motion.a);
   for (const auto dof : dofs) {
-    state.reactions[dof] = equilibrium_.forces().internal[dof] + inertia[dof] - state.f_ext[dof];
+    state.reactions[dof] = state.f_int[dof] + inertia[dof] - state.f_ext[dof];
   }
-  state.f_int = equilibrium_.forces().internal;
   state.elastic_energy = equilibrium_.forces().elastic_energy;
   equilibrium_.find_history(state);
   if (!dynamic_) state.balanced = shared().all(std::ranges::all_of(r, is_zero));
@@ -128,8 +128,7 @@ StructureState StructureStep<dim>::initial_state() {
 
   StructureState reference;
   reference.motion = {.u = u, .v = u, .a = u};
-  reference.f_int = u;
-  reference.f_step = u;
+  reference.f_int = reference.f_step = u;
   const ExternalForces f = external_forces(0, {});
   reference.f_ext = f.end;
   reference.reactions.assign(u.size(), 0.0);
@@ -328,6 +327,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
     }
   }
   trial.external_work += work_of_supports(equilibrium_, conditions_, state_n, trial, dynamic_);
+  trial.damping_work = equilibrium_.damping_work(state_n, trial, dt);
 }
 
 template <int dim>

@@ -131,6 +131,7 @@ void CellIntegrals<dim>::lump_by_diagonal() {
     const double whole = std::accumulate(M, M + n * n, 0.0);
     double diagonal = 0;
     for (int a = 0; a < n; ++a) diagonal += M[a * n + a];
+    if (diagonal == 0) continue;  // a cell without mass
     for (int a = 0; a < n; ++a) lumped_masses_[cell(c)[a]] += whole * M[a * n + a] / diagonal;
   }
   cell_masses_.clear();

@@ -196,6 +196,15 @@ NodalParts<dim> nodal_parts(const FemSettings<dim>& settings) {
 }
 
 template <int dim>
+void add_dashpots(const FemSettings<dim>& settings, BlockMatrix<dim>& C) {
+  for (const auto& item : settings.dashpots) {
+    share_out(settings, item, [&](std::int32_t node, double share) {
+      C.add_block(node, node, Matrix<dim>((share * item.damping).asDiagonal()));
+    });
+  }
+}
+
+template <int dim>
 void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const SharedNodes& shared = settings.ranks.shared();
@@ -260,6 +269,8 @@ template std::vector<double> facet_weights<2>(const Mesh<2>&, std::span<const st
 template std::vector<double> facet_weights<3>(const Mesh<3>&, std::span<const std::int32_t>);
 template NodalParts<2> nodal_parts(const FemSettings<2>&);
 template NodalParts<3> nodal_parts(const FemSettings<3>&);
+template void add_dashpots(const FemSettings<2>&, BlockMatrix<2>&);
+template void add_dashpots(const FemSettings<3>&, BlockMatrix<3>&);
 template class BoundaryConditions<2>;
 template class BoundaryConditions<3>;
 

@@ -29,6 +29,12 @@ std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::in
 template <int dim>
 NodalParts<dim> nodal_parts(const FemSettings<dim>& settings);
 
+/// C += the dashpots of the nodes that this rank owns.
+/// @throws ConfigError  missing group, no node at a point
+/// @note Collective.
+template <int dim>
+void add_dashpots(const FemSettings<dim>& settings, BlockMatrix<dim>& C);
+
 /// Supports, prescribed displacements and loads of a structure, at the nodes that this rank holds.
 template <int dim>
 class BoundaryConditions {
