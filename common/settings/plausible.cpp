@@ -32,6 +32,7 @@ struct PlausibleRange {
 
 const std::vector<OtherUnit> pressures = {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}};
 const std::vector<OtherUnit> viscosities = {{"mPa s^n", 1e-3}, {"kPa s^n", 1e3}};
+const std::vector<OtherUnit> plain_viscosities = {{"mPa s", 1e-3}, {"kPa s", 1e3}};
 const std::vector<OtherUnit> densities = {
     {"t/m^3", 1e3}, {"kN/m^3", 1e3 / 9.81}, {"t/mm^3", 1e12}, {"kg/mm^3", 1e9}};
 const std::vector<OtherUnit> accelerations = {{"cm/s^2", 1e-2}, {"mm/s^2", 1e-3}};
@@ -66,6 +67,10 @@ const std::vector<PlausibleRange> of_soil = {
     {"material/yield_stress", 0.1, 1e5, "Pa", "next to none", "more than any mud has", pressures},
     {"material/consistency", 1e-4, 1e6, "Pa s^n", "thinner than water", "thicker than any mud",
      viscosities},
+    {"material/sound_speed", 1, 3000, "m/s", "slower than most flows", "faster than in water",
+     speeds},
+    {"material/viscosity", 1e-4, 1e6, "Pa s", "thinner than water", "thicker than any mud",
+     plain_viscosities},
     {"material/compression_index",
      0.003,
      0.6,

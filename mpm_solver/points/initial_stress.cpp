@@ -150,7 +150,8 @@ Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, const InitialStress
   for (int i = 0; i < 3; ++i) {
     const bool vertical = i == dim - 1;
     result.tau[i] = vertical ? -result.s : -k0 * result.s;
-    const double epsilon = (result.tau[i] - lambda * volumetric) / (2 * mu);
+    const double epsilon =
+        mu > 0 ? (result.tau[i] - lambda * volumetric) / (2 * mu) : volumetric / 3;
     result.state.e[i] = small_strain ? epsilon : strain_from_hencky(epsilon);
   }
   if (!small_strain) result.J = std::exp(volumetric);

@@ -40,7 +40,7 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
       smallest = std::min(smallest, size_[model_.grid.box ? 0 : points.cell[p]]);
     }
-    dt = std::min(dt, smallest / wave_speed(points, b));
+    dt = std::min(dt, smallest / wave_speed(points, b) * share_by_viscosity(b, smallest));
   }
   return -max_over_ranks(model_.comm, -dt);
 }
@@ -63,6 +63,23 @@ double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32
         }
       },
       body.material.law);
+}
+
+// What viscosity leaves of the step of a cell; the product grows with the size.
+template <int dim>
+double StableStep<dim>::share_by_viscosity(std::int32_t b, double size) const {
+  const Material<dim>& material = model_.settings.bodies[b].material;
+  return std::visit(
+      [&](const auto& law) {
+        if constexpr (requires { law.viscosity(); }) {
+          const double xi =
+              4 * law.viscosity() / (3 * material.density * model_.wave_speeds[b] * size);
+          return 1 / (std::sqrt(1 + xi * xi) + xi);
+        } else {
+          return 1.0;
+        }
+      },
+      material.law);
 }
 
 template class StableStep<2>;

@@ -18,6 +18,11 @@ namespace gabion::mpm {
 /// h_eff / c is 2 / omega of a cell of n nodes of equal mass, and no grid of such cells has a
 /// higher frequency; for a rectangle h_eff is its shorter side. rate_c bounds omega_c^2. c is the
 /// elastic wave speed; of Cam-Clay, which stiffens with its pressure, that of its stiffest point.
+/// A viscous fluid shortens its dt_0 by the damping ratio xi of the highest frequency,
+///
+///     dt_0 = h_eff / c (sqrt(1 + xi^2) - xi) ,  xi = 4 mu / (3 rho c h_eff)
+///
+/// so that a thick one has dt_0 = 3 rho h_eff^2 / (8 mu), whatever its speed of sound.
 /// @see Irons and Treharne (1971)
 template <int dim>
 class StableStep {
@@ -29,6 +34,7 @@ class StableStep {
 
  private:
   double wave_speed(const MaterialPoints<dim>& points, std::int32_t body) const;
+  double share_by_viscosity(std::int32_t body, double size) const;
 
   const SoilModel<dim>& model_;
   std::vector<double> size_;  // h_eff of each cell, of a box of all cells [m]

@@ -16,13 +16,17 @@ namespace {
 const std::vector<std::string> with_friction = {"mohr_coulomb", "drucker_prager"};
 
 std::vector<Key> elasticity_keys(const std::vector<std::string>& laws) {
-  std::vector<std::string> with_modulus = laws;
-  const bool all = std::erase(with_modulus, "cam_clay") == 0;
+  const auto but = [&laws](const Key& all, const std::vector<std::string>& without) {
+    std::vector<std::string> with = laws;
+    std::size_t erased = 0;
+    for (const std::string& law : without) erased += std::erase(with, law);
+    return erased == 0 ? all : Key(all).when("law", with);
+  };
   const Key modulus = key::number("young_modulus", "Pa", "Young's modulus.").in(positive());
+  const Key ratio = key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5));
   return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
               .in(positive()),
-          all ? modulus : Key(modulus).when("law", with_modulus),
-          key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5))};
+          but(modulus, {"cam_clay", "newtonian"}), but(ratio, {"newtonian"})};
 }
 
 std::vector<Key> strength_keys() {
@@ -72,6 +76,23 @@ std::vector<Key> flow_keys() {
       key::number("flow_index", "", "Power n of the shear rate; 1: Bingham.")
           .in(between(0.1, 2))
           .or_else(1)
+          .when("law", fluid)};
+}
+
+std::vector<Key> newtonian_keys() {
+  const std::vector<std::string> fluid = {"newtonian"};
+  return {
+      key::number("sound_speed", "m/s",
+                  "Speed of sound c; the bulk modulus is rho c^2. Ten times the fastest flow keeps "
+                  "the density within 1 %; more makes steps shorter or harder to solve.")
+          .in(positive())
+          .when("law", fluid),
+      key::number("viscosity", "Pa s", "Dynamic viscosity.").in(non_negative()).when("law", fluid),
+      key::number("cavitation_pressure", "Pa",
+                  "Tension at which the fluid tears; 0: it bears none, as water with a free "
+                  "surface.")
+          .in(non_negative())
+          .or_else(0)
           .when("law", fluid)};
 }
 
@@ -242,6 +263,14 @@ HerschelBulkley<dim> read_herschel_bulkley(ConfigReader& in, const LameConstants
 }
 
 template <int dim>
+Newtonian<dim> read_newtonian(ConfigReader& in, double density) {
+  const double c = in.number("sound_speed");
+  return Newtonian<dim>({.bulk_modulus = density * c * c,
+                         .viscosity = in.number("viscosity"),
+                         .cavitation_pressure = in.number("cavitation_pressure")});
+}
+
+template <int dim>
 MuI<dim> read_mu_i(ConfigReader& in, const LameConstants& elastic) {
   const double static_friction = in.number("static_friction");
   const double limit_friction =
@@ -261,15 +290,15 @@ MuI<dim> read_mu_i(ConfigReader& in, const LameConstants& elastic) {
 }  // namespace
 
 const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
-const std::vector<std::string> material_laws = {"linear_elastic",   "neo_hookean", "hencky_elastic",
-                                                "mohr_coulomb",     "tresca",      "drucker_prager",
-                                                "herschel_bulkley", "mu_i",        "cam_clay"};
+const std::vector<std::string> material_laws = {
+    "linear_elastic", "neo_hookean",      "hencky_elastic", "mohr_coulomb", "tresca",
+    "drucker_prager", "herschel_bulkley", "mu_i",           "cam_clay",     "newtonian"};
 
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group : {elasticity_keys(laws), strength_keys(), flow_keys(), granular_keys(),
-                            cam_clay_keys(), apex_keys(), softening_key()}) {
+  for (const auto& group : {elasticity_keys(laws), strength_keys(), flow_keys(), newtonian_keys(),
+                            granular_keys(), cam_clay_keys(), apex_keys(), softening_key()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }
@@ -283,6 +312,11 @@ Material<dim> read_material(ConfigReader in) {
   material.density = in.number("density");
   if (material.law_name == "cam_clay") {
     material.law = CamClay<dim>(read_cam_clay(in));
+    in.finish();
+    return material;
+  }
+  if (material.law_name == "newtonian") {
+    material.law = read_newtonian<dim>(in, material.density);
     in.finish();
     return material;
   }

@@ -39,6 +39,10 @@ inline Json mud(double flow_index = 1) {
           {"flow_index", flow_index}};
 }
 
+inline Json oil() {
+  return {{"law", "newtonian"}, {"density", 1000}, {"sound_speed", 30}, {"viscosity", 20}};
+}
+
 inline Json all_around(double p) {
   return {{"xx", p}, {"yy", p}, {"zz", p}};
 }

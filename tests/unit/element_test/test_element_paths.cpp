@@ -170,6 +170,16 @@ TEST(ElementPaths, mud_creeps_under_a_shear_stress) {
   EXPECT_NEAR(states.back().strain[3] - states[200].strain[3], 0.2 * rate, 2e-4 * 0.2);
 }
 
+TEST(ElementPaths, fluid_has_its_viscosity_and_no_strength) {
+  Json rest = steady_shear("stress", 0, 1);
+  const auto states = follow({{"material", oil()},
+                              {"rotation", "simple_shear"},
+                              {"stages", {steady_shear("strain", 0.5, 0.5 / 10.0), rest}}});
+  EXPECT_NEAR(states[200].stress()[3], 10 * 20, 1e-4 * 200);
+  EXPECT_NEAR(states.back().stress().norm(), 0, 1e-3);
+  EXPECT_NEAR(states.back().strain[3], states[200].strain[3], 1e-6);
+}
+
 TEST(ElementPaths, cycles_of_an_elastic_soil_close) {
   Json stages = {consolidation(1e5)};
   for (const double turn : {0.01, -0.01, 0.0}) {

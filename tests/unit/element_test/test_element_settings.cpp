@@ -42,6 +42,8 @@ TEST(ElementSettings, wrong_input_is_refused_with_its_place) {
   expect_refused(with_stage(sand(), {{"strian", Json::object()}}), {"strian", "strain"});
   expect_refused(with_stage(mud(), nullptr),
                  {"/stages/0/duration", "herschel_bulkley", "may depend on time"});
+  expect_refused(with_stage(oil(), nullptr),
+                 {"/stages/0/duration", "newtonian", "may depend on time"});
   const Json remembers = {{"law", "cam_clay"},        {"density", 1800},
                           {"poisson_ratio", 0.3},     {"compression_index", 0.1},
                           {"swelling_index", 0.02},   {"critical_state_ratio", 1},

@@ -151,6 +151,40 @@ TEST(ReadMaterial, mu_i) {
   expect_refused(json, {"/friction_angle", "unknown"});
 }
 
+TEST(ReadMaterial, newtonian) {
+  const Json good = {
+      {"law", "newtonian"}, {"density", 1000}, {"sound_speed", 24}, {"viscosity", 1e-3}};
+  Json json = good;
+  const auto read = [&] {
+    return std::get<Newtonian<2>>(
+               read_material<2>(ConfigReader(json, "f", material_keys(material_laws))).law)
+        .parameters();
+  };
+  EXPECT_EQ(read().bulk_modulus, 576000);
+  EXPECT_EQ(read().viscosity, 1e-3);
+  EXPECT_EQ(read().cavitation_pressure, 0);
+  json["viscosity"] = 0;
+  json["cavitation_pressure"] = 1e5;
+  EXPECT_EQ(read().viscosity, 0);
+  EXPECT_EQ(read().cavitation_pressure, 1e5);
+  for (const auto& [name, bad] :
+       {std::pair{"sound_speed", 0.0}, {"viscosity", -1.0}, {"cavitation_pressure", -1.0}}) {
+    json = good;
+    json[name] = bad;
+    expect_refused(json, {std::string("/") + name});
+  }
+  for (const char* name : {"sound_speed", "viscosity"}) {
+    json = good;
+    json.erase(name);
+    expect_refused(json, {name});
+  }
+  for (const char* name : {"young_modulus", "poisson_ratio", "yield_stress"}) {
+    json = good;
+    json[name] = 0.3;
+    expect_refused(json, {std::string("/") + name});
+  }
+}
+
 TEST(ReadMaterial, apex_volume) {
   for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
     Json json = soil();
