@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/hard_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/base/require.hpp"
+#include "mpm_solver/boulders/hard_contact_parts.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Of the inverse of a contact's frequency: t_c / 30.
+constexpr double substep_share = 0.1;
+// Of the way that the bodies' motion at the start leads to.
+constexpr double ahead = 1.5;
+constexpr double least_ahead = 0.05;  // of the smallest radius
+constexpr int most_iterations = 60, most_halvings = 12;
+constexpr int most_looks = 4;
+constexpr double same_at_worst = 1e-12;  // where rounding ends the convergence before that:
+constexpr double same_place = 1e-15;     // of a radius and a distance from the origin
+
+}  // namespace
+
+HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity)
+    : dim_(dim), bodies_(std::move(bodies)), gravity_(gravity) {}
+
+void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
+                            std::vector<Pair>& pairs) const {
+  const double radius = under.ball_radius(a);
+  const auto num_facets = static_cast<std::int32_t>(under.facets(b).size());
+  std::vector<std::int32_t> facets;  // of b near a
+  std::vector<HardCorners> corners;
+  for (std::int32_t f = 0; f < num_facets; ++f) {
+    const HardCorners c = under.corners(b, f, false);
+    if (under.is_body(a) && distance_at_least(c, under.s0[a].x) > bodies_[a].radius + reach)
+      continue;
+    facets.push_back(f);
+    corners.push_back(c);
+  }
+  if (facets.empty()) return;
+  const bool is_ball = radius > 0;
+  const auto num_balls =
+      static_cast<std::int32_t>(is_ball            ? 1
+                                : under.is_body(a) ? bodies_[a].vertices.size()
+                                                   : under.obstacle(a).start.size());
+  for (std::int32_t k = 0; k < num_balls; ++k) {
+    const Vector<3> c = under.ball(a, k, false);
+    if (under.is_body(b) && (c - under.s0[b].x).norm() > bodies_[b].radius + radius + reach)
+      continue;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      if (distance_at_least(corners[f], c) > radius + reach) continue;
+      pairs.push_back({a, k, b, facets[f]});
+    }
+  }
+}
+
+std::vector<HardContact::Pair> HardContact::near_pairs(const std::vector<BodyState>& states,
+                                                       const Step& step, double reach) const {
+  const Under under{.dim = dim_, .bodies = bodies_, .step = step, .s0 = states, .s1 = states};
+  const auto total = static_cast<std::int32_t>(bodies_.size() + step.obstacles.size());
+  std::vector<Pair> pairs;
+  for (std::int32_t a = 0; a < num_bodies(); ++a) {
+    for (std::int32_t b = 0; b < total; ++b) {
+      if (a == b) continue;
+      if (b < num_bodies()) {
+        const double apart = (states[a].x - states[b].x).norm();
+        if (apart > bodies_[a].radius + bodies_[b].radius + reach) continue;
+        if (bodies_[b].ball > 0) {
+          if (a < b && bodies_[a].ball > 0) pairs.push_back({a, 0, b, -1});
+          continue;
+        }
+      }
+      add_pairs(a, b, under, reach, pairs);
+    }
+    if (bodies_[a].ball > 0) continue;
+    for (std::int32_t o = num_bodies(); o < total; ++o) add_pairs(o, a, under, reach, pairs);
+  }
+  return pairs;
+}
+
+double HardContact::look_ahead(const Start& start, const Step& step) const {
+  const Under under{
+      .dim = dim_, .bodies = bodies_, .step = step, .s0 = start.states, .s1 = start.states};
+  double body = 0, obstacle = 0, least = infinity;
+  for (std::int32_t c = 0; c < num_bodies(); ++c) {
+    least = std::min(least, bodies_[c].radius);
+    if (step.held[c] != 0) continue;
+    const double a = step.loads[c].force.norm() / bodies_[c].mass.mass + gravity_.norm();
+    body = std::max(body, (under.speed(c) + a * step.dt) * step.dt);
+  }
+  for (std::size_t o = 0; o < step.obstacles.size(); ++o) {
+    obstacle =
+        std::max(obstacle, under.speed(static_cast<std::int32_t>(bodies_.size() + o)) * step.dt);
+  }
+  return ahead * (2 * body + obstacle) + least_ahead * least;
+}
+
+// Length of the next substep, by the gaps and depths at its start.
+double HardContact::substep(const Under& under, const std::vector<Pair>& pairs,
+                            double remaining) const {
+  double nearest = infinity, closing = 0;
+  std::vector<double> rates(bodies_.size(), 0.0);  // squared frequency of the touching places
+  double fastest = 0;
+  for (const Pair& pair : pairs) {
+    Place place;
+    if (!place_of(pair, under, place)) continue;
+    const HardLaw law = law_of(pair.a, pair.b);
+    const double speed = under.speed(pair.a) + under.speed(pair.b) + gravity_.norm() * remaining;
+    closing = std::max(closing, speed);
+    nearest = std::min(nearest, place.g0);
+    for (const std::int32_t c : {pair.a, pair.b}) {
+      if (!under.is_body(c) || under.step.held[c] != 0) continue;
+      const HardBody& body = bodies_[c];
+      const double arm = body.radius * body.radius / body.mass.inertia.diagonal().minCoeff();
+      const double mobility = 1 / body.mass.mass + arm;
+      const double impact = std::cbrt(1.5 * body.mass.mass * speed * speed / law.stiffness);
+      const double depth = std::max(-place.g0, 0.0);
+      const double k =
+          2 * law.stiffness * (depth + impact) + tangential_stiffness(pair.a, pair.b, law);
+      fastest = std::max(fastest, k * mobility);
+      if (place.g0 < 0) rates[c] += 2 * law.stiffness * depth * mobility;
+    }
+  }
+  if (nearest > 1.2 * closing * remaining) return remaining;
+  for (const double rate : rates) fastest = std::max(fastest, rate);
+  double h = fastest > 0 ? substep_share / std::sqrt(fastest) : remaining;
+  if (nearest > 0) h = std::max(h, 0.8 * nearest / closing);
+  return std::min(remaining, h);
+}
+
+// The fixed point of the loads at the end of a substep; the loads are those that led there.
+bool HardContact::solve_substep(double h, const HardMemories& memories,
+                                const std::vector<Pair>& pairs, Under& under, Sums& sums) const {
+  under.h = h;
+  under.s1 = under.s0;
+  sums.loads.assign(bodies_.size(), {});
+  double last = infinity;
+  for (int k = 0; k < most_iterations; ++k) {
+    double change = 0;
+    for (std::size_t c = 0; c < bodies_.size(); ++c) {
+      if (under.step.held[c] != 0) continue;
+      const BodyMass& mass = bodies_[c].mass;
+      const BodyLoad& given = under.step.loads[c];
+      const BodyState s = advance(mass, under.s0[c],
+                                  {given.force + sums.loads[c].force + mass.mass * gravity_,
+                                   given.moment + sums.loads[c].moment},
+                                  h);
+      const double radius = bodies_[c].radius;
+      const double way = (s.x - under.s1[c].x).norm() + h * radius * (s.W - under.s1[c].W).norm();
+      change = std::max(change, way / (radius + s.x.norm()));
+      under.s1[c] = s;
+    }
+    const bool settled = change <= same_place || (change >= last && change < same_at_worst);
+    if (k > 0 && (settled || pairs.empty())) return true;
+    last = change;
+    evaluate(under, pairs, memories, sums);
+  }
+  return false;
+}
+
+bool HardContact::solve_within(double reach, const Start& start, const Step& step, End& end) const {
+  const auto pairs = near_pairs(start.states, step, reach);
+  Under under{.dim = dim_, .bodies = bodies_, .step = step, .s0 = start.states, .s1 = start.states};
+  end = {.memories = start.memories,
+         .works = std::vector<double>(bodies_.size(), 0.0),
+         .loads = std::vector<BodyLoad>(bodies_.size())};
+  for (const Obstacle& o : step.obstacles) {
+    end.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
+  }
+  for (double done = 0; done < step.dt; ++end.substeps) {
+    const double remaining = step.dt - done;
+    under.s1 = under.s0;
+    under.share0 = under.share1 = done / step.dt;
+    under.h = remaining;
+    double h = substep(under, pairs, remaining);
+    Sums sums;
+    for (int halvings = 0;; ++halvings, h *= 0.5) {
+      if (halvings > most_halvings) {
+        throw ConvergenceError("contact of boulders does not converge", "boulders");
+      }
+      under.share1 = h == remaining ? 1 : (done + h) / step.dt;
+      if (solve_substep(h, end.memories, pairs, under, sums)) break;
+    }
+    add_substep(under, h / step.dt, sums, end);
+    under.s0 = under.s1;
+    done = h == remaining ? step.dt : done + h;
+  }
+  end.states = under.s0;
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    if (2 * (end.states[c].x - start.states[c].x).norm() > reach) return false;
+  }
+  return true;
+}
+
+void HardContact::add_substep(const Under& under, double share, Sums& sums, End& end) const {
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    const BodyMove move = move_of(under.s0[c], under.s1[c], under.h);
+    end.works[c] += sums.loads[c].force.dot(move.shift) + sums.loads[c].moment.dot(move.turn);
+    end.loads[c].force += share * sums.loads[c].force;
+    end.loads[c].moment += share * sums.loads[c].moment;
+  }
+  for (std::size_t o = 0; o < sums.nodal_forces.size(); ++o) {
+    for (std::size_t v = 0; v < sums.nodal_forces[o].size(); ++v) {
+      end.nodal_forces[o][v] += share * sums.nodal_forces[o][v];
+    }
+  }
+  end.memories = std::move(sums.memories);
+}
+
+// What springs give back may be faster than what the step began with.
+HardContact::End HardContact::solve(const Start& start, const Step& step) const {
+  double reach = look_ahead(start, step);
+  End end;
+  for (int k = 0; k < most_looks; ++k, reach *= 4) {
+    if (solve_within(reach, start, step, end)) return end;
+  }
+  throw ConvergenceError("boulders move too far in one step to know what they touch", "boulders");
+}
+
+HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& states,
+                                                  const std::vector<Obstacle>& obstacles) const {
+  const Step step{.dt = 1, .held = std::vector<char>(bodies_.size(), 1), .obstacles = obstacles};
+  const Under under{
+      .dim = dim_, .bodies = bodies_, .step = step, .s0 = states, .s1 = states, .h = 1};
+  Overlap found;
+  for (const Pair& pair : near_pairs(states, step, 0)) {
+    Place place;
+    if (!place_of(pair, under, place) || -place.g0 <= found.depth) continue;
+    const bool body_first = pair.a < num_bodies();
+    found = {.depth = -place.g0,
+             .body = body_first ? pair.a : pair.b,
+             .other = body_first ? pair.b : pair.a,
+             .place = place.x};
+  }
+  return found;
+}
+
+void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories) {
+  constexpr std::size_t width = 12;
+  std::vector<double> numbers;
+  for (const auto& [key, list] : memories) {
+    for (const HardMemory& memory : list) {
+      for (const std::int32_t k : key) numbers.push_back(k);
+      for (const auto* part : {&memory.normal, &memory.slip, &memory.turn}) {
+        numbers.insert(numbers.end(), part->begin(), part->end());
+      }
+    }
+  }
+  Json fact = numbers;
+  visitor.fact(name, fact);
+  numbers = fact.get<std::vector<double>>();
+  require(numbers.size() % width == 0, "saved state: \"{}\" has {} values, allowed: {} for a place",
+          name, numbers.size(), width);
+  memories.clear();
+  for (std::size_t k = 0; k < numbers.size(); k += width) {
+    HardMemory memory;
+    const auto at = [&](std::size_t i) {
+      return Vector<3>(numbers[k + i], numbers[k + i + 1], numbers[k + i + 2]);
+    };
+    memory.normal = at(3);
+    memory.slip = at(6);
+    memory.turn = at(9);
+    memories[{static_cast<std::int32_t>(numbers[k]), static_cast<std::int32_t>(numbers[k + 1]),
+              static_cast<std::int32_t>(numbers[k + 2])}]
+        .push_back(memory);
+  }
+}
+
+}  // namespace gabion::mpm
