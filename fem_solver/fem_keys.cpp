@@ -133,7 +133,8 @@ std::vector<Key> model_keys() {
           .or_empty()
           .when("analysis", dynamic),
       key::choice("mass", {"consistent", "lumped"},
-                  "`lumped`: row sums of the consistent mass matrix.")
+                  "`lumped`: row sums of the consistent mass matrix; of quadratic cells in "
+                  "proportion to its diagonal.")
           .or_else("consistent")
           .when("analysis", dynamic)
           .without("matrices"),

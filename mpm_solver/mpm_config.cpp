@@ -165,6 +165,11 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
       take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(), body);
+    } else if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
+      item.fail(
+          "initial_stress",
+          "found none with the law cam_clay, allowed: \"initial_stress\" of level ground; this "
+          "soil has no stiffness and no strength without pressure");
     }
     item.finish();
     settings.bodies.push_back(std::move(body));

@@ -42,6 +42,9 @@ struct MpmSettings {
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;
+  /// Solve all of the soil in each iteration of an explicit step, not only what the contact can
+  /// reach (ExplicitReach). For comparisons, not a key of mpm.json.
+  bool whole_iterations = false;
   double pic_share = 0;      ///< of the velocity, 0 = FLIP to 1 = PIC
   double noise_damping = 0;  ///< see NoiseDamping
   bool tpic = false;         ///< PIC whose points carry the gradients of velocity and acceleration

@@ -13,20 +13,8 @@ namespace gabion::mpm {
 namespace {
 
 template <int dim>
-std::vector<StartSurface<dim>> surfaces_at_start(const SoilModel<dim>& model) {
-  std::vector<StartSurface<dim>> surfaces;
-  for (const auto& interface : model.settings.interfaces) {
-    surfaces.push_back({interface, interface.surface.vertices, false});
-  }
-  for (const auto& wall : model.settings.rigid_walls) {
-    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, wall.motion.moves()});
-    auto& vertices = surfaces.back().vertices;
-    const auto moved = wall.motion.displacement(vertices, 0);
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-      vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
-    }
-  }
-  return surfaces;
+std::vector<StartSurface<dim>> surfaces_of(const SoilModel<dim>& model) {
+  return surfaces_at_start(model.settings.interfaces, model.settings.rigid_walls);
 }
 
 }  // namespace
@@ -38,11 +26,11 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       state_(model_),
       step_(model_, state_, times_),
       report_(model_, output_folder),
-      thin_walls_(surfaces_at_start(model_), model_.cell_size) {
+      thin_walls_(surfaces_of(model_), model_.cell_size, step_.soil().doubles_nodes()) {
   report_.log_start(state_, step_.soil().weights());
-  log_soil_at_rest(model_.settings);
+  log_soil_at_rest(model_.settings, model_.cell_size);
   check_overlaps(model_.comm, model_.settings, state_.points);
-  const auto surfaces = surfaces_at_start(model_);
+  const auto surfaces = surfaces_of(model_);
   check_start<dim>(model_.comm, surfaces, state_.points, model_.cell_size,
                    bounding_box(model_.grid));
   for (const auto& text : thin_walls_.at_start(model_.comm, surfaces, state_.points)) {

@@ -39,7 +39,7 @@ class AsynchronousSolver : public Solver {
   /// @pre  finish_accept was called
   virtual void call_off_solve() { throw Error("this solver takes one request at a time"); }
 
-  /// By name of the call, since the start.
+  /// Times since the start, by name of the call.
   virtual const std::map<std::string, CallTimes>& call_times() const = 0;
 };
 

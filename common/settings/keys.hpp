@@ -94,7 +94,8 @@ struct Key {
   Key or_none() const;
   Key or_empty() const;
   Key or_null() const;  ///< null is allowed beside the other values
-  /// Of several keys with one name, each with conditions of its own, the first that applies counts.
+  /// Several keys may have one name, each with conditions of its own: the first that applies
+  /// counts.
   Key when(const std::string& other, const std::vector<std::string>& its_words) const;
   Key with(const std::string& other) const;
   Key without(const std::string& other) const;

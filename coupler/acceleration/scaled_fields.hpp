@@ -50,7 +50,7 @@ class ScaledFields : public Acceleration {
   std::array<Eigen::Index, 2> sizes_;
   double weight_ = 1;
   bool first_step_ = true;
-  // Of the step under way: sums of squares of changes of x and of x_tilde, and the last iteration.
+  // The step under way: sums of squares of changes of x and of x_tilde, and the last iteration.
   Eigen::Array2d changes_ = Eigen::Array2d::Zero();
   Eigen::Array2d answers_ = Eigen::Array2d::Zero();
   Eigen::VectorXd x_last_;  // empty before the first iteration

@@ -27,7 +27,7 @@ class SerialImplicit : public CouplingScheme {
   std::vector<Eigen::Index> fields(Eigen::Index size) const override { return {size}; }
 };
 
-/// As serial, but once.
+/// The serial scheme with one iteration.
 class Explicit final : public SerialImplicit {
  public:
   bool repeats() const override { return false; }

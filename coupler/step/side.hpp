@@ -43,8 +43,8 @@ class Side {
   void reject();
 
   bool takes_next_step() const;
-  /// As start_solve, for the next step, which the solver does not solve when it proposes another
-  /// step size than these. Call it between start_accept and finish_accept.
+  /// Start the solution of the next step, see start_solve; the solver does not solve it when it
+  /// proposes another step size than these. Call it between start_accept and finish_accept.
   void start_next(const StepRequest& request, const Eigen::VectorXd& given,
                   const DtRange& proposed);
   /// Whether the solver solves the next step; known after finish_accept.

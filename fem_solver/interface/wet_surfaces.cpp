@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/elements/quadratic_cells.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::fem {
@@ -51,6 +52,17 @@ std::vector<std::int64_t> gather_facets(const Mesh<dim>& mesh, const MeshRanks& 
   return facets;
 }
 
+/// Linear facets on all nodes of quadratic ones: the forces and displacements of the vertices are
+/// those of the nodes, so work is the same on both sides. Linear facets stay.
+std::vector<std::int64_t> split_facets(std::span<const std::int64_t> facets, CellType type) {
+  const auto parts = linear_parts(type);
+  std::vector<std::int64_t> result;
+  for (std::size_t f = 0; f < facets.size(); f += num_nodes(type)) {
+    for (const int place : parts) result.push_back(facets[f + place]);
+  }
+  return result;
+}
+
 }  // namespace
 
 template <int dim>
@@ -67,8 +79,9 @@ WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
     InterfaceMesh mesh;
     mesh.name = interface.name;
     mesh.dim = dim;
-    mesh.vertices_per_facet = num_nodes(facet_type(structure.cell_type));
-    for (const auto node : facets) {
+    const CellType facet = facet_type(structure.cell_type);
+    mesh.vertices_per_facet = linear_part_nodes(facet);
+    for (const auto node : split_facets(facets, facet)) {
       mesh.facets.push_back(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
     }
     auto& held = nodes_.emplace_back();

@@ -11,8 +11,9 @@
 
 namespace gabion::fem {
 
-/// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes. They
-/// take forces and give displacements. Each rank has all of the surfaces, and the nodal vectors of
+/// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes.
+/// Quadratic facets are split into linear ones on all of their nodes, linear_parts(). They take
+/// forces and give displacements. Each rank has all of the surfaces, and the nodal vectors of
 /// the nodes that it holds.
 template <int dim>
 class WetSurfaces {

@@ -23,8 +23,9 @@ concept LawWithHistory = requires {
 
 /// How a cell makes stresses of its nodes' displacements.
 enum class Formulation {
-  full,     ///< strain of the displacements, full integration
-  enhanced  ///< with enhanced assumed strains (quad4, hex8): bends, does not lock
+  full,      ///< strain of the displacements, full integration
+  enhanced,  ///< with enhanced assumed strains (quad4, hex8): bends, does not lock
+  reduced    ///< strain of the displacements, 2 points along each axis (quad8, hex20)
 };
 
 /// Material of some cells.

@@ -12,7 +12,7 @@ template <int dim>
 void log_stress(const NeoHookean<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
 template <int dim>
 void log_stress(const HenckyElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
-/// Of small strain: E is the symmetric part of H there.
+/// The same for small strain, where E is the symmetric part of H.
 template <int dim>
 void log_stress(const LinearElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
 

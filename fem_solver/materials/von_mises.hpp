@@ -20,7 +20,7 @@ namespace gabion::fem {
 template <int dim>
 struct VonMises {
   static constexpr bool is_elastic = false;
-  /// Of a point: E_p as a Symmetric, then p.
+  /// Numbers that a point remembers: E_p as a Symmetric, then p.
   static constexpr int history_size = symmetric_size<dim> + 1;
 
   double lambda = 0;             ///< [Pa]
@@ -28,7 +28,7 @@ struct VonMises {
   double kinematic_modulus = 0;  ///< H_k [Pa], in terms of uniaxial tension
   Hardening hardening;
 
-  /// As ConstitutiveLaw, H and the stress P with respect to the stress-free configuration.
+  /// See ConstitutiveLaw; H and the stress P refer to the stress-free configuration.
   /// @param history_n  accepted, history_size
   /// @param history    at the end of the step, history_size
   bool update(const Matrix<dim>& H, std::span<const double> history_n, std::span<double> history,

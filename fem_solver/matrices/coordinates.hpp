@@ -19,7 +19,7 @@ class Coordinates {
   /// A reduction to the unknowns `kept`, ascending, and so many modes.
   Coordinates(const LinearModel& full, std::vector<int> kept, int num_modes);
 
-  /// Of the coordinates.
+  /// The model in the coordinates.
   const LinearModel& model() const { return reduction_ ? reduction_->model : full_; }
   const LinearModel& full() const { return full_; }
   /// Omega^2 of the modes [1/s^2]; empty: none.

@@ -123,7 +123,7 @@ const SymmetricFactor& LinearStep::factor(double dt) {
   return *factors_.front().factor;
 }
 
-/// Of (1 - share) M + share A / inertia_slope.
+/// Factor of (1 - share) M + share A / inertia_slope.
 const SymmetricFactor& LinearStep::step_force_factor(double dt) {
   factor(dt);
   KeptFactor& kept = factors_.front();

@@ -136,15 +136,24 @@ NodeRows read_node_rows(const std::string& path, const NodeOf& node_of,
   return rows;
 }
 
+std::vector<CellType> cell_types(int dim) {
+  if (dim == 2) {
+    return {CellType::tri3, CellType::quad4, CellType::tri6, CellType::quad8, CellType::quad9};
+  }
+  return {CellType::tet4, CellType::hex8, CellType::tet10, CellType::hex20, CellType::hex27};
+}
+
 CellType cell_of(int dim, std::size_t width) {
-  if (dim == 2) return width == 3 ? CellType::tri3 : CellType::quad4;
-  return width == 4 ? CellType::tet4 : CellType::hex8;
+  const auto types = cell_types(dim);
+  return *std::ranges::find(types, static_cast<int>(width), num_nodes);
 }
 
 /// A cell whose facets have so many nodes.
 CellType cell_with_facets(int dim, std::size_t width) {
-  if (dim == 2) return CellType::quad4;
-  return width == 3 ? CellType::tet4 : CellType::hex8;
+  if (dim == 2) return width == 2 ? CellType::quad4 : CellType::quad8;
+  const auto types = cell_types(dim);
+  return *std::ranges::find(types, static_cast<int>(width),
+                            [](CellType type) { return num_nodes(facet_type(type)); });
 }
 
 /// @throws ConfigError  a facet that is there already
@@ -164,14 +173,14 @@ void read_mesh_files(const Scene& scene, const MatrixSettings<dim>& s, const Nod
                      Mesh<dim>& mesh) {
   const bool has_cells = !s.files.cells.empty();
   if (has_cells) {
-    const std::vector<std::size_t> widths =
-        dim == 2 ? std::vector<std::size_t>{3, 4} : std::vector<std::size_t>{4, 8};
+    const std::vector<std::size_t> widths = dim == 2 ? std::vector<std::size_t>{3, 4, 6, 8, 9}
+                                                     : std::vector<std::size_t>{4, 8, 10, 20, 27};
     NodeRows cells = read_node_rows(scene.path(s.files.cells), node_of, widths);
     mesh.cell_type = cell_of(dim, cells.width);
     mesh.cells = std::move(cells.nodes);
   }
   const std::vector<std::size_t> widths =
-      dim == 2 ? std::vector<std::size_t>{2} : std::vector<std::size_t>{3, 4};
+      dim == 2 ? std::vector<std::size_t>{2, 3} : std::vector<std::size_t>{3, 4, 6, 8, 9};
   SeenFacets<dim> seen;
   for (const auto& interface : s.interfaces) {
     const std::string& file = interface.groups.front();

@@ -150,6 +150,17 @@ MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
   return own;
 }
 
+/// Made as a whole on the first rank, for its middle nodes have numbers that no rank knows alone.
+template <int dim>
+MeshPart<dim> part_of_quadratic_box(const BoxShape<dim>& box, MPI_Comm comm) {
+  Mesh<dim> whole;
+  together<ConfigError>(comm, [&] {
+    if (rank_of(comm) != 0) return;
+    whole = box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate);
+  });
+  return part_of_mesh(whole, comm);
+}
+
 }  // namespace
 
 template <int dim>
@@ -159,16 +170,17 @@ RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Com
   const bool one_material = !fem.has("materials");
   RankedMesh<dim> ranked;
   if (num_ranks(comm) == 1) {
-    ranked.mesh = read_mesh<dim>(scene, in, lines);
+    ranked.mesh = read_mesh<dim>(scene, in, lines, CellOrders::any);
     if (one_material) warn_of_cell_groups(ranked.mesh, fem.where("mesh"));
     if (!ranked.mesh.file.empty()) ranked.connection = connection_of(ranked.mesh);
     return ranked;
   }
-  const auto source = read_box_or_file<dim>(in);
+  const auto source = read_box_or_file<dim>(in, CellOrders::any);
   MeshPart<dim> part;
   if (const auto* box = std::get_if<BoxShape<dim>>(&source)) {
     try {
-      part = part_of_box(*box, comm);
+      part = is_quadratic(box->cell_type) ? part_of_quadratic_box(*box, comm)
+                                          : part_of_box(*box, comm);
     } catch (const ConfigError& error) {
       in.fail("box/cells", error.what());
     }
@@ -176,7 +188,7 @@ RankedMesh<dim> read_mesh_of_rank(const Scene& scene, ConfigReader& fem, MPI_Com
     Mesh<dim> whole;
     together<ConfigError>(comm, [&] {
       if (rank_of(comm) != 0) return;
-      whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source), lines);
+      whole = read_mesh_file<dim>(scene, in, std::get<std::string>(source), lines, CellOrders::any);
       ranked.connection = connection_of(whole);
     });
     if (one_material) warn_of_cell_groups(whole, fem.where("mesh"));

@@ -19,7 +19,8 @@ template <int dim>
 struct RankedMesh {
   Mesh<dim> mesh;   ///< its part
   MeshRanks ranks;  ///< how the part lies in the whole
-  /// Of the whole where it comes from a file, on the rank that reads it; else without parts.
+  /// Connection of the whole mesh where it comes from a file, on the rank that reads it; else
+  /// without parts.
   MeshConnection<dim> connection;
 };
 

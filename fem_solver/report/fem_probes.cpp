@@ -14,6 +14,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
 
@@ -21,11 +22,11 @@ namespace {
 
 /// Reference coordinates of a point in a cell by Newton's method; none when the point lies outside.
 template <int dim>
-std::optional<ShapeValues<dim>> shape_at(const Mesh<dim>& mesh, std::int32_t c,
-                                         const Vector<dim>& point) {
-  const bool simplex = mesh.nodes_per_cell() == dim + 1;
+std::optional<AnyShapeValues<dim>> shape_at(const Mesh<dim>& mesh, std::int32_t c,
+                                            const Vector<dim>& point) {
+  const bool simplex = is_simplex(mesh.cell_type);
   Vector<dim> xi = Vector<dim>::Constant(simplex ? 1.0 / (dim + 1) : 0.0);
-  ShapeValues<dim> shape;
+  AnyShapeValues<dim> shape;
   for (int iteration = 0; iteration < 20; ++iteration) {
     shape_functions<dim>(mesh.cell_type, xi, shape);
     Vector<dim> x = Vector<dim>::Zero();
@@ -106,7 +107,14 @@ Vector<dim> centre_of_facets(const FemSettings<dim>& settings, const SupportSett
   std::vector<double> sums(dim + 1, 0.0);
   if (!mesh.facet_groups.contains(support.group)) return centre_of_nodes(settings, support);
   const auto& facets = mesh.facets(support.group, support.where);
-  for (std::size_t f = 0; f < facets.size(); f += n) {
+  if (is_quadratic(mesh.cell_type)) {
+    const std::vector<double> weights = facet_weights(mesh, facets);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      for (int c = 0; c < dim; ++c) sums[c] += weights[i] * mesh.nodes[i][c];
+      sums[dim] += weights[i];
+    }
+  }
+  for (std::size_t f = 0; f < facets.size() && !is_quadratic(mesh.cell_type); f += n) {
     std::vector<Vector<dim>> corners;
     Vector<dim> middle = Vector<dim>::Zero();
     for (std::size_t a = 0; a < n; ++a) {
@@ -233,7 +241,7 @@ void FemProbes<dim>::add_plastic(const StructureState& state, const CellIntegral
   values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
-/// Of each group of lines; of all ranks.
+/// Append the values of each group of lines, over all ranks.
 template <int dim>
 void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
                                std::vector<double>& values) const {

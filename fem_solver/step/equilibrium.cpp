@@ -14,6 +14,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
@@ -26,6 +27,7 @@ template <int dim>
 CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   std::optional<CellIntegrals<dim>> cells;
   together<ConfigError>(settings.ranks.comm(), [&] {
+    refuse_loose_cells<dim>(settings.mesh, settings.materials, settings.ranks);
     cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
                   settings.line_materials);
   });

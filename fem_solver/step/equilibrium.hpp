@@ -89,7 +89,7 @@ class Equilibrium final : public NewtonProblem<dim> {
                         BlockMatrix<dim>& K);
   void set_pattern(BlockMatrix<dim>& K) const { cells_.set_pattern(K); }
 
-  /// Of the last tangent that was assembled.
+  /// The point of the last tangent that was assembled.
   const TangentPoint& last_tangent() const { return last_tangent_; }
 
   const CellIntegrals<dim>& cells() const { return cells_; }

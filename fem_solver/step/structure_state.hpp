@@ -57,8 +57,8 @@ struct StructureState {
   std::vector<double> f_ext;   ///< loads and interface forces, num_nodes x dim [N]
   std::vector<double> f_step;  ///< mean interface forces of the last step, num_nodes x dim [N]
   std::vector<double> f_int;   ///< internal forces, num_nodes x dim [N]
-  /// Of the supports on the structure at the instant that the last step balanced, num_nodes x dim
-  /// [N].
+  /// Forces of the supports on the structure at the instant that the last step balanced,
+  /// num_nodes x dim [N].
   std::vector<double> reactions;
   bool balanced = false;      ///< the motion solves the equations under f_ext and f_step
   double elastic_energy = 0;  ///< [J]

@@ -20,7 +20,7 @@ bool is_zero(double x) {
   return x == 0;
 }
 
-/// Of the nodes that this rank owns.
+/// Coordinates of the nodes that this rank owns [m].
 template <int dim>
 std::vector<double> coordinates(const FemSettings<dim>& settings) {
   std::vector<double> x;

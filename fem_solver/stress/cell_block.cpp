@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/stress/cell_block.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -27,9 +30,11 @@ double angle_of(const Matrix<dim>& F) {
   return rotation_angle<dim>(F);
 }
 
-/// Degree that integrates the stiffness of an undistorted cell exactly; full integration.
-int stiffness_degree(CellType type) {
-  return type == CellType::tri3 || type == CellType::tet4 ? 1 : 3;
+/// Degree that integrates the stiffness of an undistorted cell exactly; reduced integration has one
+/// point less along each axis.
+int stiffness_degree(CellType type, Formulation formulation) {
+  if (is_simplex(type)) return is_quadratic(type) ? 2 : 1;
+  return is_quadratic(type) && formulation != Formulation::reduced ? 5 : 3;
 }
 
 template <int dim>
@@ -88,11 +93,12 @@ CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& materi
 
 template <int dim>
 void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
-  const auto rule = gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type));
+  const auto rule =
+      gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type, material_.formulation));
   points_per_cell_ = static_cast<int>(rule.size());
   const std::size_t n = static_cast<std::size_t>(nodes_per_cell_);
-  ShapeValues<dim> shape;
-  Vector<dim> x[max_cell_nodes];
+  AnyShapeValues<dim> shape;
+  Vector<dim> x[max_quadratic_nodes];
   for (const std::int32_t c : cells_) {
     for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[mesh.cell(c)[a]];
     for (const auto& q : rule) {
@@ -100,8 +106,9 @@ void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ra
       const double jacobian = map_gradients<dim>(mesh.cell_type, x, shape);
       require<ConfigError>(jacobian > 0,
                            "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
-                           "point; allowed: convex cells of positive volume",
-                           ranks.cell_of_all(c), jacobian);
+                           "point near ({:.6g}); allowed: convex cells of positive volume",
+                           ranks.cell_of_all(c), jacobian,
+                           fmt::join(x[0].data(), x[0].data() + dim, ", "));
       weights_.push_back(q.weight * jacobian);
       gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
     }
@@ -191,14 +198,34 @@ StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span
   return std::visit(
       [&](const auto& law) {
         if (is_enhanced()) return integrate_enhanced(law, u, f_int, K, history);
-        switch (nodes_per_cell_) {
-          case 3:
-            return integrate<3>(law, u, f_int, K, history);
-          case 4:
-            return integrate<4>(law, u, f_int, K, history);
-          default:
-            assert(nodes_per_cell_ == 8);
-            return integrate<8>(law, u, f_int, K, history);
+        if constexpr (dim == 2) {
+          switch (nodes_per_cell_) {
+            case 3:
+              return integrate<3>(law, u, f_int, K, history);
+            case 4:
+              return integrate<4>(law, u, f_int, K, history);
+            case 6:
+              return integrate<6>(law, u, f_int, K, history);
+            case 8:
+              return integrate<8>(law, u, f_int, K, history);
+            default:
+              assert(nodes_per_cell_ == 9);
+              return integrate<9>(law, u, f_int, K, history);
+          }
+        } else {
+          switch (nodes_per_cell_) {
+            case 4:
+              return integrate<4>(law, u, f_int, K, history);
+            case 8:
+              return integrate<8>(law, u, f_int, K, history);
+            case 10:
+              return integrate<10>(law, u, f_int, K, history);
+            case 20:
+              return integrate<20>(law, u, f_int, K, history);
+            default:
+              assert(nodes_per_cell_ == 27);
+              return integrate<27>(law, u, f_int, K, history);
+          }
         }
       },
       material_.law);

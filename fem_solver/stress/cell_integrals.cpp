@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
@@ -16,11 +17,23 @@ namespace {
 
 /// Degree that integrates N_a N_b of an undistorted cell exactly.
 int mass_degree(CellType type) {
-  return type == CellType::tri3 || type == CellType::tet4 ? 2 : 3;
+  if (is_quadratic(type)) return is_simplex(type) ? 4 : 5;
+  return is_simplex(type) ? 2 : 3;
 }
 
-bool can_be_enhanced(CellType type) {
-  return type == CellType::quad4 || type == CellType::hex8;
+/// Refuse a formulation that cells of this type do not have.
+template <int dim>
+void check_formulation(const CellMaterial<dim>& material, CellType type) {
+  const bool can_be_enhanced = type == CellType::quad4 || type == CellType::hex8;
+  const bool can_be_reduced = type == CellType::quad8 || type == CellType::hex20;
+  require<ConfigError>(
+      material.formulation != Formulation::enhanced || can_be_enhanced,
+      "{}: found \"formulation\" \"enhanced\" with cells of type {}, allowed: quad4, hex8",
+      material.where, name(type));
+  require<ConfigError>(
+      material.formulation != Formulation::reduced || can_be_reduced,
+      "{}: found \"formulation\" \"reduced\" with cells of type {}, allowed: quad8, hex20",
+      material.where, name(type));
 }
 
 }  // namespace
@@ -55,10 +68,7 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
                                      std::span<const CellMaterial<dim>> materials,
                                      const MeshRanks& ranks) {
   for (const CellMaterial<dim>& material : materials) {
-    require<ConfigError>(
-        material.formulation == Formulation::full || can_be_enhanced(mesh.cell_type),
-        "{}: found \"formulation\" \"enhanced\" with cells of type {}, allowed: quad4, hex8",
-        material.where, name(mesh.cell_type));
+    check_formulation(material, mesh.cell_type);
   }
   auto cells = cells_of_materials<dim>(mesh, materials, ranks);
   for (std::size_t m = 0; m < materials.size(); ++m) {
@@ -84,28 +94,46 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
   for (const auto& block : blocks_) {
     for (const std::int32_t c : block.cells()) densities[c] = block.material().density;
   }
-  if (lumped) {
+  const bool row_sums = lumped && !is_quadratic(mesh.cell_type);
+  if (row_sums) {
     lumped_masses_.assign(mesh.nodes.size(), 0.0);
   } else {
     cell_masses_.assign(static_cast<std::size_t>(num_cells_) * n * n, 0.0);
   }
-  ShapeValues<dim> shape;
-  Vector<dim> x[max_cell_nodes];
+  AnyShapeValues<dim> shape;
+  Vector<dim> x[max_quadratic_nodes];
   for (std::int32_t c = 0; c < num_cells_; ++c) {
     for (int a = 0; a < n; ++a) x[a] = mesh.nodes[cell(c)[a]];
     for (const auto& q : rule) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
-      double N[max_cell_nodes];
+      double N[max_quadratic_nodes];
       std::copy(shape.N, shape.N + n, N);
       const double mass = densities[c] * q.weight * map_gradients<dim>(mesh.cell_type, x, shape);
       for (int a = 0; a < n; ++a) {
-        if (lumped) lumped_masses_[cell(c)[a]] += mass * N[a];
-        if (lumped) continue;
+        if (row_sums) lumped_masses_[cell(c)[a]] += mass * N[a];
+        if (row_sums) continue;
         double* row = cell_masses_.data() + (static_cast<std::size_t>(c) * n + a) * n;
         for (int b = 0; b < n; ++b) row[b] += mass * N[a] * N[b];
       }
     }
   }
+  if (lumped && !row_sums) lump_by_diagonal();
+}
+
+/// The mass of each cell in proportion to the diagonal of its matrix (Hinton, Rock and Zienkiewicz
+/// 1976): row sums of quadratic cells are negative or zero at corners.
+template <int dim>
+void CellIntegrals<dim>::lump_by_diagonal() {
+  lumped_masses_.assign(static_cast<std::size_t>(num_nodes_), 0.0);
+  const int n = nodes_per_cell_;
+  for (std::int32_t c = 0; c < num_cells_; ++c) {
+    const double* M = cell_masses_.data() + static_cast<std::size_t>(c) * n * n;
+    const double whole = std::accumulate(M, M + n * n, 0.0);
+    double diagonal = 0;
+    for (int a = 0; a < n; ++a) diagonal += M[a * n + a];
+    for (int a = 0; a < n; ++a) lumped_masses_[cell(c)[a]] += whole * M[a * n + a] / diagonal;
+  }
+  cell_masses_.clear();
 }
 
 template <int dim>

@@ -90,6 +90,7 @@ class CellIntegrals {
   void make_blocks(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
                    const MeshRanks& ranks);
   void compute_mass(const Mesh<dim>& mesh, bool lumped);
+  void lump_by_diagonal();
   std::span<const std::int32_t> cell(std::int32_t c) const {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
             static_cast<std::size_t>(nodes_per_cell_)};

@@ -9,6 +9,8 @@
 #include <string>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/elements/cell_facets.hpp"
+#include "common/mechanics/mesh/boundary.hpp"
 
 namespace gabion::fem {
 
@@ -56,7 +58,49 @@ const std::vector<std::int32_t>& find_lines(const Mesh<dim>& mesh, const LineMat
       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
+/// Whether another rank may have a cell on the other side.
+bool is_shared(std::span<const std::int32_t> facet, const SharedNodes& shared) {
+  if (shared.alone()) return false;
+  const auto has_all = [&](int n) {
+    const auto nodes = shared.shared_with(n);
+    return std::ranges::all_of(
+        facet, [&](std::int32_t i) { return std::ranges::find(nodes, i) != nodes.end(); });
+  };
+  for (int n = 0; n < shared.num_neighbours(); ++n) {
+    if (has_all(n)) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+template <int dim>
+void refuse_loose_cells(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
+                        const MeshRanks& ranks) {
+  if (mesh.cell_type != CellType::hex20) return;
+  const auto neighbours = cell_neighbours(mesh);
+  const auto goes_on = [&](std::int32_t c, int axis, int end) {
+    const int f = brick_facet(3, axis, end);
+    if (neighbours[static_cast<std::size_t>(c) * 6 + f] >= 0) return true;
+    const auto facet = cell_facet(mesh, c, f);
+    return is_shared(std::span(facet).first(4), ranks.shared());
+  };
+  for (const auto& material : materials) {
+    if (material.formulation != Formulation::reduced) continue;
+    const auto cells = cells_of_materials<dim>(mesh, materials, ranks);
+    for (const std::int32_t c : cells[&material - materials.data()]) {
+      int axes = 0;
+      for (int axis = 0; axis < 3; ++axis) axes += goes_on(c, axis, 0) || goes_on(c, axis, 1);
+      require<ConfigError>(axes >= 2, [&] {
+        return fmt::format(
+            "{}: found \"formulation\" \"reduced\" with {}, which has neighbours along {} of its "
+            "axes: it keeps a mode without energy, allowed: hex20 with neighbours along two, or "
+            "\"full\"",
+            material.where, describe_cell(mesh, ranks, c), axes);
+      });
+    }
+  }
+}
 
 template <int dim>
 std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<dim>& mesh,
@@ -116,6 +160,11 @@ std::vector<std::vector<std::int32_t>> cells_of_materials(
   }
   return cells;
 }
+
+template void refuse_loose_cells(const Mesh<2>&, std::span<const CellMaterial<2>>,
+                                 const MeshRanks&);
+template void refuse_loose_cells(const Mesh<3>&, std::span<const CellMaterial<3>>,
+                                 const MeshRanks&);
 
 template std::vector<std::vector<std::int32_t>> cells_of_materials(const Mesh<2>&,
                                                                    std::span<const CellMaterial<2>>,

@@ -26,4 +26,11 @@ std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<dim>& mesh,
                                                           std::span<const LineMaterial> materials,
                                                           const MeshRanks& ranks);
 
+/// Refuse reduced hex20 in a row: a mode without energy, one of each cell, dies only where the cell
+/// has neighbours along two axes, whatever holds the ends of the row.
+/// @throws ConfigError  names the first such cell
+template <int dim>
+void refuse_loose_cells(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
+                        const MeshRanks& ranks);
+
 }  // namespace gabion::fem

@@ -119,7 +119,7 @@ class EnhancedCell {
     if constexpr (dim == 2) tau[2] = stress_[q].T[2];
     return tau;
   }
-  /// Of volume, with enhancement; 1 with small strain.
+  /// Ratio of volumes, with enhancement; 1 with small strain.
   double volume_ratio(int q) const {
     return small_strain ? 1 : std::exp(trace<dim>(enhanced_strain(q)));
   }

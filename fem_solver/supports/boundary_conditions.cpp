@@ -77,8 +77,9 @@ std::vector<double> facet_weights(const Mesh<dim>& mesh, std::span<const std::in
   const CellType type = facet_type(mesh.cell_type);
   const int n = num_nodes(type);
   std::vector<double> weights(mesh.nodes.size(), 0.0);
-  ShapeValues<facet_dim> shape;
-  for (const auto& q : gauss_rule<facet_dim>(type, 3)) {
+  AnyShapeValues<facet_dim> shape;
+  const int degree = is_quadratic(type) ? 5 : 3;
+  for (const auto& q : gauss_rule<facet_dim>(type, degree)) {
     shape_functions<facet_dim>(type, q.xi, shape);
     for (std::size_t f = 0; f + n <= facets.size(); f += n) {
       Eigen::Matrix<double, dim, facet_dim> jacobian =

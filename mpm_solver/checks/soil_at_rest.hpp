@@ -18,9 +18,15 @@ WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t body);
 template <int dim>
 std::string free_of_stress_text(const MpmSettings<dim>& settings);
 
-/// Log what each body does under its own weight (log_own_weight), and that text.
+/// What to say of interfaces that give more than 5 % of what the soil gives while it takes its
+/// weight: its thrust at rest comes out too small. Empty: there are none, or no soil takes weight.
+/// @param cell_size  mean [m]
 template <int dim>
-void log_soil_at_rest(const MpmSettings<dim>& settings);
+std::string soft_interfaces_text(const MpmSettings<dim>& settings, double cell_size);
+
+/// Log what each body does under its own weight (log_own_weight), and those texts.
+template <int dim>
+void log_soil_at_rest(const MpmSettings<dim>& settings, double cell_size);
 
 /// Why initial stress cannot be in balance, empty where nothing is found: of two bodies with
 /// initial stress, one on top of the other, the vertical stresses differ where they meet. Says the

@@ -128,6 +128,11 @@ class Contact {
   /// Add the row sums of the stiffness of the last add_forces, sum_j |K_ij|, its places counted one
   /// by one: num_nodes [N/m].
   virtual void add_stiffness_sums(std::span<double>) const {}
+  /// Set the active nodes that act on the points which a member touched in the last add_forces
+  /// to 1.
+  virtual void mark_touched(std::span<char> nodes, std::size_t member = 0) const {
+    static_cast<void>(nodes), static_cast<void>(member);
+  }
 
   // All of the following are those of the last add_forces.
 
@@ -158,7 +163,7 @@ class Contact {
   virtual bool is_step_force() const { return false; }
   /// A step force: add F - F_o, its change since the step before, to a nodal field [N].
   virtual void add_step_force_change(std::span<double>) const {}
-  /// Of the accepted state: the step force on these material points of this rank [N].
+  /// The step force on these material points of this rank, in the accepted state [N].
   virtual Vector<dim> step_force_on(std::span<const std::int64_t> ids) const {
     static_cast<void>(ids);
     return Vector<dim>::Zero();
@@ -182,7 +187,7 @@ class Contact {
   virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
-  /// Of the accepted state.
+  /// Energy that contact stores and has lost, in the accepted state.
   virtual ContactEnergy energy() const { return {}; }
   /// Let a member act no more, what its springs hold is lost; or act again, from a state that is
   /// loaded next. @returns false: the method cannot, the contact has to be replaced
@@ -190,12 +195,12 @@ class Contact {
     static_cast<void>(member), static_cast<void>(dropped);
     return false;
   }
-  /// Of the accepted state: what this rank's soil does to each facet of a member.
+  /// What this rank's soil does to each facet of a member, in the accepted state.
   /// @param points  of this rank, accepted
   /// @param reach   how far to look for gaps [m]
   virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
                                     std::size_t member = 0) const = 0;
-  /// Of the accepted state: where this rank's soil touched a member.
+  /// Places where this rank's soil touched a member, in the accepted state.
   virtual std::span<const ContactMark<dim>> marks(std::size_t member = 0) const = 0;
   /// Material points move to another rank: put what this contact remembers of them into the packet,
   /// and forget it. @param ids  of the points

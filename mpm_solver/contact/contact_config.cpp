@@ -36,8 +36,11 @@ BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSettin
   return points;
 }
 
-// The keys of the method facets.
-FacetSettings read_facets(ConfigReader& in, ContactMode mode) {
+// Nothing is iterated with a rigid wall, so stiff contact costs nothing there.
+constexpr double resting_factor_of_walls = 12;
+
+// The keys of the method facets. @param resting_factor  without the key
+FacetSettings read_facets(ConfigReader& in, ContactMode mode, double resting_factor) {
   if (mode == ContactMode::fixed) {
     in.fail("mode",
             "found \"fixed\" with \"method\": \"facets\", allowed: contact, slip, or "
@@ -48,14 +51,15 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode) {
   }
   FacetSettings facets;
   facets.penalty_factor = in.number_or("penalty_factor", facets.penalty_factor);
-  if (in.has("resting_factor")) facets.resting_factor = in.number("resting_factor");
+  facets.resting_factor = in.number_or("resting_factor", resting_factor);
   facets.tangential_factor = in.number("tangential_factor");
   return facets;
 }
 
 // What interfaces and rigid walls have in common.
 template <int dim>
-ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit) {
+ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit,
+                                   double resting_factor) {
   ContactSettings<dim> boundary;
   boundary.name = in.name("name");
   boundary.where = in.where("surface");
@@ -70,8 +74,12 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     }
     boundary.friction = in.number("friction");
   }
+  if (in.has("turbulent_drag") && !(in.has("friction") && in.choice("method") == "facets")) {
+    in.fail("turbulent_drag", "allowed only with \"friction\" and \"method\": \"facets\"");
+  }
   if (in.choice("method") == "facets") {
-    boundary.method = read_facets(in, boundary.mode);
+    boundary.method = read_facets(in, boundary.mode, resting_factor);
+    if (boundary.friction >= 0) boundary.drag = in.number("turbulent_drag");
     if (boundary.mode == ContactMode::contact && boundary.friction < 0) {
       boundary.friction = sticking;
     }
@@ -83,7 +91,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
 
 template <int dim>
 ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  auto boundary = read_boundary<dim>(scene, in, penalty_unit);
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit, 0);
   in.finish();
   return boundary;
 }
@@ -91,7 +99,7 @@ ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double
 template <int dim>
 RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
   RigidWallSettings<dim> wall;
-  wall.boundary = read_boundary<dim>(scene, in, penalty_unit);
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit, resting_factor_of_walls);
   wall.name = wall.boundary.name;
   if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
   const auto place = in.vector("moment_about", dim);

@@ -12,14 +12,25 @@ Key resting_factor_key() {
   return key::number(
              "resting_factor", "",
              "Of touches that begin while soil takes its weight, in quasi-static steps or while a "
-             "`gravity_ramp` runs: the least stiffness at the pressure under the body by its own "
-             "weight, times the mean cell size over the P-wave modulus; it holds as long as the "
-             "touch "
-             "lasts. 12 leaves all but 3 % of a thrust between walls 16 cells apart. None: as "
-             "`penalty_factor` says, with which stiff soil finds little thrust after a ramp.")
-      .in(positive())
-      .or_none()
+             "`gravity_ramp` runs: the stiffness at the pressure under the body by its own weight "
+             "and above it, times the mean cell size over the P-wave modulus; it holds as long as "
+             "the touch lasts. 12 leaves all but 3 % of a thrust between walls 16 cells apart. 0: "
+             "as `penalty_factor` says, with which stiff soil finds little thrust after a ramp, "
+             "but the coupling iterates less with a structure as soft as the soil.")
+      .in(non_negative())
+      .or_computed("12 of a rigid wall, 0 of an interface")
       .when("method", {"facets"});
+}
+
+Key turbulent_drag_key() {
+  return key::number("turbulent_drag", "Pa s^2/m^2",
+                     "Shear stress over the square of the speed of sliding, beside `friction`: rho "
+                     "g / xi of Voellmy.")
+      .in(non_negative())
+      .or_else(0)
+      .when("mode", {"contact"})
+      .when("method", {"facets"})
+      .with("friction");
 }
 
 std::vector<Key> boundary_keys() {
@@ -64,6 +75,7 @@ std::vector<Key> boundary_keys() {
           .in(non_negative())
           .or_none()
           .when("mode", {"contact"}),
+      turbulent_drag_key(),
       key::number("tangential_factor", "",
                   "Tangential stiffness times the mean cell size over the P-wave modulus of the "
                   "body.")

@@ -1,12 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact_law.hpp"
 
+#include <cmath>
+
 namespace gabion::mpm {
 
 double ContactLaw::stored(double depth) const {
   if (!(depth > 0)) return 0;
   const double square = penalty * depth * depth;
   return normal == NormalLaw::linear ? square / 2 : square * depth / 3;
+}
+
+double ContactLaw::reduced(double depth) const {
+  if (depth <= linear_from) return depth;
+  return 2 * linear_from - linear_from * linear_from / depth;
+}
+
+double ContactLaw::reduced_slope(double depth) const {
+  if (depth <= linear_from) return 1;
+  const double share = linear_from / depth;
+  return share * share;
+}
+
+double ContactLaw::storing(double depth) const {
+  if (depth <= linear_from) return depth;
+  const double d = linear_from, more = depth - d;
+  return (d * d * d + 3 * d * more * (d + more)) / (depth * depth);
+}
+
+double ContactLaw::depth_of(double square) const {
+  const double depth = std::sqrt(square);
+  if (depth <= linear_from) return depth;
+  return 0.5 * (square / linear_from + linear_from);
+}
+
+// k s + drag (s / time)^2 = excess.
+ContactLaw::Slide ContactLaw::slide_beyond(double excess) const {
+  const double k = tangential_penalty;
+  const double root = std::sqrt(k * k + 4 * drag * excess / (time * time));
+  return {.slip = 2 * excess / (k + root), .elastic = 1 - k / root};
 }
 
 template <int dim>
@@ -28,17 +60,24 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   const double mu = mode == ContactMode::slip ? 0 : friction;
   if (mode == ContactMode::fixed || mu < 0) return result;
 
-  const double limit = mu * t[0];
+  double limit = mu * t[0];
   const double size = t.template tail<dim - 1>().norm();
   if (size <= limit) return result;
   result.sliding = true;
+  result.elastic = 0;
+  if (drag > 0) {
+    const Slide slide = slide_beyond(size - limit);
+    limit = size - tangential_penalty * slide.slip;
+    result.elastic = slide.elastic;
+  }
   Vector<dim> direction = t / size;
   direction[0] = 0;
   t.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();
   if (!slope) return result;
   *slope *= limit / size;
-  *slope -= tangential_penalty * (limit / size) * direction * direction.transpose();
-  slope->col(0) = mu * normal_slope * direction;
+  *slope -=
+      tangential_penalty * (limit / size - result.elastic) * direction * direction.transpose();
+  slope->col(0) = (1 - result.elastic) * mu * normal_slope * direction;
   (*slope)(0, 0) = normal_slope;
   return result;
 }

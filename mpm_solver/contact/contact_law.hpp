@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "common/mechanics/tensor.hpp"
 
 namespace gabion::mpm {
@@ -17,6 +19,7 @@ struct ContactTraction {
   Vector<dim> t = Vector<dim>::Zero();  ///< on the soil, normal first [Pa]
   bool closed = false;
   bool sliding = false;  ///< the friction limit is reached
+  double elastic = 1;  ///< d |t_t| / d |trial t_t|: 1 as long as it sticks, 0 of Coulomb's sliding
 };
 
 /// How the normal traction grows with the depth d = -g_n.
@@ -25,25 +28,52 @@ enum class NormalLaw {
   quadratic,  ///< penalty d^2: begins without a kink, and is as stiff as the pressure asks for
 };
 
-/// Traction of a surface on the soil by the gap g between them, a penalty with Coulomb's friction:
+/// Traction of a surface on the soil by the gap g between them, a penalty with Coulomb's friction
+/// and the turbulent drag of Voellmy:
 ///
-///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,  |t_t| <= friction t_n
+///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,
+///     |t_t| <= friction t_n + drag v^2
+///
+/// with the speed v = s / time of the slip s in the step, which is what the limit takes off g_t. It
+/// is the root of a quadratic equation and has the direction of t_t: it takes energy.
+/// @see Voellmy (1955); drag = rho g / xi with his coefficient xi [m/s^2]
 struct ContactLaw {
   ContactMode mode = ContactMode::contact;
   double friction = -1;           ///< coefficient in mode contact; < 0: unlimited (stick)
   double penalty = 0;             ///< [Pa/m], quadratic: [Pa/m^2]; > 0
   double tangential_penalty = 0;  ///< [Pa/m] > 0
   NormalLaw normal = NormalLaw::linear;
+  /// Depth from which the quadratic law goes on along its tangent [m].
+  double linear_from = std::numeric_limits<double>::infinity();
+  double drag = 0;  ///< [Pa s^2/m^2], >= 0
+  double time = 0;  ///< in which the slip came about, with a drag [s]; 0: none can
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }
   /// What the normal part stores in an area at a depth [J/m^2].
   double stored(double depth) const;
+  /// The quadratic law is penalty d g(d): g = d up to d_1 = linear_from, 2 d_1 - d_1^2 / d beyond
+  /// [m].
+  double reduced(double depth) const;
+  /// dg/dd.
+  double reduced_slope(double depth) const;
+  /// 3 / (penalty d^2) of the work per area to the depth d, d up to linear_from [m].
+  double storing(double depth) const;
+  /// The depth d with d g(d) = square [m]. @param square  traction over penalty [m^2]
+  double depth_of(double square) const;
 
   /// @param gap    in the frame of the surface, normal first; open when its normal part is >= 0 [m]
   /// @param slope  null, or set to -dt/dg
   template <int dim>
   ContactTraction<dim> traction(const Vector<dim>& gap, Matrix<dim>* slope) const;
+
+ private:
+  /// Where the trial traction exceeds friction.
+  struct Slide {
+    double slip = 0;     // [m]
+    double elastic = 0;  // d |t_t| / d excess
+  };
+  Slide slide_beyond(double excess) const;
 };
 
 }  // namespace gabion::mpm

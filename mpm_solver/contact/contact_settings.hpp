@@ -27,7 +27,7 @@ enum class GapMemory {
   step,         ///< displacement of this step only: the force depends on the step size
 };
 
-/// Of the method `boundary_points`.
+/// The settings of the method `boundary_points`.
 struct BoundaryPointSettings {
   double penalty = 0;           ///< [Pa/m]
   double tangential_share = 1;  ///< of the penalty in tangential directions, in (0, 1]
@@ -39,9 +39,9 @@ struct BoundaryPointSettings {
 /// size.
 struct FacetSettings {
   double penalty_factor = 10;  ///< traction at a depth d: penalty_factor M (d / h)^2
-  /// Of touches that begin while soil takes its weight: the stiffness at the pressure p_0 under the
-  /// body is at least resting_factor M / h, its traction resting_factor^2 M^2 / (4 p_0) (d / h)^2;
-  /// 0: as that of others.
+  /// Of touches that begin while soil takes its weight: the stiffness from the pressure p_0 under
+  /// the body on is resting_factor M / h, the traction up to p_0 is that factor squared times
+  /// M^2 / (4 p_0) (d / h)^2; 0: as that of others.
   double resting_factor = 0;
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };
@@ -54,6 +54,7 @@ struct ContactSettings {
   ContactSurface<dim> surface;
   ContactMode mode = ContactMode::contact;
   double friction = -1;  ///< as in ContactLaw
+  double drag = 0;       ///< as in ContactLaw, of facets [Pa s^2/m^2]
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

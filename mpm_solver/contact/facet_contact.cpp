@@ -35,16 +35,19 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
   const Member& member = members_[owner];
   const FacetSettings& method = member.method;
   const double M = c.modulus, h = cell_size_;
-  double factor = method.penalty_factor;
-  if (c.took_weight && method.resting_factor > 0) {
-    const double k = method.resting_factor;
-    factor = std::max(factor, k * k * M / (4 * c.weight));
+  ContactLaw law{.mode = member.mode,
+                 .friction = member.friction,
+                 .penalty = method.penalty_factor * M / (h * h),
+                 .tangential_penalty = part * method.tangential_factor * M / h,
+                 .normal = NormalLaw::quadratic,
+                 .drag = member.drag,
+                 .time = soil_ ? share_ * soil_->dt : 0};
+  const double k = method.resting_factor;
+  if (c.took_weight && k * k * M > 4 * c.weight * method.penalty_factor) {
+    law.penalty = k * k * M / (4 * c.weight) * M / (h * h);
+    law.linear_from = 2 * h * c.weight / (k * M);
   }
-  return {.mode = member.mode,
-          .friction = member.friction,
-          .penalty = factor * M / (h * h),
-          .tangential_penalty = part * method.tangential_factor * M / h,
-          .normal = NormalLaw::quadratic};
+  return law;
 }
 
 template <int dim>
@@ -162,7 +165,7 @@ double FacetContact<dim>::offset_after(const Touch& touch) const {
 // between them, push each for itself.
 template <int dim>
 void FacetContact<dim>::share_in_corners(const Candidate& c, std::size_t first) {
-  if (members_.size() == 1 || touches_.size() <= first + 1) return share_depths(first);
+  if (members_.size() == 1 || touches_.size() <= first + 1) return share_depths(c, first);
   const auto surface = surface_of(c, end_);
   const auto apart = [&](const Touch& a, const Touch& b) {
     return are_in_corner<dim>(surface, a.feature.simplex, b.feature.simplex);
@@ -178,27 +181,32 @@ void FacetContact<dim>::share_in_corners(const Candidate& c, std::size_t first) 
       group->push_back(touches_[k]);
     }
   }
-  if (groups.size() <= 1) return share_depths(first);
+  if (groups.size() <= 1) return share_depths(c, first);
   touches_.resize(first);
   for (const auto& touches : groups) {
     const std::size_t begin = touches_.size();
     touches_.insert(touches_.end(), touches.begin(), touches.end());
-    share_depths(begin);
+    share_depths(c, begin);
   }
 }
 
-// Depths of the touches of one point. Where several push, the traction of all is penalty |u| u, of
-// which each has its part: penalty |u| lambda_k, u = sum_k lambda_k n_k the shortest way out. The
+// Depths of the touches of one point. Where several push, the traction of all is penalty g(|u|) u,
+// of which each has its part: penalty g lambda_k, u = sum_k lambda_k n_k the shortest way out. The
 // tangential stiffness of all is that of one, too: parts lambda_k delta_k / |u|^2 add up to 1.
 template <int dim>
-void FacetContact<dim>::share_depths(std::size_t first) {
+void FacetContact<dim>::share_depths(const Candidate& c, std::size_t first) {
   if (touches_.size() == first) return;
   if (touches_.size() == first + 1) {
     Touch& touch = touches_.back();
-    touch.depth = touch.stored_depth = -touch.gap;
+    const double depth = -touch.gap;
+    const ContactLaw law = law_of(c, touch.owner, 1);
+    const double reduced = law.reduced(depth);
+    touch.depth = std::sqrt(depth * reduced);
+    const bool is_linear = depth > law.linear_from;
+    touch.stored_depth = is_linear ? std::cbrt(law.storing(depth) * depth * depth) : depth;
     touch.num_others = 1;
     touch.others[0] = static_cast<std::int32_t>(first);
-    touch.shares[0] = 1;
+    touch.shares[0] = (reduced + law.reduced_slope(depth) * depth) / (2 * touch.depth);
     follow_part(touch);
     return;
   }
@@ -211,8 +219,10 @@ void FacetContact<dim>::share_depths(std::size_t first) {
   const WayOut<dim> out = way_out<dim>(normals, deltas);
   for (int k = 0; k < out.size; ++k) {
     Touch touch = touches_[first + out.planes[k]];  // planes ascend
-    touch.depth = std::sqrt(out.depths[k] * out.length);
-    touch.stored_depth = std::cbrt(out.length * out.depths[k] * -touch.gap);
+    const ContactLaw law = law_of(c, touch.owner, 1);
+    const double reduced = law.reduced(out.length), slope = law.reduced_slope(out.length);
+    touch.depth = std::sqrt(out.depths[k] * reduced);
+    touch.stored_depth = std::cbrt(law.storing(out.length) * out.depths[k] * -touch.gap);
     touch.num_others = out.size;
     const double square = out.length * out.length;
     touch.part = out.depths[k] * -touch.gap / square;
@@ -222,7 +232,7 @@ void FacetContact<dim>::share_depths(std::size_t first) {
                              square;
       touch.others[l] = static_cast<std::int32_t>(first) + l;
       touch.shares[l] =
-          (out.length * out.inverse(k, l) + out.depths[k] * out.depths[l] / out.length) /
+          (reduced * out.inverse(k, l) + slope * out.depths[k] * out.depths[l] / out.length) /
           (2 * touch.depth);
     }
     follow_part(touch);
@@ -257,10 +267,9 @@ void FacetContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slo
   const Vector<dim> by_depth = scale * (touch.frame * slope.col(0));
   const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
-  const bool sticks = !touch.traction.sliding;
-  const Vector<dim> by_part = force_weight_ / touch.part *
-                                  (sticks ? tangential<dim>(touch.force, n) : Vector<dim>::Zero()) -
-                              by_slip * touch.slip_part_slope;
+  const Vector<dim> by_part =
+      force_weight_ / touch.part * (touch.traction.elastic * tangential<dim>(touch.force, n)) -
+      by_slip * touch.slip_part_slope;
   const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.relative);
   for (std::int32_t j = 0; j < c.num_values; ++j) {
     Vector<dim> depth_slope = Vector<dim>::Zero(), part_slope = Vector<dim>::Zero();

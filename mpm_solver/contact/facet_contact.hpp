@@ -64,6 +64,7 @@ class FacetContact final : public Contact<dim> {
   void set_share(double share) override;
   void add_substep(std::span<const double> move, double share) override;
   void add_stiffness_sums(std::span<double> sums) const override;
+  void mark_touched(std::span<char> nodes, std::size_t member = 0) const override;
 
   std::vector<double> forces_on_structure(std::size_t member = 0) const override;
   typename Contact<dim>::Resultant resultant(std::size_t member = 0) const override;
@@ -76,6 +77,12 @@ class FacetContact final : public Contact<dim> {
   }
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
+  /// Where the vertices of a member are in the accepted state [m]; empty: it acts no more.
+  std::span<const Vector<dim>> accepted_vertices(std::size_t member) const {
+    const Member& own = members_[member];
+    if (own.dropped) return {};
+    return std::span(start_).subspan(own.first_vertex, own.num_vertices);
+  }
   void accept() override;
   ContactEnergy energy() const override;
   bool drop(std::size_t member, bool dropped) override;
@@ -218,7 +225,7 @@ class FacetContact final : public Contact<dim> {
   /// One of the surfaces.
   struct Member {
     ContactMode mode = ContactMode::contact;
-    double friction = -1;
+    double friction = -1, drag = 0;
     FacetSettings method;
     ContactSurface<dim> surface;                        // reference
     std::int32_t first_vertex = 0, num_vertices = 0;    // of all members'
@@ -301,7 +308,7 @@ class FacetContact final : public Contact<dim> {
   void accept_offsets();
   void set_slip(const Candidate& c, Touch& touch) const;
   static void follow_part(Touch& touch);
-  void share_depths(std::size_t first);
+  void share_depths(const Candidate& c, std::size_t first);
   void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const Touch& touch, std::int32_t value) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;

@@ -22,6 +22,7 @@ void FacetContact<dim>::add_member(const ContactSettings<dim>& settings) {
   Member& member = members_.emplace_back();
   member.mode = settings.mode;
   member.friction = settings.friction;
+  member.drag = settings.drag;
   member.method = std::get<FacetSettings>(settings.method);
   member.surface = settings.surface;
   member.first_vertex = static_cast<std::int32_t>(start_.size());
@@ -178,7 +179,7 @@ Vector<dim> FacetContact<dim>::surface_motion(const SurfaceFeature<dim>& feature
   return motion;
 }
 
-// Of a point, in the last add_forces.
+// The motion of a point in the last add_forces [m].
 template <int dim>
 Vector<dim> FacetContact<dim>::motion_of(std::int32_t entry, const CellGroup& group) const {
   Vector<dim> motion = Vector<dim>::Zero();

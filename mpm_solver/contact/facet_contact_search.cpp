@@ -324,8 +324,8 @@ void FacetContact<dim>::face_next_members(const Candidate& c, const Behind& behi
   }
 }
 
-// Of another member only what lies behind the one that the point went through, with a structure
-// between them; not what it faces.
+// The point no longer faces what belongs to another member and lies behind the one that the point
+// went through, with a structure between them.
 template <int dim>
 void FacetContact<dim>::drop_far_side(const Behind& behind, Facing& facing) const {
   std::erase_if(facing.simplices, [&](const FacingSimplex& simplex) {

@@ -79,7 +79,10 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     std::ranges::copy_if(places, std::back_inserter(together), [&](const auto& other) {
       return place.owner == other.owner || n.dot(other.normal) >= corner_cosine;
     });
-    const Vector<dim> way = way_at_rest<dim>(together);
+    Vector<dim> way = way_at_rest<dim>(together);
+    const double quadratic = way.norm();
+    const ContactLaw law = law_of(c, place.owner, 1);
+    if (quadratic > law.linear_from) way *= law.depth_of(quadratic * quadratic) / quadratic;
     memory.emplace_back();
     memory.back().owner = place.owner;
     memory.back().normal = n;
@@ -103,7 +106,7 @@ void FacetContact<dim>::remember_shear(const Touch& touch,
   }
 }
 
-// Of the accepted state, that touches stand as they do.
+// The accepted state is that in which the touches stand as they do.
 template <int dim>
 void FacetContact<dim>::remember_touches() {
   memory_.clear();

@@ -83,13 +83,23 @@ void FacetContact<dim>::add_stiffness_sums(std::span<double> sums) const {
     const Candidate& c = candidates_[touch.candidate];
     const ContactLaw law = law_of(c, touch.owner, touch.part);
     const double tangential = law.mode == ContactMode::contact ? law.tangential_penalty : 0;
-    const double k = touch.area * std::max(2 * law.penalty * touch.depth, tangential);
+    const double share = touch.num_others == 1 ? touch.shares[0] : 1;
+    const double normal = 2 * law.penalty * touch.depth * share;
+    const double k = touch.area * std::max(normal, tangential);
     const double* w = weights_of(touch);
     double all = 0;
     for (std::int32_t i = 0; i < c.num_values; ++i) all += std::abs(w[i]);
     for (std::int32_t i = 0; i < c.num_values; ++i) {
       sums[nodes_[c.first_value + i]] += k * std::abs(w[i]) * all;
     }
+  }
+}
+
+template <int dim>
+void FacetContact<dim>::mark_touched(std::span<char> nodes, std::size_t member) const {
+  for (const std::int32_t index : touches_of(member)) {
+    const Candidate& c = candidates_[touches_[index].candidate];
+    for (std::int32_t k = 0; k < c.num_values; ++k) nodes[nodes_[c.first_value + k]] = 1;
   }
 }
 

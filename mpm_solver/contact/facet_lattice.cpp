@@ -93,7 +93,7 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
   }
 }
 
-// Of the bins that a box touches, within one along each axis.
+// The number of bins that a box touches, right within one along each axis.
 template <int dim>
 double FacetLattice<dim>::num_bins(const Box& box) const {
   return (((box.high - box.low) / bin_size_).array().floor() + 1).prod();

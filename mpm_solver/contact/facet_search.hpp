@@ -42,7 +42,7 @@ class FacetSearch {
   /// See FacetLattice::at_least, of the nearest member.
   double at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   double at_least(std::size_t member, const Vector<dim>& middle, const Vector<dim>& half) const;
-  /// As at_least, for larger boxes, and up to larger distances.
+  /// The same as at_least, for larger boxes and up to larger distances.
   double far_at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   /// Lists for distances up to this are kept [m].
   double reach() const { return reach_; }

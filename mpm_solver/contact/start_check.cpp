@@ -78,8 +78,8 @@ class SidedSurface {
         rim_(rim_vertices<dim>(simplices_, surface.vertices.size())),
         hash_(simplices_, vertices_, reach) {}
 
-  /// Of the nearest simplex; of equally near ones, which meet in an edge, that whose plane the
-  /// point is farthest from: it sees the side right.
+  /// The side of the nearest simplex. Where several are equally near, since they meet in an edge,
+  /// that counts whose plane the point is farthest from: it sees the side right.
   /// @param within  simplices that are farther may be left out [m]
   Side side(const Vector<dim>& x, double within = std::numeric_limits<double>::infinity()) const {
     Side nearest;
@@ -242,6 +242,25 @@ double longest_edge(const ContactSurface<dim>& surface, const std::vector<Vector
 }  // namespace
 
 template <int dim>
+std::vector<StartSurface<dim>> surfaces_at_start(
+    const std::vector<ContactSettings<dim>>& interfaces,
+    const std::vector<RigidWallSettings<dim>>& walls) {
+  std::vector<StartSurface<dim>> surfaces;
+  for (const auto& interface : interfaces) {
+    surfaces.push_back({interface, interface.surface.vertices, false});
+  }
+  for (const auto& wall : walls) {
+    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, wall.motion.moves()});
+    auto& vertices = surfaces.back().vertices;
+    const auto moved = wall.motion.displacement(vertices, 0);
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      vertices[v] += Eigen::Map<const Vector<dim>>(moved.data() + v * dim);
+    }
+  }
+  return surfaces;
+}
+
+template <int dim>
 std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>& surfaces,
                                             const MaterialPoints<dim>& points, double cell_size) {
   const double near_distance = near_cells * cell_size;
@@ -355,6 +374,10 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
 
 template struct SoilAtStart<2>;
 template struct SoilAtStart<3>;
+template std::vector<StartSurface<2>> surfaces_at_start<2>(
+    const std::vector<ContactSettings<2>>&, const std::vector<RigidWallSettings<2>>&);
+template std::vector<StartSurface<3>> surfaces_at_start<3>(
+    const std::vector<ContactSettings<3>>&, const std::vector<RigidWallSettings<3>>&);
 template std::vector<SoilAtStart<2>> soil_at_start<2>(const std::vector<StartSurface<2>>&,
                                                       const MaterialPoints<2>&, double);
 template std::vector<SoilAtStart<3>> soil_at_start<3>(const std::vector<StartSurface<3>>&,

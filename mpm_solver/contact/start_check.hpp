@@ -24,6 +24,12 @@ struct StartSurface {
   bool moves = false;  ///< rigid, but moves as given
 };
 
+/// The interfaces, then the rigid walls. Refers to their settings.
+template <int dim>
+std::vector<StartSurface<dim>> surfaces_at_start(
+    const std::vector<ContactSettings<dim>>& interfaces,
+    const std::vector<RigidWallSettings<dim>>& walls);
+
 /// How the soil of this rank lies to a surface at time 0. A material point is a ball of the radius
 /// MaterialPoints::depth. A point behind a surface counts for the surface that is nearest to it,
 /// and not at all beyond the rim of an open one. It is inside the structure when it is no farther

@@ -20,8 +20,8 @@ using Simplex = std::array<std::int32_t, dim>;
 template <int dim>
 std::vector<Simplex<dim>> simplices(const ContactSurface<dim>& surface);
 
-/// Of each vertex: 1 where it is on the rim of an open surface, an edge (2D: vertex) that belongs
-/// to one simplex only.
+/// Marks of the vertices: 1 where a vertex is on the rim of an open surface, an edge (2D: vertex)
+/// that belongs to one simplex only.
 template <int dim>
 std::vector<char> rim_vertices(std::span<const Simplex<dim>> simplices, std::size_t num_vertices);
 
@@ -136,8 +136,8 @@ bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32
 /// The features of a surface that are within reach of a point that came from x to y, or that
 /// its way went through. Inside corners have several, each a little beyond where its simplex ends,
 /// with the weights of the simplex that is next to it there.
-/// Of features behind which the point is the least deep one counts, with those that form inside
-/// corners with it. A point that touched and whose centre went through stays behind.
+/// Where the point is behind several features, the least deep one counts, with those that form
+/// inside corners with it. A point that touched and whose centre went through stays behind.
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,

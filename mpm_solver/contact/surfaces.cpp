@@ -12,12 +12,13 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
 
 namespace {
 
-// Of the cell size: a rim that is nearer to a surface meets it.
+// A rim that is nearer to a surface than this share of the cell size meets it.
 constexpr double seam_share = 0.02;
 
 }  // namespace
@@ -120,6 +121,13 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t surface) const {
 }
 
 template <int dim>
+std::span<const Vector<dim>> Surfaces<dim>::accepted_vertices(std::size_t surface) const {
+  const auto* const facets = dynamic_cast<const FacetContact<dim>*>(&contact_of(surface));
+  if (facets == nullptr) return {};
+  return facets->accepted_vertices(member_of(surface));
+}
+
+template <int dim>
 bool Surfaces<dim>::asks_for_cells() const {
   return std::any_of(contacts_.begin(), contacts_.end(),
                      [](const auto& contact) { return contact->asks_for_cells(); });
@@ -147,6 +155,19 @@ void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   for (std::size_t k = 0; k < size(); ++k) {
     touching_[k] = touching[k] > 0;
     symmetric_ &= !touching_[k] || contact_of(k).symmetric();
+  }
+}
+
+template <int dim>
+bool Surfaces<dim>::may_touch_interface() const {
+  const auto end = touching_.begin() + std::ssize(interfaces_);
+  return std::find_if(touching_.begin(), end, [](char touches) { return touches != 0; }) != end;
+}
+
+template <int dim>
+void Surfaces<dim>::mark_touched(std::span<char> nodes) const {
+  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
+    contact_of(k).mark_touched(nodes, member_of(k));
   }
 }
 

@@ -35,6 +35,11 @@ class Surfaces {
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.
   bool symmetric() const { return symmetric_; }
+  /// Whether soil can touch an interface in this step: the coupling may then ask for several
+  /// solutions.
+  bool may_touch_interface() const;
+  /// Contact::mark_touched of all interfaces.
+  void mark_touched(std::span<char> nodes) const;
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
   /// Move the rigid walls to where they are at a time [s].
@@ -43,14 +48,14 @@ class Surfaces {
   // The following are collective.
 
   /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
-  /// @param largest  of largest_surplus_way on this rank [m]
+  /// @param largest  of SurplusWays on this rank [m]
   void refuse_misses(double largest) const;
   /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
   bool look_ahead() const;
   InterfaceValues forces_on_structure() const;
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;
-  /// Of each rigid wall the force and the moment about RigidWallSettings::moment_about, see
+  /// Force on each rigid wall and moment about RigidWallSettings::moment_about, see
   /// Contact::resultant.
   std::vector<double> forces_on_walls() const;
   /// The smallest Contact::approach_step of all.
@@ -67,6 +72,10 @@ class Surfaces {
   std::span<const ContactMark<dim>> marks(std::size_t surface) const {
     return contact_of(surface).marks(member_of(surface));
   }
+
+  /// Where the vertices of a surface of the method `facets` are in the accepted state [m]; empty:
+  /// it acts no more. @note Not collective.
+  std::span<const Vector<dim>> accepted_vertices(std::size_t surface) const;
 
   /// Contact::begin_at_rest of all of them.
   void begin_at_rest(const SoilAtRest<dim>& rest);

@@ -15,74 +15,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// Functions of a cell reach over the next one: soil on both sides of a wall that is thinner than
-// two cells shares nodes.
-constexpr double thin_cells = 2;
-
 // Soil within this many cells of a face stands on its side.
 constexpr double beside_cells = 4;
 
-// Faces of a wall look away from each other to within 25 degrees, along the way through it.
-constexpr double opposite_cosine = 0.9;
-
 // A point is before a simplex up to 60 degrees off its normal.
 constexpr double before_cosine = 0.5;
-
-/// All simplices of several surfaces.
-template <int dim>
-struct Faces {
-  std::vector<Vector<dim>> vertices;
-  std::vector<Simplex<dim>> simplices;
-  std::vector<std::size_t> surface;                        // of each simplex
-  std::vector<std::int32_t> first_simplex, num_simplices;  // of each surface
-  std::vector<SimplexBounds<dim>> bounds;
-
-  Vector<dim> closest(std::int32_t s, const Vector<dim>& x) const {
-    return closest_place<dim>(corners_of<dim>(simplices[s], vertices), x).x;
-  }
-};
-
-template <int dim>
-Faces<dim> faces_of(const std::vector<StartSurface<dim>>& surfaces) {
-  Faces<dim> faces;
-  for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    faces.first_simplex.push_back(static_cast<std::int32_t>(faces.simplices.size()));
-    faces.num_simplices.push_back(0);
-    if (surfaces[k].settings.mode == ContactMode::fixed) continue;
-    const auto first = static_cast<std::int32_t>(faces.vertices.size());
-    for (Simplex<dim> simplex : simplices(surfaces[k].settings.surface)) {
-      for (std::int32_t& vertex : simplex) vertex += first;
-      faces.simplices.push_back(simplex);
-      faces.surface.push_back(k);
-      ++faces.num_simplices.back();
-    }
-    const auto& vertices = surfaces[k].vertices;
-    faces.vertices.insert(faces.vertices.end(), vertices.begin(), vertices.end());
-  }
-  faces.bounds = bounds_of<dim>(faces.simplices, faces.vertices);
-  return faces;
-}
-
-// Pairs thinner than two cells, seen from the centre of the front.
-template <int dim>
-std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
-  const double limit = thin_cells * cell_size;
-  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit);
-  std::vector<FacePair> pairs;
-  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
-    const SimplexBounds<dim>& front = faces.bounds[s];
-    for (const std::int32_t t : hash.near(front.centre)) {
-      const SimplexBounds<dim>& back = faces.bounds[t];
-      if (front.normal.dot(back.normal) > -opposite_cosine) continue;
-      if (back.is_beyond(front.centre, limit)) continue;
-      const Vector<dim> through = front.centre - faces.closest(t, front.centre);
-      const double thickness = through.norm();
-      const bool behind = through.dot(front.normal) >= opposite_cosine * thickness;
-      if (behind && thickness < (1 - 1e-6) * limit) pairs.push_back({s, t, thickness});
-    }
-  }
-  return pairs;
-}
 
 /// Marks the simplices that have soil before them.
 template <int dim>
@@ -138,14 +75,6 @@ class SoilBefore {
   std::vector<double> marks_;
 };
 
-std::vector<std::int32_t> members(const std::vector<FacePair>& pairs) {
-  std::vector<std::int32_t> all;
-  for (const FacePair& pair : pairs) all.insert(all.end(), {pair.front, pair.back});
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
 std::int32_t place_in(const std::vector<std::int32_t>& sorted, std::int32_t value) {
   return static_cast<std::int32_t>(std::ranges::lower_bound(sorted, value) - sorted.begin());
 }
@@ -159,18 +88,25 @@ std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b
   return fmt::format(
       "{}: found soil on both sides of {}{}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
       "m: soil in cells that both sides share acts on itself through the structure, whose forces "
-      "are wrong; advised: cells of at most half the thickness",
+      "are wrong; advised: cells of at most half the thickness, or nodes for each side, which need "
+      "the "
+      "method \"facets\" on both faces, a grid that is a box, and one rank",
       a.where, names, when, thickness, thickness / cell_size, cell_size);
 }
 
 }  // namespace
 
 template <int dim>
-ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size)
+ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size,
+                          bool fields_by_side)
     : cell_size_(cell_size) {
   for (const auto& surface : surfaces) settings_.push_back(&surface.settings);
-  const Faces<dim> faces = faces_of(surfaces);
+  const Faces<dim> faces(surfaces);
   pairs_ = thin_pairs(faces, cell_size);
+  if (fields_by_side) {
+    std::erase_if(pairs_,
+                  [&](const FacePair& pair) { return faces.can_have_fields(pair, surfaces); });
+  }
   which_ = members(pairs_);
   for (const std::int32_t s : which_) {
     const std::size_t surface = faces.surface[s];
@@ -191,7 +127,7 @@ std::vector<std::string> ThinWalls<dim>::at_start(MPI_Comm comm,
                                                   const std::vector<StartSurface<dim>>& surfaces,
                                                   const MaterialPoints<dim>& points) {
   if (pairs_.empty()) return {};
-  const Faces<dim> faces = faces_of(surfaces);
+  const Faces<dim> faces(surfaces);
   SoilBefore<dim> soil(faces, which_, cell_size_);
   for (const Vector<dim>& x : points.x) soil.add(x);
   marks_ = soil.marks();

@@ -9,24 +9,22 @@
 
 #include "mpm_solver/contact/start_check.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/contact/thin_pairs.hpp"
 
 namespace gabion::mpm {
 
-/// Two simplices with a structure between them.
-struct FacePair {
-  std::int32_t front, back;
-  double thickness;  ///< [m]
-};
-
 /// Finds structures thinner than two cells that have soil on both sides: that soil shares nodes of
 /// the grid, so it acts on itself through the structure. Each two surfaces, which may be the same,
-/// that are the faces of such a place are told once. Not for the mode `fixed`, which soil sticks to
-/// on all sides. Refers to the settings of the surfaces.
+/// that are the faces of such a place are told once, unless SideFields cures them. Not for the mode
+/// `fixed`, which soil sticks to on all sides. Refers to the settings of the surfaces.
 template <int dim>
 class ThinWalls {
  public:
-  /// @param cell_size  mean [m]
-  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size);
+  /// @param cell_size       mean [m]
+  /// @param fields_by_side  walls between faces of the method `facets` have them (SideFields), and
+  ///                        nothing is to say of them
+  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size,
+            bool fields_by_side = false);
 
   // Both return what to say, and are collective.
 

@@ -150,6 +150,7 @@ void evaluate_basis(const BackgroundGrid<dim>& grid, const MaterialPoints<dim>& 
       evaluate_box_basis(grid, points, weights);
     }
   }
+  weights.num_fields = 1;
   weights.volume.clear();
   for (const std::int32_t p : weights.point) weights.volume.push_back(points.V0[p]);
 }

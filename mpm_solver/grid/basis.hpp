@@ -42,7 +42,7 @@ struct PointWeights {
   bool constant_gradient = false;
   /// All nodes of a group act on each of its points, in their order: as many as a cell has corners.
   bool whole_cells = false;
-  std::vector<std::int32_t> point;   ///< of each entry
+  std::vector<std::int32_t> point;  ///< of each entry
   /// Stress-free volume over which each entry's stress is summed: V0 of its point, unless
   /// CellQuadrature changed it [m^3].
   std::vector<double> volume;
@@ -54,6 +54,9 @@ struct PointWeights {
   std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
   std::int32_t num_capped = 0;            ///< gimp: points whose domain would be wider than a cell
+  /// Of the grid nodes: 2 where SideFields doubled some, whose second numbers follow on all first
+  /// ones.
+  std::int32_t num_fields = 1;
 
   /// Room for num_nodes values of each entry; no nodes of groups yet.
   void resize(std::int32_t num_entries, int num_nodes) {

@@ -112,7 +112,7 @@ void CellLocator<dim>::make_bins() {
     low_ = low_.cwiseMin(low);
     high_ = high_.cwiseMax(high);
   }
-  // As wide as the mean cell, but not many more bins than cells.
+  // A bin is as wide as the mean cell, but there are not many more bins than cells.
   const Vector<dim> ideal = (high_ - low_).cwiseQuotient(mean_extent);
   const double shrink = std::min(1.0, cube_side<dim>(4.0 * mesh_.num_cells() / ideal.prod()));
   for (int i = 0; i < dim; ++i) {

@@ -11,15 +11,16 @@ template <int dim>
 void number_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                   std::vector<std::int32_t> grid_nodes, GridNodes<dim>& nodes) {
   const bool same = nodes.grid_node == grid_nodes;
+  nodes.num_places = grid.num_nodes_total();
   if (num_ranks(comm) > 1 && (nodes.shared.alone() || !nodes.shared.all(same))) {
-    nodes.shared = SharedNodes(comm, grid_nodes, grid.num_nodes_total());
+    nodes.shared = SharedNodes(comm, grid_nodes, nodes.num_fields * nodes.num_places);
   }
-  nodes.active.assign(grid.num_nodes_total(), -1);
+  nodes.active.assign(std::size_t{1} * nodes.num_fields * nodes.num_places, -1);
   nodes.grid_node = std::move(grid_nodes);
   for (std::int32_t i = 0; i < nodes.size(); ++i) nodes.active.at(nodes.grid_node[i]) = i;
   if (same && std::ssize(nodes.x) == nodes.size()) return;
   nodes.x.clear();
-  for (const std::int32_t node : nodes.grid_node) nodes.x.push_back(grid.node(node));
+  for (std::int32_t i = 0; i < nodes.size(); ++i) nodes.x.push_back(grid.node(nodes.place(i)));
 }
 
 template <int dim>
@@ -27,7 +28,8 @@ void activate_nodes(MPI_Comm comm, const BackgroundGrid<dim>& grid,
                     const PointWeights<dim>& weights, std::span<const std::int32_t> others,
                     GridNodes<dim>& nodes) {
   constexpr std::int32_t found = 0;
-  nodes.active.assign(grid.num_nodes_total(), -1);
+  nodes.num_fields = weights.num_fields;
+  nodes.active.assign(std::size_t{1} * nodes.num_fields * grid.num_nodes_total(), -1);
   for (const std::int32_t node : weights.group_nodes) nodes.active.at(node) = found;
   for (const std::int32_t node : others) nodes.active.at(node) = found;
   std::vector<std::int32_t> grid_nodes;

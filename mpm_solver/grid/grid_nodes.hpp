@@ -24,9 +24,11 @@ struct GridNodes {
   std::vector<std::int32_t> of_groups;  ///< active numbers of PointWeights::group_nodes
   std::vector<Vector<dim>> x;           ///< position [m]
   std::vector<double> m;                ///< mass [kg]
-  std::vector<Vector<dim>> v;  ///< velocity mapped from the points [m/s]; WallStop changes it
-  std::vector<Vector<dim>> a;  ///< acceleration mapped from the points [m/s^2]
-  SharedNodes shared;          ///< with other ranks
+  std::vector<Vector<dim>> v;   ///< velocity mapped from the points [m/s]; WallStop changes it
+  std::vector<Vector<dim>> a;   ///< acceleration mapped from the points [m/s^2]
+  SharedNodes shared;           ///< with other ranks
+  std::int32_t num_fields = 1;  ///< as of PointWeights
+  std::int32_t num_places = 0;  ///< nodes of the grid, doubled ones counted once
 
   /// Active numbers of the nodes of a group.
   void list_active(const GroupNodes& group, std::int32_t* numbers) const {
@@ -38,6 +40,13 @@ struct GridNodes {
       const std::ptrdiff_t node = of_groups[group.first + i];
       for (int d = 0; d < dim; ++d) values[i * dim + d] = field[node * dim + d];
     }
+  }
+  /// The node of the grid at the place of an active node.
+  std::int32_t place(std::int32_t i) const { return grid_node[i] % num_places; }
+  /// Whether SideFields doubled it.
+  bool is_doubled(std::int32_t i) const {
+    if (num_fields == 1) return false;
+    return grid_node[i] >= num_places || active[grid_node[i] + num_places] >= 0;
   }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
   /// On all ranks, each once.

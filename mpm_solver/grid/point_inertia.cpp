@@ -72,31 +72,43 @@ PointInertia<dim>::PointInertia(const MaterialPoints<dim>& points, const PointWe
 }
 
 template <int dim>
-void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double> dv) const {
-  std::fill(dv.begin(), dv.end(), 0.0);
+void PointInertia<dim>::add_responses(const CellGroup& group, std::span<const double> impulse,
+                                      std::span<double> dv) const {
   std::array<double, max_group_nodes<dim> * dim> in, out;
   std::int32_t active[max_group_nodes<dim>];
-  for (const CellGroup& group : weights_.groups) {
-    const auto grid_nodes = weights_.nodes_of(group);
-    nodes_.gather(grid_nodes, impulse, in.data());
-    if (all_zero(in.data(), grid_nodes.size() * dim)) continue;
-    nodes_.list_active(grid_nodes, active);
-    std::fill_n(out.begin(), grid_nodes.size() * dim, 0.0);
-    const double* rho = rho_of(group);
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const int n = weights_.num_nodes(e);
-      const double m = points_.m[weights_.point[e]];
-      if (weights_.whole_cells && n == (1 << dim)) {
-        add_response<dim, (1 << dim)>(n, nullptr, {rho, m}, in.data(), out.data());
-      } else {
-        add_response<dim, 0>(n, weights_.local_of(e), {rho, m}, in.data(), out.data());
-      }
-      rho += n;
+  const auto grid_nodes = weights_.nodes_of(group);
+  nodes_.gather(grid_nodes, impulse, in.data());
+  if (all_zero(in.data(), grid_nodes.size() * dim)) return;
+  nodes_.list_active(grid_nodes, active);
+  std::fill_n(out.begin(), grid_nodes.size() * dim, 0.0);
+  const double* rho = rho_of(group);
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const int n = weights_.num_nodes(e);
+    const double m = points_.m[weights_.point[e]];
+    if (weights_.whole_cells && n == (1 << dim)) {
+      add_response<dim, (1 << dim)>(n, nullptr, {rho, m}, in.data(), out.data());
+    } else {
+      add_response<dim, 0>(n, weights_.local_of(e), {rho, m}, in.data(), out.data());
     }
-    for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
-      for (int d = 0; d < dim; ++d) dv[std::size_t(active[i]) * dim + d] += out[i * dim + d];
-    }
+    rho += n;
   }
+  for (std::size_t i = 0; i < grid_nodes.size(); ++i) {
+    for (int d = 0; d < dim; ++d) dv[std::size_t(active[i]) * dim + d] += out[i * dim + d];
+  }
+}
+
+template <int dim>
+void PointInertia<dim>::apply(std::span<const double> impulse, std::span<double> dv) const {
+  std::fill(dv.begin(), dv.end(), 0.0);
+  for (const CellGroup& group : weights_.groups) add_responses(group, impulse, dv);
+  nodes_.shared.sum(dv, dim);
+}
+
+template <int dim>
+void PointInertia<dim>::apply_to(std::span<const std::int32_t> groups,
+                                 std::span<const double> impulse, std::span<double> dv) const {
+  std::fill(dv.begin(), dv.end(), 0.0);
+  for (const std::int32_t g : groups) add_responses(weights_.groups[g], impulse, dv);
   nodes_.shared.sum(dv, dim);
 }
 

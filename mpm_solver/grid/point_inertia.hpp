@@ -31,6 +31,10 @@ class PointInertia {
   /// dv = W I; cells where I is zero are passed over.
   /// @param impulse, dv  num_nodes x dim [N s], [m/s]. @note Collective.
   void apply(std::span<const double> impulse, std::span<double> dv) const;
+  /// The same of the responses of some groups alone.
+  /// @param groups  ascending
+  void apply_to(std::span<const std::int32_t> groups, std::span<const double> impulse,
+                std::span<double> dv) const;
 
   /// Bound of the largest eigenvalue of W K [1/s^2], from the row sums of |K|: a norm of W K.
   /// @param row_sums  num_nodes [N/m]. @note Collective.
@@ -43,6 +47,8 @@ class PointInertia {
   bool is_weightless(std::int32_t node) const { return nodes_.m[node] <= weightless_; }
 
  private:
+  void add_responses(const CellGroup& group, std::span<const double> impulse,
+                     std::span<double> dv) const;
   const double* rho_of(const CellGroup& group) const {
     return rho_.data() + weights_.starts[group.first];
   }

@@ -38,7 +38,9 @@ double normally_consolidated(ConfigReader& in, const Material<dim>& material, do
   if (in.choice("k0") == "elastic") return elastic;
   const double angle = std::visit(
       [](const auto& model) {
-        if constexpr (requires { model.parameters().friction_angle; }) {
+        if constexpr (requires { model.friction_angle(); }) {
+          return model.friction_angle();
+        } else if constexpr (requires { model.parameters().friction_angle; }) {
           return model.parameters().friction_angle;
         } else {
           return 0.0;
@@ -78,6 +80,7 @@ struct Geostatic {
   double density = 0;  // over V0 [kg/m^3]
   double water = 0;    // content of the pores, 0: dry
   MaterialState<dim> state;
+  InternalState internal = InternalState::Zero();
   Symmetric<dim> tau = Symmetric<dim>::Zero();  // of the skeleton [Pa]
 
   Symmetric<dim> total_tau() const {
@@ -98,8 +101,46 @@ double load_on_skeleton(const InitialStress& stress, const BodyAtRest<dim>& at_r
               (density - water.density) * (d - above));
 }
 
+// The vertical stress s of Cam-Clay under a load: Newton's method falls to it from above.
+double clay_stress(const CamClayParameters& clay, double k0, double load) {
+  const double kappa = clay.swelling, a = clay.attraction, b = (1 + 2 * k0) / 3;
+  double s = load;
+  for (int pass = 0; pass < 50; ++pass) {
+    const double excess = s * (1 + kappa) - kappa * a / b * std::log1p(b * s / a) - load;
+    const double change = excess / (1 + kappa * b * s / (b * s + a));
+    s -= change;
+    if (!(std::abs(change) > 1e-15 * load)) break;
+  }
+  return s;
+}
+
 template <int dim>
-Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, double k0, double load) {
+Geostatic<dim> clay_at_rest(const CamClayParameters& clay, const InitialStress& stress,
+                            double load) {
+  Geostatic<dim> result;
+  result.s = clay_stress(clay, stress.k0, load);
+  const double P = clay.attraction + (1 + 2 * stress.k0) / 3 * result.s;
+  const double mu = clay.shear_modulus_at(P), volumetric = clay.strain_at(P);
+  for (int i = 0; i < 3; ++i) {
+    result.tau[i] = (i == dim - 1 ? -1 : -stress.k0) * result.s;
+    const double deviator = result.tau[i] - (clay.attraction - P);
+    result.state.e[i] = strain_from_hencky(volumetric / 3 + deviator / (2 * mu));
+  }
+  result.J = std::exp(volumetric);
+  const double before = stress.ocr * result.s, k0 = stress.k0_consolidated;
+  const double P_before = clay.attraction + (1 + 2 * k0) / 3 * before;
+  const double shear = (1 - k0) * before / clay.critical_ratio;
+  result.internal = {P_before + shear * shear / P_before, mu};
+  return result;
+}
+
+template <int dim>
+Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, const InitialStress& stress,
+                                double load) {
+  if (const auto* clay = std::get_if<CamClay<dim>>(&law)) {
+    return clay_at_rest<dim>(clay->parameters(), stress, load);
+  }
+  const double k0 = stress.k0;
   const double lambda = first_lame_constant(law), mu = shear_modulus(law);
   const double C = (3 * lambda + 2 * mu) / (1 + 2 * k0);
   const bool small_strain = std::holds_alternative<LinearElastic<dim>>(law);
@@ -120,7 +161,7 @@ template <int dim>
 Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
   const Body<dim>& body = at_rest.body;
   auto soil =
-      skeleton_at_rest<dim>(body.material.law, stress.k0, load_on_skeleton(stress, at_rest, d));
+      skeleton_at_rest<dim>(body.material.law, stress, load_on_skeleton(stress, at_rest, d));
   soil.density = body.material.density;
   if (!body.water) return soil;
   const PoreWater& water = *body.water;
@@ -208,8 +249,9 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
   stress.where = in.where("k0");
   stress.where_surface = in.where("surface");
   stress.k0 = normally_consolidated(in, material, elastic);
-  const double ocr = in.number("ocr");
-  stress.k0 = ocr * stress.k0 - (ocr - 1) * elastic;
+  stress.k0_consolidated = stress.k0;
+  stress.ocr = in.number("ocr");
+  stress.k0 = stress.ocr * stress.k0 - (stress.ocr - 1) * elastic;
   stress.surface = in.number("surface");
   stress.max_displacement = in.number("max_displacement");
   read_water_table(in, body.water.has_value(), stress);
@@ -239,6 +281,16 @@ void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const Initi
   body.water->table = table;
 }
 
+// Whether the law has a stress in the state of a point.
+template <int dim>
+bool bears(const MaterialLaw<dim>& law, const Geostatic<dim>& soil, StressUpdate<dim>& now) {
+  const Matrix<dim> still = Matrix<dim>::Zero();
+  if (const auto* clay = std::get_if<CamClay<dim>>(&law)) {
+    return clay->update({.internal = soil.internal}, still, soil.state, now, nullptr);
+  }
+  return update<dim>(law, still, soil.state, now, nullptr);
+}
+
 template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points) {
@@ -254,9 +306,8 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
     const double d = stress.surface - points.x[p][dim - 1];
     const auto soil = geostatic<dim>(stress, at_rest, d);
     StressUpdate<dim> now;
-    const bool borne_by_law =
-        d >= 0 && update<dim>(body.material.law, Matrix<dim>::Zero(), soil.state, now, nullptr) &&
-        (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
+    const bool borne_by_law = d >= 0 && bears(body.material.law, soil, now) &&
+                              (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
     if (!borne_by_law) {
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],
@@ -273,6 +324,9 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
         soil.density == body.material.density ? points.m[p] / soil.J : soil.density * points.V0[p];
     points.J[p] = soil.J;
     points.history[p] = soil.state;
+    if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
+      points.internal[p] = soil.internal;
+    }
     points.tau[p] = soil.total_tau();
     points.energy[p] = now.energy;
     points.a[p].setZero();

@@ -14,9 +14,11 @@ namespace gabion::mpm {
 /// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
 struct InitialStress {
   double k0 = 0;                   ///< >= 0
+  double k0_consolidated = 0;      ///< when ocr was 1
+  double ocr = 1;                  ///< over-consolidation ratio, of vertical stresses
   double surface = 0;              ///< [m] height of the surface, without pressure on it
   double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
-  /// Of a body with pore water: height of the water table [m].
+  /// Height of the water table, of a body with pore water [m].
   std::optional<double> water_table = std::nullopt;
   double saturation_above = 0;       ///< share of the pores that is filled above the water table
   std::string where, where_surface;  ///< file and pointer of k0 and of surface, for messages
@@ -29,7 +31,7 @@ struct InitialStress {
 /// With an over-consolidation ratio, unloading is elastic:
 /// K0 = OCR K0_nc - (OCR - 1) nu / (1 - nu).
 ///
-/// Of a body with pore water also "water_table", required, and "saturation_above".
+/// A body with pore water also has "water_table", which it requires, and "saturation_above".
 /// @throws ConfigError  also for a law without Hencky's or linear elasticity, or without phi
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>
@@ -69,6 +71,12 @@ struct BodyAtRest {
 ///
 /// is exact for water of constant density: sigma' grows by (rho - rho_w) g / J. Above the table
 /// points are dry but for their weight, rho_above = rho_dry + n0 saturation_above rho_w.
+///
+/// Cam-Clay has a bulk modulus P / kappa, P = a + (1 + 2 K0) s / 3, and takes from here what its
+/// points remember: mu_0 of P, and P_c of the ellipse through the normally consolidated stress with
+/// s_nc = ocr s. Its volumes follow from J = (P_r / P)^kappa, so that
+///
+///     s (1 + kappa) - kappa a / b ln(1 + b s / a) = rho g d ,  b = (1 + 2 K0) / 3
 ///
 /// @throws ConfigError  point above the surface, other direction of gravity, or stress that the law
 ///                      does not bear; names the point and what it would bear

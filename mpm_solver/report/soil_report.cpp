@@ -45,11 +45,28 @@ void append_ends(const SoilModel<dim>& model, const SoilState<dim>& state, Json&
   }
 }
 
-Json explicit_json(const SubstepCounts& counts) {
-  return {{"solutions", counts.solutions},
-          {"substeps", counts.substeps},
-          {"most_in_a_step", counts.largest},
-          {"smallest_substep", counts.smallest}};
+// Share of the points that repeated solutions evaluated; 0: there were none. @note Collective.
+double repeated_share(MPI_Comm comm, const SubstepCounts& counts) {
+  double points[] = {static_cast<double>(counts.evaluated_points),
+                     static_cast<double>(counts.repeated_points)};
+  sum_over_ranks(comm, std::span<double>(points));
+  return points[1] > 0 ? points[0] / points[1] : 0;
+}
+
+void log_explicit(const SubstepCounts& counts, double share) {
+  log::info("explicit: {} substeps in {} solutions", counts.substeps, counts.solutions);
+  if (counts.repeated == 0) return;
+  log::info(
+      "explicit: {} repeated solutions evaluated {:.3g} % of the points, those in reach of the "
+      "interfaces; {} of them all points",
+      counts.repeated, 100 * share, counts.repeated_whole);
+}
+
+Json explicit_json(const SubstepCounts& counts, double share) {
+  return {{"solutions", counts.solutions},         {"substeps", counts.substeps},
+          {"most_in_a_step", counts.largest},      {"smallest_substep", counts.smallest},
+          {"repeated_solutions", counts.repeated}, {"repeated_whole", counts.repeated_whole},
+          {"repeated_point_share", share}};
 }
 
 }  // namespace
@@ -194,11 +211,10 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
   const auto num_points = static_cast<std::int64_t>(sums[1]);
   const LinearSolver<dim>& linear = step.implicit_steps().linear_solver();
   const NewtonCounts& newton = step.newton_counts();
+  const SubstepCounts& substeps = step.explicit_steps().counts();
+  const double share = repeated_share(model_.comm, substeps);
   if (any_implicit(settings.phases)) log::info("{}", newton.text());
-  if (any_explicit(settings.phases)) {
-    log::info("explicit: {} substeps in {} solutions", step.explicit_steps().counts().substeps,
-              step.explicit_steps().counts().solutions);
-  }
+  if (any_explicit(settings.phases)) log_explicit(substeps, share);
   Json summary = {
       {"basis", basis_name(model_.grid.basis)},
       {"quadrature", quadrature_name(settings.quadrature)},
@@ -220,7 +236,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
       {"solutions", newton.solutions()},
       {"newton_iterations", newton.iterations()},
       {"newton", newton.json()},
-      {"explicit", explicit_json(step.explicit_steps().counts())},
+      {"explicit", explicit_json(substeps, share)},
       {"linear_iterations", step.implicit_steps().linear_iterations()},
       {"memory", memory_.json(model_.comm)},
       {"wall_seconds", times.seconds()}};

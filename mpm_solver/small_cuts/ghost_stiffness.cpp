@@ -57,6 +57,17 @@ SharedNodes nodes_of_both(const CellList& own, const CellList& neighbour) {
   return nodes;
 }
 
+// 1 for the nodes of the grid that have two numbers.
+template <int dim>
+SparseList<char> doubled_nodes(const BackgroundGrid<dim>& grid, const PointWeights<dim>& weights) {
+  SparseList<char> doubled(grid.num_nodes_total(), 0);
+  if (weights.num_fields == 1) return doubled;
+  for (const std::int32_t node : weights.group_nodes) {
+    if (node >= grid.num_nodes_total()) doubled.at(node - grid.num_nodes_total()) = 1;
+  }
+  return doubled;
+}
+
 }  // namespace
 
 template <int dim>
@@ -147,13 +158,19 @@ std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>
   facets_.clear();
   std::vector<std::int32_t> nodes;
   const int own = rank_of(owners.comm);
+  const SparseList<char> doubled = doubled_nodes(grid_, weights);
+  const auto is_doubled = [&](std::int32_t cell) {
+    const CellList of_cell = grid_.cell(cell);
+    return std::any_of(of_cell.begin(), of_cell.end(), [&](auto n) { return doubled[n] != 0; });
+  };
   soil_.for_each([&](std::size_t place, const CellSoil&) {
     const auto c = static_cast<std::int32_t>(place);
-    if (!is_small(c) || owners.of(c) != own) return;
+    if (!is_small(c) || owners.of(c) != own || is_doubled(c)) return;
     const CellList neighbours = grid_.neighbours(c);
     for (std::size_t f = 0; f < neighbours.size(); ++f) {
       const std::int32_t other = neighbours[f];
       if (other < 0 || soil_[other].volume == 0) continue;
+      if (is_doubled(other)) continue;
       if (other < c && is_small(other)) continue;  // came from the other side
       facets_.push_back({c, static_cast<int>(f), other});
       for (const std::int32_t cell : {c, other}) {

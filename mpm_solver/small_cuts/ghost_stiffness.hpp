@@ -38,7 +38,8 @@ class GhostStiffness {
   GhostStiffness(const BackgroundGrid<dim>& grid, const std::vector<Body<dim>>& bodies,
                  double factor);
 
-  /// Find the facets of this step; a rank has those of the small cuts among its own cells.
+  /// Find the facets of this step; a rank has those of the small cuts among its own cells. Cells
+  /// with doubled nodes have none.
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
   std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,

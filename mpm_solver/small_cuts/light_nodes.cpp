@@ -116,25 +116,58 @@ std::vector<std::int32_t> nearest_heavy(const BackgroundGrid<dim>& grid,
   return partner;
 }
 
+// The same where nodes are doubled: of the nodes that act on the same group of points, which are on
+// one side. @pre one rank
+template <int dim>
+std::vector<std::int32_t> nearest_heavy_of_groups(const LightNodeSearch<dim>& search,
+                                                  const GridNodes<dim>& nodes, const Kinds& kinds) {
+  std::vector<std::int32_t> partner(nodes.grid_node.size(), -1);
+  std::vector<double> distance(partner.size(), std::numeric_limits<double>::infinity());
+  for (const CellGroup& group : search.weights.groups) {
+    for (const std::int32_t from : search.weights.nodes_of(group)) {
+      if (kinds[from] != light) continue;
+      const std::int32_t i = nodes.active[from];
+      for (const std::int32_t to : search.weights.nodes_of(group)) {
+        const std::int32_t j = nodes.active[to];
+        if (kinds[to] != heavy || search.walls.holds(nodes.place(j))) continue;
+        const double d = (nodes.x[j] - nodes.x[i]).norm();
+        if (d > distance[i] || (d == distance[i] && to >= partner[i])) continue;
+        distance[i] = d;
+        partner[i] = to;
+      }
+    }
+  }
+  return partner;
+}
+
+// The partners of the light nodes, see nearest_heavy.
+template <int dim>
+std::vector<std::int32_t> find_partners(MPI_Comm comm, const LightNodeSearch<dim>& search,
+                                        const GridNodes<dim>& nodes, Kinds& kinds) {
+  if (nodes.num_fields > 1) return nearest_heavy_of_groups(search, nodes, kinds);
+  const auto cells = cells_of_light_nodes(search.grid, kinds);
+  ask_other_ranks<dim>(comm, search.grid, cells, kinds);
+  return nearest_heavy<dim>(search.grid, cells, search.walls, nodes, kinds);
+}
+
 }  // namespace
 
 template <int dim>
 std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes) {
   const auto reach = mass_within_reach(search.points, search.weights, nodes);
-  Kinds kinds(search.grid.num_nodes_total(), inactive);
+  Kinds kinds(std::size_t{1} * nodes.num_fields * search.grid.num_nodes_total(), inactive);
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
     const std::int32_t node = nodes.grid_node[i];
-    const bool is_light = nodes.m[i] < search.share * reach[i] && !search.walls.holds(node);
+    const bool is_light =
+        nodes.m[i] < search.share * reach[i] && !search.walls.holds(nodes.place(i));
     kinds.at(node) = is_light ? light : heavy;
     any |= is_light;
   }
   if (nodes.shared.all(!any)) return 0;
 
-  const auto cells = cells_of_light_nodes(search.grid, kinds);
-  ask_other_ranks<dim>(comm, search.grid, cells, kinds);
-  const auto partner = nearest_heavy<dim>(search.grid, cells, search.walls, nodes, kinds);
+  const auto partner = find_partners(comm, search, nodes, kinds);
   const std::int64_t num_before = nodes.num_of_all();
   const std::vector<std::int32_t> before = nodes.grid_node;
   std::vector<std::int32_t> rest;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "mpm_solver/step/stable_step.hpp"
@@ -34,6 +35,7 @@ const StressParts<dim>& ExplicitMotion<dim>::with_path() {
   parts_.stress.path = &path_;
   context_.grid = &parts_.grid;
   parts_.stress.context = &context_;
+  parts_.stress.kept = &kept_;
   return parts_.stress;
 }
 
@@ -52,6 +54,17 @@ void ExplicitMotion<dim>::set_acceleration(Forces& forces) const {
   std::vector<double> f = forces.body;
   for (std::size_t k = 0; k < f.size(); ++k) f[k] -= forces.internal[k];
   respond(f, forces.A);
+}
+
+template <int dim>
+void ExplicitMotion<dim>::set_acceleration_within(int k, Forces& forces) const {
+  std::vector<double> f = forces.body;
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] -= forces.internal[i];
+  parts_.walls.project(f);
+  forces.A.resize(f.size());
+  inertia_.apply_to(reach_->responding_groups(k), f, forces.A);
+  parts_.walls.project(forces.A);
+  reach_->fill_A(k, forces.A);
 }
 
 template <int dim>
@@ -106,23 +119,64 @@ void ExplicitMotion<dim>::begin_path(int count) {
   internal_.forget();
 }
 
-// The stresses of a substep are known.
+// The stresses of a substep are known. What it dissipates is summed in the order of the entries.
 template <int dim>
-void ExplicitMotion<dim>::advance_path() {
+void ExplicitMotion<dim>::advance_path(int k) {
   if (tau_.empty()) return;
   const StressParts<dim>& parts = parts_.stress;
-  result_.plastic_work += plastic_work<dim>(parts.weights, parts.trial, parts.points, tau_);
-  for (std::int32_t e = 0; e < parts.points.size(); ++e) {
-    tau_[parts.weights.point[e]] = parts.trial.effective_tau(e);
+  const auto& weights = parts.weights;
+  const auto advance = [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t e = first; e < last; ++e) {
+      Symmetric<dim>& tau = tau_[weights.point[e]];
+      plastic_[e] = plastic_density(parts.trial, e, tau);
+      tau = parts.trial.effective_tau(e);
+    }
+  };
+  if (within_) {
+    plastic_ = reach_->known(k).plastic;
+    for (const auto& [first, last] : reach_->part(k).ranges) {
+      advance(weights.groups[first].first, weights.groups[last - 1].last);
+    }
+  } else {
+    plastic_.resize(weights.volume.size());
+    advance(0, parts.points.size());
   }
+  double work = 0;
+  for (std::int32_t e = 0; e < parts.points.size(); ++e) work += weights.volume[e] * plastic_[e];
+  result_.plastic_work += work;
+}
+
+template <int dim>
+void ExplicitMotion<dim>::find_reach() {
+  std::vector<char> touched(static_cast<std::size_t>(parts_.stress.nodes.size()), 0);
+  if (touches_) parts_.surfaces.mark_touched(touched);
+  reach_->find(F_, touched);
+  if (reach_->keeps()) {
+    reach_->keep_states(path_, tau_);
+    reach_->ask_for_forces(kept_);
+  } else {
+    kept_ = {};
+  }
+}
+
+// Stresses and internal forces of this rank's points at result_.du.
+template <int dim>
+bool ExplicitMotion<dim>::evaluate(int k, RefusedPoint& worst) {
+  if (!within_) {
+    result_.evaluated += parts_.stress.points.size();
+    return internal_.evaluate(result_.du, nullptr, worst);
+  }
+  result_.evaluated += reach_->num_points(k);
+  reach_->load_states(k, path_, tau_);
+  return internal_.evaluate_part(result_.du, reach_->part(k), worst);
 }
 
 // Forces of the soil at result_.du.
 template <int dim>
-typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share) {
+typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(const Substep& substep) {
   const SharedNodes& shared = parts_.stress.nodes.shared;
   RefusedPoint worst;
-  const bool admissible = internal_.evaluate(result_.du, nullptr, worst);
+  const bool admissible = evaluate(substep.k, worst);
   if (!shared.all(admissible)) {
     const std::string own =
         worst.point < 0 ? ""
@@ -130,11 +184,28 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(double share
                                       refusal_text(worst.refusal));
     throw ConvergenceError("explicit step: " + shared.first_text(own), "inadmissible");
   }
-  Forces forces{.body = parts_.body_force(share), .internal = internal_.forces(), .A = {}};
+  Forces forces{
+      .body = parts_.body_force(substep.share()), .internal = internal_.forces(), .A = {}};
   shared.sum(forces.internal, dim);
-  set_acceleration(forces);
-  advance_path();
+  if (within_) {
+    reach_->fill_internal(substep.k, forces.internal);
+    set_acceleration_within(substep.k, forces);
+  } else {
+    set_acceleration(forces);
+  }
+  advance_path(substep.k);
   return forces;
+}
+
+// For the solutions after this one.
+template <int dim>
+void ExplicitMotion<dim>::keep(const Forces& forces) {
+  reach_->keep({.du = result_.du,
+                .internal = forces.internal,
+                .A = forces.A,
+                .plastic = tau_.empty() ? std::vector<double>() : plastic_},
+               std::move(kept_.values));
+  kept_ = {};
 }
 
 template <int dim>
@@ -171,46 +242,84 @@ void ExplicitMotion<dim>::add_works(std::span<const double> move, const Forces& 
 }
 
 template <int dim>
-bool ExplicitMotion<dim>::solve(int count, double soil_dt) {
-  const double dt = parts_.dt / count;
+bool ExplicitMotion<dim>::solve(int count, double soil_dt, bool repeats) {
+  const bool suits = !parts_.stress.weights.constant_gradient;
+  if (repeats && suits && !reach_) reach_.emplace(parts_.stress);
+  within_ = reach_ && reach_->knows(count);
+  Outcome outcome = run(count, soil_dt);
+  if (outcome == Outcome::beyond_reach) {
+    within_ = false;
+    outcome = run(count, soil_dt);
+  }
+  result_.within_reach = within_;
+  return outcome == Outcome::solved;
+}
+
+template <int dim>
+typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::run(int count, double soil_dt) {
   const std::size_t n = v_start_.size();
   result_ = {};
   result_.du.assign(n, 0.0);
   result_.v = v_start_;
   raw_.assign(n, 0.0);
-  context_.dt = dt;
-  begin_path(count);
+  kept_ = {};
+  context_.dt = parts_.dt / count;
+  if (!within_) begin_path(count);
+  if (reach_ && !within_) reach_->begin(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
   Forces before = start_;
-  std::vector<double> star(n), move(n), foreseen;
-  for (int k = 1; k <= count; ++k) {
-    const double share = static_cast<double>(k) / count;
-    for (std::size_t i = 0; i < n; ++i) {
-      star[i] = result_.du[i] + dt * (result_.v[i] + 0.5 * dt * before.A[i]);
-    }
-    if (!A_lasting_.empty()) foreseen = star;
-    for (std::size_t i = 0; i < A_lasting_.size(); ++i) {
-      foreseen[i] += 0.5 * dt * dt * A_lasting_[i];
-    }
-    touches_ = false;
-    if (!add_contact(A_lasting_.empty() ? star : foreseen, share, dt, soil_dt)) return false;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double end = touches_ ? star[i] + 0.5 * dt * dt * A_F_[i] : star[i];
-      move[i] = end - result_.du[i];
-      result_.du[i] = end;
-    }
-    if (touches_) {
-      for (const auto& contact : parts_.surfaces.contacts()) contact->add_substep(move, 1. / count);
-    }
-    Forces after = forces_at(share);
-    for (std::size_t i = 0; i < n; ++i) {
-      result_.v[i] += 0.5 * dt * (before.A[i] + after.A[i]) + (touches_ ? dt * A_F_[i] : 0);
-    }
-    add_works(move, before, after, dt);
-    before = std::move(after);
+  for (int k = 0; k < count; ++k) {
+    const Outcome outcome = do_substep({k, count}, soil_dt, before);
+    if (outcome != Outcome::solved) return outcome;
   }
   finish(before);
-  return true;
+  if (reach_ && !within_) reach_->complete();
+  return Outcome::solved;
+}
+
+// @param before  forces at the start of the substep; becomes those at its end
+template <int dim>
+typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::do_substep(const Substep& substep,
+                                                                      double soil_dt,
+                                                                      Forces& before) {
+  const std::size_t n = v_start_.size();
+  const double dt = substep.dt(parts_.dt);
+  star_.resize(n);
+  move_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    star_[i] = result_.du[i] + dt * (result_.v[i] + 0.5 * dt * before.A[i]);
+  }
+  if (!A_lasting_.empty()) foreseen_ = star_;
+  for (std::size_t i = 0; i < A_lasting_.size(); ++i) {
+    foreseen_[i] += 0.5 * dt * dt * A_lasting_[i];
+  }
+  touches_ = false;
+  if (!add_contact(A_lasting_.empty() ? star_ : foreseen_, substep.share(), dt, soil_dt)) {
+    return Outcome::too_stiff;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double end = touches_ ? star_[i] + 0.5 * dt * dt * A_F_[i] : star_[i];
+    move_[i] = end - result_.du[i];
+    result_.du[i] = end;
+  }
+  if (within_ && !parts_.stress.nodes.shared.all(reach_->covers(substep.k, result_.du))) {
+    return Outcome::beyond_reach;
+  }
+  if (touches_) {
+    for (const auto& contact : parts_.surfaces.contacts()) {
+      contact->add_substep(move_, 1. / substep.count);
+    }
+  }
+  const bool keeps = reach_ && !within_ && reach_->keeps();
+  if (keeps) find_reach();
+  Forces after = forces_at(substep);
+  if (keeps && reach_->keeps()) keep(after);
+  for (std::size_t i = 0; i < n; ++i) {
+    result_.v[i] += 0.5 * dt * (before.A[i] + after.A[i]) + (touches_ ? dt * A_F_[i] : 0);
+  }
+  add_works(move_, before, after, dt);
+  before = std::move(after);
+  return Outcome::solved;
 }
 
 template <int dim>

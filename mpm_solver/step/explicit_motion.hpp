@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/point_inertia.hpp"
+#include "mpm_solver/step/explicit_reach.hpp"
 #include "mpm_solver/stress/internal_forces.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
@@ -21,7 +23,9 @@ namespace gabion::mpm {
 ///
 /// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
 /// surfaces move evenly over the step. One evaluation of the stresses a substep, which go on from
-/// those of the substep before. Refers to its parts; valid for one step.
+/// those of the substep before. A solution with as many substeps as the one before it evaluates
+/// what the interfaces can reach alone (ExplicitReach), with the bits of a whole one. Refers to its
+/// parts; valid for one step.
 template <int dim>
 class ExplicitMotion {
  public:
@@ -51,16 +55,19 @@ class ExplicitMotion {
     double plastic_work = 0;                            ///< of this rank's points [J]
     Vector<dim> body_impulse = Vector<dim>::Zero();     // [N s]
     Vector<dim> contact_impulse = Vector<dim>::Zero();  // [N s]
-    double contact_rate = 0;  ///< StableStep's, largest of the substeps [1/s^2]
+    double contact_rate = 0;     ///< StableStep's, largest of the substeps [1/s^2]
+    std::int64_t evaluated = 0;  ///< stresses of this rank's points, in all substeps
+    bool within_reach = false;   ///< ExplicitReach, of all that would be evaluated else
   };
 
   /// Solve the step for the present place of the surfaces.
   /// @param soil_dt  StableStep::of_soil [s]
+  /// @param repeats  solutions for other places of the interfaces are to be expected after this one
   /// @returns false where a contact became too stiff for a substep of this length: only
   ///          contact_rate has a meaning then
   /// @throws ConvergenceError  a point would be squeezed below min_J_ratio; values are not finite
   /// @note Collective.
-  bool solve(int count, double soil_dt);
+  bool solve(int count, double soil_dt, bool repeats = false);
 
   const Result& result() const { return result_; }
   /// Mapped velocity with the walls, num_nodes x dim [m/s].
@@ -68,6 +75,13 @@ class ExplicitMotion {
   const PointInertia<dim>& inertia() const { return inertia_; }
 
  private:
+  enum class Outcome { solved, too_stiff, beyond_reach };
+  /// Where substep k of `count` ends.
+  struct Substep {
+    int k, count;
+    double share() const { return static_cast<double>(k + 1) / count; }
+    double dt(double step) const { return step / count; }
+  };
   /// At one end of a substep.
   struct Forces {
     std::vector<double> body, internal;  // [N]
@@ -75,12 +89,18 @@ class ExplicitMotion {
   };
   void respond(std::span<const double> f, std::vector<double>& A) const;
   void set_acceleration(Forces& forces) const;
+  void set_acceleration_within(int k, Forces& forces) const;
   void find_lasting();
   bool add_contact(std::span<const double> u, double share, double dt, double soil_dt);
   const StressParts<dim>& with_path();
   void begin_path(int count);
-  void advance_path();
-  Forces forces_at(double share);
+  void advance_path(int k);
+  Outcome run(int count, double soil_dt);
+  Outcome do_substep(const Substep& substep, double soil_dt, Forces& before);
+  void find_reach();
+  bool evaluate(int k, RefusedPoint& worst);
+  Forces forces_at(const Substep& substep);
+  void keep(const Forces& forces);
   void add_works(std::span<const double> move, const Forces& before, const Forces& after,
                  double dt);
   void finish(const Forces& last);
@@ -89,15 +109,20 @@ class ExplicitMotion {
   StepContext<dim> context_;         // of the substeps
   MaterialPath<dim> path_;           // StressParts::path; empty: nothing depends on it
   std::vector<Symmetric<dim>> tau_;  // at the start of the current substep [Pa]
+  std::vector<double> plastic_;      // plastic_density of each entry in it [J/m^3]
+  GroupForces<dim> kept_;            // StressParts::kept
   PointInertia<dim> inertia_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;
   Forces start_;
   bool may_touch_ = false;
-  bool touches_ = false;           // in the current substep, on any rank
-  std::vector<double> F_, A_F_;    // of the contacts
-  std::vector<double> A_lasting_;  // of their force that lasts; empty where none does
-  std::vector<double> raw_;        // impulse of all forces but those of walls
+  bool touches_ = false;                        // in the current substep, on any rank
+  std::vector<double> F_, A_F_;                 // of the contacts
+  std::vector<double> A_lasting_;               // of their force that lasts; empty where none does
+  std::vector<double> raw_;                     // impulse of all forces but those of walls
+  std::optional<ExplicitReach<dim>> reach_;     // none: solutions do not repeat
+  bool within_ = false;                         // this solution evaluates what is in reach alone
+  std::vector<double> star_, move_, foreseen_;  // room for those of a substep
   Result result_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
@@ -66,6 +67,8 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .average_volumes = model.settings.locking.average_volumes,
                                           .largest_courant = std::max(1.0, courant_),
                                           .body_force = body_force});
+  repeated_ = std::exchange(repeats_, false);
+  may_repeat_ = !model.settings.whole_iterations && parts_.state.surfaces.may_touch_interface();
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);
 }
@@ -85,17 +88,29 @@ int ExplicitStep<dim>::count_for(double dt, double contact_rate) const {
 template <int dim>
 StepReport ExplicitStep<dim>::solve(const StepRequest& request) {
   const ScopedTimer timer(parts_.times, "substeps");
-  while (!motion_->solve(count_, soil_dt_)) {
+  if (request.iteration > 0) repeats_ = true;
+  const bool repeats = may_repeat_ && (repeats_ || repeated_);
+  while (!motion_->solve(count_, soil_dt_, repeats)) {
     counts_.substeps += count_;
     count_ = std::max(count_ + 1, count_for(start_.dt, motion_->result().contact_rate));
   }
   ++counts_.solutions;
   counts_.substeps += count_;
   counts_.largest = std::max(counts_.largest, count_);
+  if (request.iteration > 0) add_repeated();
   const double dt = start_.dt / count_;
   if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;
   log_count(request);
   return {};
+}
+
+template <int dim>
+void ExplicitStep<dim>::add_repeated() {
+  const auto& found = motion_->result();
+  ++counts_.repeated;
+  if (!found.within_reach) ++counts_.repeated_whole;
+  counts_.repeated_points += std::int64_t{count_} * parts_.state.points.size();
+  counts_.evaluated_points += found.evaluated;
 }
 
 template <int dim>

@@ -16,8 +16,12 @@ namespace gabion::mpm {
 struct SubstepCounts {
   std::int64_t solutions = 0;
   std::int64_t substeps = 0;
-  int largest = 0;      ///< of a solution
-  double smallest = 0;  ///< [s], 0: none
+  int largest = 0;                    ///< of a solution
+  double smallest = 0;                ///< [s], 0: none
+  std::int64_t repeated = 0;          ///< solutions after the first one of a step
+  std::int64_t repeated_whole = 0;    ///< of them, those that solved all of the soil
+  std::int64_t repeated_points = 0;   ///< points of this rank in the substeps of repeated ones
+  std::int64_t evaluated_points = 0;  ///< of them, those whose stresses were evaluated
 };
 
 /// Steps of explicit phases: equal substeps of central differences, as many as are stable.
@@ -42,6 +46,7 @@ class ExplicitStep final : public StepMethod<dim> {
 
  private:
   int count_for(double dt, double contact_rate) const;
+  void add_repeated();
   void log_count(const StepRequest& request);
   NodalMotion<dim> nodal_motion() const;
   StepBalance<dim> balance() const;
@@ -59,7 +64,10 @@ class ExplicitStep final : public StepMethod<dim> {
   std::optional<ExplicitMotion<dim>> motion_;
   double courant_ = 1;
   double soil_dt_ = 0;
-  int count_ = 0;  // of substeps, of the last solution
+  int count_ = 0;            // of substeps, of the last solution
+  bool may_repeat_ = false;  // what a solution found may be of use to the next one
+  bool repeats_ = false;     // it had a solution after the first one
+  bool repeated_ = false;    // so had the step before it
 };
 
 }  // namespace gabion::mpm

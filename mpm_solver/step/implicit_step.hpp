@@ -41,7 +41,7 @@ class ImplicitStep final : public StepMethod<dim> {
 
   const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
   const BlockMatrix<dim>& stiffness() const { return system_.K(); }
-  /// Of all solutions so far.
+  /// Iterations of the linear solver in all solutions so far.
   std::int64_t linear_iterations() const { return linear_iterations_; }
 
  private:

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "common/base/error.hpp"
@@ -40,6 +41,13 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
+// Numbers of doubled nodes have to fit in, and ranks do not tell each other of sides.
+template <int dim>
+bool may_double_nodes(const SoilModel<dim>& model) {
+  constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max() / 2;
+  return model.grid.box && model.grid.num_nodes_total() <= most && num_ranks(model.comm) == 1;
+}
+
 std::vector<std::int32_t> take_cells(Packet& packet) {
   std::vector<std::int32_t> cells(static_cast<std::size_t>(packet.take<std::ptrdiff_t>()));
   for (std::int32_t& cell : cells) cell = packet.take<std::int32_t>();
@@ -51,7 +59,11 @@ std::vector<std::int32_t> take_cells(Packet& packet) {
 template <int dim>
 SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& state,
                             PhaseTimes& times)
-    : model_(model), points_(state.points), ranks_(state.ranks), times_(times) {
+    : model_(model),
+      points_(state.points),
+      ranks_(state.ranks),
+      times_(times),
+      surfaces_(state.surfaces) {
   const MpmSettings<dim>& settings = model_.settings;
   std::set<std::string> said;
   for (const Phase& phase : settings.phases) {
@@ -66,6 +78,11 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
     for (const Phase& phase : settings.phases) {
       open_of_phases_.push_back(open_nodes(model_.grid, phase.walls));
     }
+  }
+  if (may_double_nodes(model_)) {
+    sides_.emplace(surfaces_at_start(settings.interfaces, settings.rigid_walls), model_.grid,
+                   model_.cell_size);
+    if (!sides_->any()) sides_.reset();
   }
   if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
                      settings.phases)) {
@@ -82,6 +99,17 @@ void SoilOnGrid<dim>::weigh() {
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
 }
 
+// Give the sides of thin walls nodes of their own.
+template <int dim>
+void SoilOnGrid<dim>::split_sides() {
+  if (!sides_) return;
+  sides_->split(surfaces_, points_, weights_);
+  if (said_doubled_ || sides_->num_doubled() == 0) return;
+  said_doubled_ = true;
+  log::info("soil on both sides of a thin wall: {} nodes are doubled (fields by side)",
+            sides_->num_doubled());
+}
+
 template <int dim>
 bool SoilOnGrid<dim>::wants_ghost(std::size_t phase) const {
   return method_in(model_.settings.small_cuts, model_.grid.basis,
@@ -93,6 +121,7 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
   {
     const ScopedTimer timer(times_, "search");
     weigh();
+    split_sides();
     ghost_acts_ = wants_ghost(mapping.phase);
     if (ghost_acts_) {
       const auto nodes = ghost_->find_facets(ranks_.owners(), points_, weights_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "mpm_solver/contact/side_fields.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "mpm_solver/step/soil_state.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
@@ -54,6 +55,8 @@ class SoilOnGrid {
   const WallStop<dim>& stop() const { return stop_; }
   /// Add the mean forces with which the points hit the walls. @param forces  of the phase's walls
   void add_stopping_forces(std::size_t phase, double dt, std::span<Vector<dim>> forces) const;
+  /// Whether thin walls have fields by side (SideFields).
+  bool doubles_nodes() const { return sides_.has_value(); }
   /// The ghost stiffness that acts in this step, null: none does.
   const GhostStiffness<dim>* ghost() const { return ghost_acts_ ? &*ghost_ : nullptr; }
   /// Whether a phase may have ghost stiffness.
@@ -70,6 +73,7 @@ class SoilOnGrid {
 
  private:
   bool wants_ghost(std::size_t phase) const;
+  void split_sides();
   void cure_small_cuts(const Mapping& mapping);
 
   const SoilModel<dim>& model_;
@@ -85,6 +89,9 @@ class SoilOnGrid {
   std::optional<GhostStiffness<dim>> ghost_;
   bool ghost_acts_ = false;
   SmallCutCounts small_cuts_;
+  const Surfaces<dim>& surfaces_;
+  std::optional<SideFields<dim>> sides_;  // none: no thin wall, or none that can have them
+  bool said_doubled_ = false;
 };
 
 }  // namespace gabion::mpm

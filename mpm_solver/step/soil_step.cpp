@@ -18,7 +18,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Over all ranks [m].
+// Side of a cube with the mean volume of the points of all ranks [m].
 template <int dim>
 double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
   double sums[] = {0, static_cast<double>(points.size())};
@@ -87,6 +87,7 @@ void SoilStep<dim>::enter_phase(const StepRequest& request) {
 template <int dim>
 void SoilStep<dim>::begin(const StepRequest& request) {
   under_way_ = false;
+  surplus_.forget();
   sizes_.begin(request);
   enter_phase(request);
   require_within(phase(), request.time, request.dt);
@@ -160,7 +161,7 @@ template <int dim>
 void SoilStep<dim>::check_surfaces() {
   if (!state_.surfaces.look_ahead()) return;
   state_.surfaces.refuse_misses(
-      largest_surplus_way(state_.points, soil_.weights(), soil_.nodes(), method_->du(), start_.dt));
+      surplus_.largest({state_.points, soil_.weights(), soil_.nodes(), method_->du(), start_.dt}));
 }
 
 template <int dim>

@@ -11,6 +11,7 @@
 #include "mpm_solver/step/implicit_step.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
 #include "mpm_solver/step/soil_state.hpp"
+#include "mpm_solver/step/surplus_ways.hpp"
 #include "mpm_solver/step_sizes/step_sizes.hpp"
 
 namespace gabion::mpm {
@@ -94,6 +95,7 @@ class SoilStep {
   bool under_way_ = false;
   StepStart start_;
   SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
+  SurplusWays<dim> surplus_;
   TrialPoints<dim> trial_;
   ImplicitStep<dim> implicit_;
   ExplicitStep<dim> explicit_;

@@ -40,9 +40,23 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
       smallest = std::min(smallest, size_[model_.grid.box ? 0 : points.cell[p]]);
     }
-    dt = std::min(dt, smallest / model_.wave_speeds[b]);
+    dt = std::min(dt, smallest / wave_speed(points, b));
   }
   return -max_over_ranks(model_.comm, -dt);
+}
+
+// Cam-Clay is as stiff as its pressure.
+template <int dim>
+double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32_t b) const {
+  const Body<dim>& body = model_.settings.bodies[b];
+  const auto* clay = std::get_if<CamClay<dim>>(&body.material.law);
+  if (!clay) return model_.wave_speeds[b];
+  double M = 0;
+  for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+    M = std::max(M, clay->p_wave_modulus_at(points.history[p], points.internal[p]));
+  }
+  if (body.water) M += body.water->modulus();
+  return std::sqrt(M / body.material.density);
 }
 
 template class StableStep<2>;

@@ -16,7 +16,8 @@ namespace gabion::mpm {
 ///     cell
 ///
 /// h_eff / c is 2 / omega of a cell of n nodes of equal mass, and no grid of such cells has a
-/// higher frequency; for a rectangle h_eff is its shorter side. rate_c bounds omega_c^2.
+/// higher frequency; for a rectangle h_eff is its shorter side. rate_c bounds omega_c^2. c is the
+/// elastic wave speed; of Cam-Clay, which stiffens with its pressure, that of its stiffest point.
 /// @see Irons and Treharne (1971)
 template <int dim>
 class StableStep {
@@ -27,6 +28,8 @@ class StableStep {
   double of_soil(const MaterialPoints<dim>& points) const;
 
  private:
+  double wave_speed(const MaterialPoints<dim>& points, std::int32_t body) const;
+
   const SoilModel<dim>& model_;
   std::vector<double> size_;  // h_eff of each cell, of a box of all cells [m]
 };

@@ -199,13 +199,18 @@ bool AveragedForces<dim>::evaluate_range(const Body<dim>& body, const GroupRange
 }
 
 template <int dim>
-bool AveragedForces<dim>::evaluate(const Target& target) {
+bool AveragedForces<dim>::evaluate(const GroupRange& range, const Target& target) {
   const auto& weights = parts_.weights;
   require(!weights.constant_gradient, "mpm_solver: F-bar needs gradients of each point");
-  return for_each_range(parts_, [&](const Body<dim>& body, const GroupRange& range) {
-    return weights.whole_cells ? evaluate_range<num_brick_nodes<dim>>(body, range, target)
-                               : evaluate_range<0>(body, range, target);
-  });
+  const Body<dim>& body = parts_.bodies[weights.groups[range.first].body];
+  return weights.whole_cells ? evaluate_range<num_brick_nodes<dim>>(body, range, target)
+                             : evaluate_range<0>(body, range, target);
+}
+
+template <int dim>
+bool AveragedForces<dim>::evaluate(const Target& target) {
+  return for_each_range(
+      parts_, [&](const Body<dim>&, const GroupRange& range) { return evaluate(range, target); });
 }
 
 template <int dim>

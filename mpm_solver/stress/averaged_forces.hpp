@@ -27,6 +27,8 @@ class AveragedForces {
   /// @returns false when a point of this rank has no stress, or would be squeezed below min_J_ratio
   ///          of its volume
   bool evaluate(const Target& target);
+  /// The same of the groups of a range.
+  bool evaluate(const GroupRange& range, const Target& target);
   /// Forces of the accepted stresses, those of du = 0: `num_values` = num_nodes x dim [N].
   std::vector<double> start_forces(std::size_t num_values) const {
     return AveragedForces(parts_).find_start_forces(num_values);
@@ -60,7 +62,7 @@ class AveragedForces {
   void set_volumes();
 
   StressParts<dim> parts_;
-  // Of the range at hand.
+  // What follows belongs to the range at hand.
   PointStresses<dim> stresses_;
   std::vector<Batch> averages_;
   std::vector<GroupSums> sums_;         // of each group

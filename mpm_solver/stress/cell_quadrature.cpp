@@ -117,8 +117,9 @@ void CellQuadrature<dim>::find_surrounded(const OpenNodes& open, const GridNodes
   nodes.shared.sum(filled_around, 1);
   surrounded_.resize(nodes.size());
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
-    const std::int32_t node = nodes.grid_node[i];
-    surrounded_[i] = open[node] == 0 && filled_around[i] == cells_around(node);
+    const std::int32_t node = nodes.place(i);
+    surrounded_[i] =
+        open[node] == 0 && filled_around[i] == cells_around(node) && !nodes.is_doubled(i);
   }
 }
 

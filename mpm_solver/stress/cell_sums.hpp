@@ -30,11 +30,18 @@ class CellSums {
     const EntryValues<dim, n> values(weights, entry);
     K.add_point(values.n, values.local, values.grad, terms.A);
   }
-  /// Add the forces to those of the active nodes.
+  /// Add the forces to those of the active nodes; StressParts::kept takes them too.
   void scatter(const StressParts<dim>& parts, const CellGroup& group, double* f) const {
     std::int32_t active[max_group_nodes<dim>];
     parts.nodes.list_active(parts.weights.nodes_of(group), active);
     fields.scatter(group.num_nodes, active, f);
+    if (parts.kept != nullptr && !parts.kept->place.empty()) keep(parts, group);
+  }
+
+ private:
+  void keep(const StressParts<dim>& parts, const CellGroup& group) const {
+    const std::int32_t place = parts.kept->place[&group - parts.weights.groups.data()];
+    if (place >= 0) fields.take(group.num_nodes, 0, parts.kept->values.data() + place);
   }
 };
 

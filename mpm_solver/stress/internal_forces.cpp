@@ -208,6 +208,49 @@ bool InternalForces<dim>::range_forces(const Law& law, const GroupRange& range,
 }
 
 template <int dim>
+bool InternalForces<dim>::forces_of(const GroupRange& range, const Request& request) {
+  if (averaged_) {
+    return averaged_->evaluate(
+        range, {.du = request.du, .K = request.K, .f = f_int_, .worst = request.worst});
+  }
+  const Body<dim>& body = parts_.bodies[parts_.weights.groups[range.first].body];
+  return std::visit([&](const auto& law) { return range_forces(law, range, request); },
+                    body.material.law);
+}
+
+template <int dim>
+void InternalForces<dim>::add_known(std::int32_t g, const double* forces) {
+  const CellGroup& group = parts_.weights.groups[g];
+  std::int32_t active[max_group_nodes<dim>];
+  parts_.nodes.list_active(parts_.weights.nodes_of(group), active);
+  for (int i = 0; i < group.num_nodes; ++i) {
+    for (int d = 0; d < dim; ++d) f_int_[std::size_t(active[i]) * dim + d] += forces[i * dim + d];
+  }
+}
+
+template <int dim>
+bool InternalForces<dim>::evaluate_part(std::span<const double> du, const ForcePart& part,
+                                        RefusedPoint& worst) {
+  require(!parts_.weights.constant_gradient, "mpm_solver: a part without gradients of each point");
+  du_known_.clear();
+  std::fill(f_int_.begin(), f_int_.end(), 0.0);
+  const double* forces = part.known_forces.data();
+  std::size_t k = 0;
+  const auto add_known_before = [&](std::int32_t end) {
+    for (; k < part.known.size() && part.known[k] < end; ++k) {
+      add_known(part.known[k], forces);
+      forces += parts_.weights.groups[part.known[k]].num_nodes * dim;
+    }
+  };
+  for (const GroupRange& range : part.ranges) {
+    add_known_before(range.first);
+    if (!forces_of(range, {.du = du, .K = nullptr, .worst = worst})) return false;
+  }
+  add_known_before(static_cast<std::int32_t>(parts_.weights.groups.size()));
+  return true;
+}
+
+template <int dim>
 bool InternalForces<dim>::all_forces(const Request& request) {
   return for_each_range(parts_, [&](const Body<dim>& body, const GroupRange& range) {
     return std::visit([&](const auto& law) { return range_forces(law, range, request); },

@@ -14,6 +14,13 @@ namespace gabion::mpm {
 template <int dim>
 class AveragedForces;
 
+/// Some groups whose stresses are evaluated, and others whose forces are known.
+struct ForcePart {
+  std::span<const GroupRange> ranges;    ///< ascending, each of one body
+  std::span<const std::int32_t> known;   ///< groups, ascending, in none of the ranges
+  std::span<const double> known_forces;  ///< GroupForces::values of them, one after the other
+};
+
 /// Internal forces of one rank's material points on the active nodes during one step,
 ///
 ///     f_int,i = sum_p V0_p P_p(H_p) grad N_ip ,   H_p = sum_i du_i (x) grad N_ip
@@ -41,6 +48,10 @@ class InternalForces {
   /// @returns false when a point of this rank has no stress, or would be squeezed below min_J_ratio
   ///          of its volume
   bool evaluate(std::span<const double> du, BlockMatrix<dim>* K, RefusedPoint& worst);
+  /// The forces of a part alone: those on nodes whose groups are all in it have the bits that
+  /// `evaluate` gives them, those on other nodes have no meaning.
+  /// @pre gradients of each point
+  bool evaluate_part(std::span<const double> du, const ForcePart& part, RefusedPoint& worst);
   /// Whether K of the last evaluation was that of a neighbouring state.
   bool neighbours_matrix() const { return neighbours_matrix_; }
   const std::vector<double>& forces() const { return f_int_; }  ///< num_nodes x dim [N]
@@ -83,6 +94,8 @@ class InternalForces {
   };
 
   bool all_forces(const Request& request);
+  bool forces_of(const GroupRange& range, const Request& request);
+  void add_known(std::int32_t g, const double* forces);
   template <class Law>
   bool range_forces(const Law& law, const GroupRange& range, const Request& request);
   /// @tparam n  see EntryValues

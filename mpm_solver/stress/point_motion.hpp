@@ -38,19 +38,27 @@ double largest_displacement(const PointWeights<dim>& weights, const GridNodes<di
   return largest;
 }
 
-/// By how much a point of this rank moves farther than twice the way that fastest_about would take
-/// it, at most; less than 0: none does [m]. @param dt  of the step [s]
+/// How the points of this rank move in a step.
 template <int dim>
-double largest_surplus_way(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                           const GridNodes<dim>& nodes, std::span<const double> du, double dt) {
+struct PointsInStep {
+  const MaterialPoints<dim>& points;
+  const PointWeights<dim>& weights;
+  const GridNodes<dim>& nodes;
+  std::span<const double> du;  ///< num_nodes x dim [m]
+  double dt;                   ///< [s]
+};
+
+/// By how much a point of a group moves farther than twice the way that fastest_about would take
+/// it, at most; less than 0: none does [m].
+template <int dim>
+double surplus_way(const PointsInStep<dim>& step, const CellGroup& group) {
+  const auto& [points, weights, nodes, du, dt] = step;
   double largest = -std::numeric_limits<double>::infinity();
   GroupDisplacements<dim> of_group;
-  for (const CellGroup& group : weights.groups) {
-    nodes.gather(weights.nodes_of(group), du, of_group.data());
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      largest = std::max(largest, point_displacement(weights, e, of_group.data()).norm() -
-                                      2 * dt * fastest_about(points, weights, nodes, group, e));
-    }
+  nodes.gather(weights.nodes_of(group), du, of_group.data());
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    largest = std::max(largest, point_displacement(weights, e, of_group.data()).norm() -
+                                    2 * dt * fastest_about(points, weights, nodes, group, e));
   }
   return largest;
 }

@@ -13,7 +13,7 @@ namespace gabion::mpm {
 template <int dim, int num_fields>
 struct PointTerms {
   static constexpr int num_entries = dim * dim;
-  /// Of all fields at a node; a single vector of space is filled up to four numbers.
+  /// Numbers of all fields at a node; a single vector of space is filled up to four.
   static constexpr int width = dim == 3 && num_fields == 1 ? 4 : num_fields * dim;
 
   /// A node gets sum_J nodal[J] grad_iJ of each field.

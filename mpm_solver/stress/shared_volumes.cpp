@@ -142,7 +142,7 @@ class GroupVolumes {
     }
   }
 
-  // By the rank that owns them.
+  // Groups that points of this rank entered, by the rank that owns them.
   std::map<int, std::set<std::int64_t>> entered_groups() const {
     std::map<int, std::set<std::int64_t>> groups;
     const int own = rank_of(owners_.comm);
@@ -178,7 +178,7 @@ class GroupVolumes {
   int num_parts_;  // of a cell
   using Sums = std::array<double, 2>;
   SparseList<Sums> sums_;  // of each group: (1 + smaller) V, and how much V exceeds it
-  // Of the group that was asked for last: points of one group follow one another.
+  // The answers for the group that was asked for last: points of one group follow one another.
   std::int64_t last_ = -1;
   Sums* last_sums_ = nullptr;
   double last_strain_ = 0;

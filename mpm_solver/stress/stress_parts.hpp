@@ -35,12 +35,22 @@ struct RefusedPoint {
 /// What is wrong with it, after its name.
 std::string refusal_text(Refusal refusal);
 
+/// Nodal forces of some groups, kept as they are found.
+template <int dim>
+struct GroupForces {
+  std::vector<std::int32_t> place;  ///< of each group: where its values begin, -1: it is not kept;
+                                    ///< empty: none is
+  std::vector<double> values;       ///< of the nodes of a group, dim each [N]
+};
+
 /// What the stresses of one rank's material points depend on, and where they go.
 ///
 /// A solution in substeps has a `path`. Every evaluation then begins there, and replaces it by what
 /// it found. Without (null or empty), all begin at points.history and points.internal.
 ///
 /// `held_normal` is WallConditions::held_normal, null where there is none.
+///
+/// `kept` (null: nothing) takes what the groups that it names add to the internal forces.
 ///
 /// `context` is that of the step or substep under way; needed by bodies of a ContextualLaw only.
 template <int dim>
@@ -53,6 +63,7 @@ struct StressParts {
   MaterialPath<dim>* path = nullptr;
   const StepContext<dim>* context = nullptr;
   const Vector<dim>* held_normal = nullptr;
+  GroupForces<dim>* kept = nullptr;
 
   bool has_path() const { return path && !path->history.empty(); }
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/stress/trial_points.hpp"
 
-#include "common/mechanics/tensor_functions.hpp"
-
 namespace gabion::mpm {
 
 template <int dim>
@@ -11,8 +9,7 @@ double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& tr
   double work = 0;
   for (std::int32_t e = 0; e < points.size(); ++e) {
     const std::int32_t p = weights.point[e];
-    const Symmetric<dim> mean_tau = (tau[p] + trial.effective_tau(e)) / 2;
-    work += weights.volume[e] * contract<dim>(mean_tau, trial.plastic_increment[e]);
+    work += weights.volume[e] * plastic_density(trial, e, tau[p]);
   }
   return work;
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
 namespace gabion::mpm {
@@ -45,6 +46,15 @@ struct TrialPoints {
 template <int dim>
 double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                     const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau);
+
+/// Plastic work of one entry on its way to the trial state, over PointWeights::volume [J/m^3].
+/// @param tau  stress of the skeleton where the way began [Pa]
+template <int dim>
+double plastic_density(const TrialPoints<dim>& trial, std::int32_t entry,
+                       const Symmetric<dim>& tau) {
+  const Symmetric<dim> mean_tau = (tau + trial.effective_tau(entry)) / 2;
+  return contract<dim>(mean_tau, trial.plastic_increment[entry]);
+}
 
 /// Stresses of the skeleton of the points in the accepted state [Pa]: their own, or in `room` where
 /// a body has pore water.

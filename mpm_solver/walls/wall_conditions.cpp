@@ -287,12 +287,14 @@ void WallConditions<dim>::select(const GridNodes<dim>& nodes) {
   selected_.clear();
   constrained_.clear();
   projectors_.clear();
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const std::int32_t i = nodes.active[nodes_[k].grid_node];
-    if (i < 0) continue;
-    selected_.push_back(k);
-    constrained_.push_back(i);
-    projectors_.push_back(nodes_[k].Q);
+  for (std::int32_t field = 0; field < nodes.num_fields; ++field) {
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      const std::int32_t i = nodes.active[nodes_[k].grid_node + field * nodes.num_places];
+      if (i < 0) continue;
+      selected_.push_back(k);
+      constrained_.push_back(i);
+      projectors_.push_back(nodes_[k].Q);
+    }
   }
 }
 

@@ -47,7 +47,7 @@ class Socket {
   bool try_send(const std::vector<std::string_view>& frames);
 
   /// One message, or nothing after `milliseconds` or when a signal came.
-  /// Of more than `max_frames` frames only the first ones are kept.
+  /// Only the first `max_frames` frames of a message are kept.
   /// @param look  time before sleep in which the processor is kept (Attention)
   std::optional<std::vector<std::string>> receive(int milliseconds,
                                                   std::chrono::duration<double> look = {});

@@ -219,10 +219,18 @@ def plot_wall_forces(results: Results, out: Path) -> Path | None:
 
 
 def plot_moments(results: Results, out: Path) -> Path | None:
-    """Moment of the soil on each interface and rigid wall against time."""
-    tables = [results.table("steps.csv"), results.table("probes.csv")]
-    curves = [(table, name) for table in tables for name in _of_surfaces(table, MOMENTS)]
-    return _plot_curves(curves, f"moment [N m{results.per_metre}]", out / "moments.png")
+    """Moment of the soil on each interface and rigid wall against time, a panel a surface: each has a scale of its own."""
+    surfaces: dict[str, list[tuple[Table, str]]] = {}
+    for table in (results.table("steps.csv"), results.table("probes.csv")):
+        for name in _of_surfaces(table, MOMENTS):
+            surfaces.setdefault(name.rpartition(".")[0], []).append((table, name))
+    if not surfaces:
+        return None
+    figure, panels = new_figure(9.5, 1.6 + 2.6 * len(surfaces), len(surfaces))
+    for axes, curves in zip(panels, surfaces.values()):
+        _draw_curves(axes, curves, f"moment [N m{results.per_metre}]")
+    panels[-1].set_xlabel("time [s]")
+    return save(figure, out / "moments.png")
 
 
 def plot_removed(results: Results, out: Path) -> Path | None:
@@ -243,14 +251,18 @@ def _plot_curves(curves: list[tuple[Table, str]], label: str, path: Path) -> Pat
     if not curves:
         return None
     figure, (axes,) = new_figure(9.5, 4.2)
+    _draw_curves(axes, curves, label)
+    axes.set_xlabel("time [s]")
+    return save(axes.figure, path)
+
+
+def _draw_curves(axes: Axes, curves: list[tuple[Table, str]], label: str) -> None:
     for k, (table, name) in enumerate(curves):
         dashes = ("-", "--", ":")[k // len(COLOURS) % 3]
         axes.plot(table["time"], table[name], dashes, lw=1.1, label=name.replace("_", " ").replace(".", " "))
-    axes.set_xlabel("time [s]")
     axes.set_ylabel(label)
     _plain_zero(axes)
     legend_beside(axes)
-    return save(axes.figure, path)
 
 
 def _plain_zero(axes: Axes) -> None:

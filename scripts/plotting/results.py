@@ -213,8 +213,10 @@ class Results:
     @cached_property
     def dim(self) -> int:
         tables = (self.table("probes.csv"), self.table("steps.csv"))
-        names = [name for table in tables if table for name in table.names]
-        return 3 if any(name.endswith(("fz", ".uz", "_z")) for name in names) else 2
+        names = {name for table in tables if table for name in table.names}
+        # A moment about z alone, as that of a support, belongs to a run in 2D.
+        return 3 if any(name.endswith(("fz", ".uz")) or (name.endswith("_z") and name[:-1] + "y" in names)
+                        for name in names) else 2
 
     @cached_property
     def resolved(self) -> dict[str, dict]:

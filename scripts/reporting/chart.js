@@ -20,6 +20,12 @@ function html(name, attributes = {}, parent = null, text = "") {
   return made;
 }
 
+function save(name, text) {
+  const link = html("a", {href: URL.createObjectURL(new Blob([text])), download: name});
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
 const digits = (value) => value === null || value === undefined ? "–" : String(Number(value.toPrecision(4)));
 
 function ticks(low, high, count) {
@@ -47,12 +53,18 @@ class Chart {
     this.spec = spec;
     this.width = 900;
     this.height = 240;
-    this.left = 70;
-    this.bottom = 34;
+    const narrow = window.matchMedia("(max-width: 40rem)").matches; // the text is larger there
+    this.left = narrow ? 130 : 70;
+    this.bottom = narrow ? 60 : 34;
+    this.marks = narrow ? 4 : 8;
+    this.line = narrow ? 24 : 15; // of text below the axis
     this.hidden = new Set();
     this.range = null;
     const box = html("div", {className: "chart", id: "chart-" + spec.name}, host);
-    html("h3", {}, box, spec.title);
+    const title = html("h3", {}, box, spec.title + " ");
+    const button = html("button", {type: "button", className: "csv"}, title, "CSV");
+    button.onclick = () => save(spec.name + ".csv", this.csv());
+    if (spec.hint) html("p", {className: "hint"}, box, spec.hint);
     this.svg = element("svg", {viewBox: `0 0 ${this.width} ${this.height}`, role: "img"}, box);
     this.legend = html("div", {className: "legend"}, box);
     this.listen();
@@ -63,6 +75,16 @@ class Chart {
     this.spec.curves = curves;
     this.range = null;
     this.draw();
+  }
+
+  // A row a point: curves need not have the same places.
+  csv() {
+    const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+    const rows = [["curve", quoted(this.spec.label || "time [s]"), quoted(this.spec.title)].join(",")];
+    for (const curve of this.spec.curves) {
+      curve.x.forEach((x, k) => rows.push([quoted(curve.name), x ?? "", curve.y[k] ?? ""].join(",")));
+    }
+    return rows.join("\n") + "\n";
   }
 
   shown() {
@@ -103,9 +125,9 @@ class Chart {
     const [x0, x1, y0, y1] = this.scales();
     this.svg.replaceChildren();
     const floor = this.height - this.bottom;
-    for (const x of ticks(x0, x1, 8).filter((tick) => !this.spec.whole || Number.isInteger(tick))) {
+    for (const x of ticks(x0, x1, this.marks).filter((tick) => !this.spec.whole || Number.isInteger(tick))) {
       element("line", {class: "axis", x1: this.x(x), x2: this.x(x), y1: 10, y2: floor}, this.svg);
-      element("text", {x: this.x(x), y: floor + 15, "text-anchor": "middle"}, this.svg).textContent = digits(x);
+      element("text", {x: this.x(x), y: floor + this.line, "text-anchor": "middle"}, this.svg).textContent = digits(x);
     }
     const marks = this.spec.log ? decades(y0, y1) : ticks(y0, y1, 5);
     for (const y of marks) {
@@ -113,7 +135,7 @@ class Chart {
       element("text", {x: this.left - 6, y: this.y(y) + 4, "text-anchor": "end"}, this.svg).textContent =
         this.spec.log ? (10 ** y).toExponential(0) : digits(y);
     }
-    element("text", {x: this.width - 12, y: floor + 30, "text-anchor": "end"}, this.svg).textContent =
+    element("text", {x: this.width - 12, y: floor + 2 * this.line, "text-anchor": "end"}, this.svg).textContent =
       this.spec.label || "time [s]";
     this.spec.curves.forEach((curve, k) => this.drawCurve(curve, k));
     this.cursor = element("line", {class: "cursor", y1: 10, y2: floor, visibility: "hidden"}, this.svg);

@@ -7,10 +7,13 @@ import numpy as np
 
 from plotting import history
 from plotting.results import Results, Table
+from .answers import place
+from .surfaces import moments, touched_faces
 
 BINS = 600  # of a curve: each keeps its first, lowest, highest and last value
 MAX_ROWS = 30000  # of the residuals of all steps together
 DIGITS = 5
+SEEN = 1e-3  # of the largest curve of a chart of energies: what is smaller lies on its zero
 ITERATIONS = {"iterations": "coupling", "soil_newton": "Newton, soil", "structure_newton": "Newton, structure",
               "newton_iterations": "Newton"}
 
@@ -57,10 +60,43 @@ def charts(results: Results) -> list[dict[str, Any]]:
                         [(ITERATIONS[name], steps["time"], steps[name]) for name in names], floor=0),
                   chart("dt", "step size [s]", _of(steps, ["dt"]), log=True),
                   chart("wall", "wall time of a step [s]", _wall(steps), log=True)]
+    found[1:1] = [*_moments(results), *_pressures(results)]
     energies = [(name.replace("_", " "), table["time"], table[name])
                 for table, name in history.energy_curves(results)]
-    found.append(chart("energy", f"energies and work [J{unit}]", energies))
+    sizes = [float(np.nanmax(np.abs(values), initial=0)) for _, _, values in energies]
+    seen = SEEN * max(sizes, default=0.0)
+    left_out = [each[0] for each, size in zip(energies, sizes) if size < seen]
+    found.append(chart("energy", f"energies and work [J{unit}]", [each for each, size in zip(energies, sizes) if size >= seen],
+                       **({"hint": f"At zero on this scale: {', '.join(left_out)}."} if left_out else {})))
     return [each for each in found if each["curves"]]
+
+
+def _moments(results: Results) -> list[dict[str, Any]]:
+    """A chart a surface: moments of a bed would leave no scale for those of a wall."""
+    return [chart(f"moment-{name}", f"moment on {name} about its foot, {place(foot)} m [N m{results.per_metre}]",
+                  [("mz" if moment.shape[1] == 1 else f"m{axis}", time, values)
+                   for axis, values in zip("z" if moment.shape[1] == 1 else "xyz", moment.T)])
+            for name, time, moment, foot in moments(results)]
+
+
+def _pressures(results: Results) -> list[dict[str, Any]]:
+    """A chart an upright face: pressure over the height."""
+    found = []
+    for face in touched_faces(results):
+        k = int(np.argmax(np.nansum(face.pressure, axis=1)))
+        curves = [("largest over the frames", face.height, np.nanmax(face.pressure, axis=0)),
+                  (f"at {face.times[k]:.4g} s, of the largest sum", face.height, face.pressure[k]),
+                  ("at the end", face.height, face.pressure[-1])]
+        found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]", curves,
+                           label="height above its foot [m]", floor=0))
+    return found
+
+
+def compared(own: list[dict[str, Any]], other: list[dict[str, Any]], label: str) -> list[dict[str, Any]]:
+    """Charts of a run with the curves of another one beside them, where it has the same quantity."""
+    theirs = {each["name"]: each["curves"] for each in other}
+    return [each | {"curves": [*each["curves"], *(curve | {"name": f"{curve['name']}, {label}"}
+                                                  for curve in theirs.get(each["name"], []))]} for each in own]
 
 
 def _of(table: Table, names: list[str]) -> list[tuple[str, np.ndarray, np.ndarray]]:

@@ -10,7 +10,8 @@ from typing import Any
 from plotting.live import Run
 from plotting.results import Results, ResultsError
 from plotting.verdict import Statement, headline, verdict
-from reporting.curves import charts, residuals
+from reporting.answers import answers
+from reporting.curves import charts, compared, residuals
 from reporting.frames import scene_frames
 from reporting.maps import map_section
 from reporting.settings import mesh_files, overview, settings_files
@@ -19,8 +20,11 @@ HERE = Path(__file__).resolve().parent
 PROGRAMS = ("chart.js", "residuals.js", "scene.js", "start.js")
 
 
-def page(results: Results) -> str:
-    """Page of a folder in any state. Raises ResultsError where there is nothing to report."""
+def page(results: Results, other: Results | None = None) -> str:
+    """Page of a folder in any state. Raises ResultsError where there is nothing to report.
+
+    other: a run whose answers and curves stand beside.
+    """
     run = Run(results.folder)
     run.read_on()
     files = settings_files(results)
@@ -30,10 +34,16 @@ def page(results: Results) -> str:
     problems: list[str] = []
     readers = {"charts": charts, "residuals": residuals, "scene": scene_frames}
     data = {key: _or_problem(read, results, problems) for key, read in readers.items()}
+    rows = _or_problem(answers, results, problems) or []
+    beside = _or_problem(answers, other, problems) or [] if other is not None else None
+    if other is not None and data["charts"]:
+        theirs = _or_problem(charts, other, problems) or []
+        data["charts"] = compared(data["charts"], theirs, other.folder.resolve().name)
     maps = map_section(results.folder, problems)
     name = results.folder.resolve().name
     parts = {
         "TITLE": html.escape(name), "HEADLINE": html.escape(headline(run)), "STATE": run.state().value,
+        "ANSWERS": _answers(rows, beside, name, other),
         "STYLE": (HERE / "page.css").read_text(encoding="utf-8"),
         "MAP": maps,
         "VERDICT": _verdict(verdict(run), problems),
@@ -46,6 +56,20 @@ def page(results: Results) -> str:
     for key, value in parts.items():
         text = text.replace(f"<!--{key}-->", value)
     return text
+
+
+def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, name: str, other: Results | None) -> str:
+    """A table; of two runs with a column each, rows of both."""
+    if not rows and not beside:
+        return "<p>Nothing is reported of a structure, a surface or a gauge so far.</p>"
+    if beside is None:
+        return _table(rows)
+    own, theirs = dict(rows), dict(beside)
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in ("", name, other.folder.resolve().name))
+    cells = "\n".join(f"<tr><th>{html.escape(key)}</th>" + "".join(f"<td>{html.escape(run.get(key, '–'))}</td>"
+                                                                   for run in (own, theirs)) + "</tr>"
+                      for key in dict.fromkeys([*own, *theirs]))
+    return f"<table>\n<tr>{head}</tr>\n{cells}\n</table>"
 
 
 def _or_problem(read: Any, results: Results, problems: list[str]) -> Any:

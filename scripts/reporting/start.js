@@ -8,7 +8,8 @@ function start() {
   const charts = dataOf("charts") || [];
   const curves = document.getElementById("curves");
   curves.hidden = !charts.length;
-  Scene.charts = charts.map((spec) => new Chart(curves, {...spec, followsTime: true}));
+  Scene.charts = charts.map((spec) => new Chart(curves, {...spec, followsTime: !spec.label}))
+    .filter((chart) => chart.spec.followsTime);
   const residuals = dataOf("residuals");
   if (residuals && residuals.tries.length) new Residuals(document.getElementById("residuals"), residuals);
   const scene = dataOf("scene");
@@ -17,9 +18,7 @@ function start() {
     button.onclick = (event) => {
       event.preventDefault();
       const text = button.closest("details").querySelector("pre").textContent;
-      const link = html("a", {href: URL.createObjectURL(new Blob([text + "\n"])), download: button.dataset.file.split("/").pop()});
-      link.click();
-      URL.revokeObjectURL(link.href);
+      save(button.dataset.file.split("/").pop(), text + "\n");
     };
   }
   document.body.dataset.ready = "yes";

@@ -36,6 +36,13 @@ class Reader:
             raise self.fail(key, "a number >= 0" if at_least_zero else "a number > 0")
         return float(value)
 
+    def real(self, key: str, allowed: str) -> float:
+        """A number of any sign."""
+        value = self.values.get(key)
+        if not isinstance(value, (int, float)) or isinstance(value, bool) or not np.isfinite(value):
+            raise self.fail(key, allowed)
+        return float(value)
+
     def rows(self, key: str, at_least: int) -> np.ndarray:
         try:
             rows = np.array(self.values.get(key), dtype=float)

@@ -12,10 +12,11 @@ import numpy as np
 from .barrier import Wall, build_wall
 from .depths import Mass, below_top, near_outlines, of_raster
 from .gauges import gauge_settings
+from .gmsh import write_cells
 from .outline import limits_of
 from .plan import GRAVITY, Plan, Probe
 from .raster import Raster, TerrainError
-from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_hexahedra, write_ply
+from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_ply
 
 MANY_CELLS = 2_000_000
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
@@ -197,7 +198,7 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
     facets = made.facets
     num_facets = write_ply(facets, folder / "terrain.ply")
-    write_hexahedra(made.columns.nodes, made.columns.cells, folder / "slide.msh")
+    write_cells(made.columns.nodes, made.columns.cells, folder / "slide.msh")
     write_json(folder / "mpm.json", soil_settings(made))
     write_json(folder / "map.json", map_settings(made, folder))
     columns, cells = made.columns, int(np.prod(made.cells))
@@ -220,7 +221,7 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     if cells > MANY_CELLS:
         lines.append(f"warning: more than {MANY_CELLS} cells; a smaller area or larger cells take less memory")
     if made.wall is not None:
-        write_hexahedra(made.wall.nodes, made.wall.cells, folder / "barrier.msh", made.wall.groups)
+        write_cells(made.wall.nodes, made.wall.cells, folder / "barrier.msh", made.wall.groups)
         write_json(folder / "fem.json", structure_settings(made))
         write_json(folder / "coupler.json", coupling_settings(made))
         lines.append(f"barrier: {len(made.wall.cells)} cells, {len(made.wall.nodes)} nodes")

@@ -221,26 +221,3 @@ def lay_columns(slope: Slope, mass: Mass, lift: np.ndarray | None = None) -> Col
         first += 4 * (count + 1)
     asked = mass.asked() if mass.stretch is None else float(mean.sum()) * h * h
     return Columns(np.concatenate(nodes), np.concatenate(cells), asked, float(filled), mean)
-
-
-def write_hexahedra(nodes: np.ndarray, cells: np.ndarray, path: Path, groups: dict[str, np.ndarray] | None = None) -> None:
-    """Gmsh 4.1 as text. groups: facets m x 4 by the name of their group."""
-    groups = groups or {}
-    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat"]
-    if groups:
-        lines += ["$PhysicalNames", str(len(groups)), *(f'2 {k + 1} "{name}"' for k, name in enumerate(groups)),
-                  "$EndPhysicalNames", "$Entities", f"0 0 {len(groups)} 1"]
-        box = " ".join(f"{v:.9g}" for v in (*nodes.min(axis=0), *nodes.max(axis=0)))
-        lines += [f"{k + 1} {box} 1 {k + 1} 0" for k in range(len(groups))] + [f"1 {box} 0 0", "$EndEntities"]
-    lines += ["$Nodes", f"1 {len(nodes)} 1 {len(nodes)}", f"3 1 0 {len(nodes)}",
-              *(str(k + 1) for k in range(len(nodes))), *(f"{x:.12g} {y:.12g} {z:.12g}" for x, y, z in nodes), "$EndNodes"]
-    total = len(cells) + sum(len(facets) for facets in groups.values())
-    lines += ["$Elements", f"{1 + len(groups)} {total} 1 {total}"]
-    tag = 0
-    for kind, dimension, entity, rows in [(3, 2, k + 1, facets) for k, facets in enumerate(groups.values())] + [
-            (5, 3, 1, cells)]:
-        lines.append(f"{dimension} {entity} {kind} {len(rows)}")
-        for row in rows:
-            tag += 1
-            lines.append(f"{tag} " + " ".join(str(v + 1) for v in row))
-    path.write_text("\n".join([*lines, "$EndElements", ""]), encoding="ascii")

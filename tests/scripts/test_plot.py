@@ -59,6 +59,13 @@ class Reading(ScriptCase):
         made_up.write_series(self.folder / "fence", "structure", made_up.structure_frames())
         self.assertEqual([series.path.parent.name for series in Results(self.folder).structures], ["fem", "fence"])
 
+    def test_moment_of_a_support_is_about_z_in_2d(self) -> None:
+        for names, dim in (("structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z", 2),
+                           ("structure.moment_foot_x,structure.moment_foot_y,structure.moment_foot_z", 3),
+                           ("structure.A.ux,structure.A.uy,structure.A.uz", 3)):
+            folder = self.write(f"{len(names)}/probes.csv", f"time,{names}\n0,0,0,0\n").parent
+            self.assertEqual(Results(folder).dim, dim, names)
+
     def test_missing_frame_is_named(self) -> None:
         made_up.write_series(self.folder, "soil", made_up.soil_frames())
         (self.folder / "soil_000002.h5").unlink()
@@ -488,9 +495,10 @@ class Curves(ScriptCase):
             names = head if interfaces == "two" else head[:6]
             made_up.write_table(self.folder / "steps.csv", names, [[t, *range(len(names) - 1)] for t in range(2)])
             run = Results(self.folder)
-            shown = [[text.get_text() for text in self.axes_of(plot, run)[0].get_legend().get_texts()]
+            shown = [[[text.get_text() for text in axes.get_legend().get_texts()] for axes in self.axes_of(plot, run)]
                      for plot in (history.plot_forces, history.plot_moments)]
-            self.assertEqual(shown, [forces, ["wall mz"] if interfaces == "one" else ["wall mz", "net mz"]])
+            # Moments have a panel, and so a scale, for each surface.
+            self.assertEqual(shown, [[forces], [["wall mz"]] if interfaces == "one" else [["wall mz"], ["net mz"]]])
 
     def test_forces_on_walls(self) -> None:
         names = ["time", "soil.wall.left.fx", "soil.wall.left.fy", "soil.lid.fx", "soil.lid.mz", "member.fx"]

@@ -70,7 +70,7 @@ class Usage(ScriptCase):
 
 
 SETUP = """
-root={folder} build={folder} python=/usr/bin/python3 PATH={folder}/bin:$PATH
+root={folder} build={folder} binaries={folder}/bin has_sources=1 python=/usr/bin/python3 PATH={folder}/bin:$PATH
 say() {{ printf '%s\\n' "$*" >&2; }}
 die() {{ say "$*"; exit 2; }}
 install_packages() {{ :; }}

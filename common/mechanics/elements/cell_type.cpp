@@ -17,6 +17,20 @@ std::string name(CellType type) {
       return "tet4";
     case CellType::hex8:
       return "hex8";
+    case CellType::line3:
+      return "line3";
+    case CellType::tri6:
+      return "tri6";
+    case CellType::quad8:
+      return "quad8";
+    case CellType::quad9:
+      return "quad9";
+    case CellType::tet10:
+      return "tet10";
+    case CellType::hex20:
+      return "hex20";
+    case CellType::hex27:
+      return "hex27";
   }
   return "unknown";
 }

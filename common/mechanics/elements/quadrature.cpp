@@ -152,7 +152,8 @@ Rule<2> subtriangle_centroids(int n) {
   return rule;
 }
 
-int largest_degree(CellType type) {
+int largest_degree(CellType any_type) {
+  const CellType type = corner_type(any_type);
   return type == CellType::tri3 ? 6 : type == CellType::tet4 ? 5 : 7;
 }
 
@@ -174,10 +175,10 @@ std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree) {
           "Gauss rule of {}: found degree {}, allowed: 0 to {}", name(type), degree,
           largest_degree(type));
   if constexpr (dim == 2) {
-    if (type == CellType::tri3) return triangle_rule(degree);
+    if (is_simplex(type)) return triangle_rule(degree);
   }
   if constexpr (dim == 3) {
-    if (type == CellType::tet4) return tetrahedron_rule(degree);
+    if (is_simplex(type)) return tetrahedron_rule(degree);
   }
   return product_rule<dim>(gauss_legendre(degree / 2 + 1));
 }

@@ -26,8 +26,10 @@ void shape_functions(CellType type, const Vector<dim>& xi, ShapeValues<dim>& out
   }
 }
 
-template <int dim>
-double map_gradients(CellType type, const Vector<dim>* x_nodes, ShapeValues<dim>& shape) {
+namespace {
+
+template <int dim, class Shape>
+double map_to_cell(CellType type, const Vector<dim>* x_nodes, Shape& shape) {
   assert(dimension(type) == dim);
   Matrix<dim> jacobian = Matrix<dim>::Zero();  // dx_i / dxi_j
   const int n = num_nodes(type);
@@ -38,10 +40,24 @@ double map_gradients(CellType type, const Vector<dim>* x_nodes, ShapeValues<dim>
   return determinant;
 }
 
+}  // namespace
+
+template <int dim>
+double map_gradients(CellType type, const Vector<dim>* x_nodes, ShapeValues<dim>& shape) {
+  return map_to_cell<dim>(type, x_nodes, shape);
+}
+
+template <int dim>
+double map_gradients(CellType type, const Vector<dim>* x_nodes, AnyShapeValues<dim>& shape) {
+  return map_to_cell<dim>(type, x_nodes, shape);
+}
+
 template void shape_functions(CellType, const Vector<1>&, ShapeValues<1>&);
 template void shape_functions(CellType, const Vector<2>&, ShapeValues<2>&);
 template void shape_functions(CellType, const Vector<3>&, ShapeValues<3>&);
 template double map_gradients(CellType, const Vector<2>*, ShapeValues<2>&);
 template double map_gradients(CellType, const Vector<3>*, ShapeValues<3>&);
+template double map_gradients(CellType, const Vector<2>*, AnyShapeValues<2>&);
+template double map_gradients(CellType, const Vector<3>*, AnyShapeValues<3>&);
 
 }  // namespace gabion

@@ -9,11 +9,15 @@
 namespace gabion {
 
 /// Shape functions and their derivatives at one point of a reference cell of dimension `dim`.
-template <int dim>
+template <int dim, int max_nodes = max_cell_nodes>
 struct ShapeValues {
-  double N[max_cell_nodes];
-  Vector<dim> dN[max_cell_nodes];  ///< by reference coordinates xi, or by x after `map_gradients`
+  double N[max_nodes];
+  Vector<dim> dN[max_nodes];  ///< by reference coordinates xi, or by x after `map_gradients`
 };
+
+/// The same with room for quadratic cells.
+template <int dim>
+using AnyShapeValues = ShapeValues<dim, max_quadratic_nodes>;
 
 /// N_a(xi) and dN_a/dxi of a cell type known to the compiler; for hot loops.
 template <CellType type>
@@ -46,15 +50,20 @@ inline void shape_functions(const Vector<dimension(type)>& xi, ShapeValues<dimen
   }
 }
 
-/// N_a(xi) and dN_a/dxi; dim 1 (line2), 2 and 3. @pre dimension(type) == dim
+/// N_a(xi) and dN_a/dxi of a linear cell; dim 1 (line2), 2 and 3. @pre dimension(type) == dim
 template <int dim>
 void shape_functions(CellType type, const Vector<dim>& xi, ShapeValues<dim>& out);
+/// The same of any cell (quadratic_cells.cpp).
+template <int dim>
+void shape_functions(CellType type, const Vector<dim>& xi, AnyShapeValues<dim>& out);
 
 /// Turn dN/dxi into dN/dx for a cell with these node positions; dim 2 and 3.
 /// The caller checks the result: gradients of a cell with determinant <= 0 mean nothing.
 /// @returns det(dx/dxi)
 template <int dim>
 double map_gradients(CellType type, const Vector<dim>* x_nodes, ShapeValues<dim>& shape);
+template <int dim>
+double map_gradients(CellType type, const Vector<dim>* x_nodes, AnyShapeValues<dim>& shape);
 
 /// Quadrature of a reference cell.
 template <int dim>

@@ -6,10 +6,12 @@
 #include <type_traits>
 #include <variant>
 
+#include "common/mechanics/materials/cam_clay.hpp"
 #include "common/mechanics/materials/drucker_prager.hpp"
 #include "common/mechanics/materials/elastic.hpp"
 #include "common/mechanics/materials/herschel_bulkley.hpp"
 #include "common/mechanics/materials/mohr_coulomb.hpp"
+#include "common/mechanics/materials/mu_i.hpp"
 #include "common/mechanics/materials/softening_soil.hpp"
 #include "common/mechanics/materials/tresca.hpp"
 #include "common/settings/config_reader.hpp"
@@ -40,9 +42,9 @@ concept ConstitutiveLaw = std::copyable<Law> &&
 };
 
 template <int dim>
-using MaterialLaw =
-    std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, MohrCoulomb<dim>,
-                 Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>, SofteningSoil<dim>>;
+using MaterialLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>,
+                                 MohrCoulomb<dim>, Tresca<dim>, DruckerPrager<dim>,
+                                 HerschelBulkley<dim>, SofteningSoil<dim>, MuI<dim>, CamClay<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/mechanics/materials/material.hpp"
+#include "common/mechanics/materials/read_cam_clay.hpp"
 #include "common/mechanics/materials/read_softening.hpp"
 
 namespace gabion {
@@ -14,10 +15,13 @@ namespace {
 
 const std::vector<std::string> with_friction = {"mohr_coulomb", "drucker_prager"};
 
-std::vector<Key> elasticity_keys() {
+std::vector<Key> elasticity_keys(const std::vector<std::string>& laws) {
+  std::vector<std::string> with_modulus = laws;
+  const bool all = std::erase(with_modulus, "cam_clay") == 0;
+  const Key modulus = key::number("young_modulus", "Pa", "Young's modulus.").in(positive());
   return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
               .in(positive()),
-          key::number("young_modulus", "Pa", "Young's modulus.").in(positive()),
+          all ? modulus : Key(modulus).when("law", with_modulus),
           key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5))};
 }
 
@@ -71,13 +75,36 @@ std::vector<Key> flow_keys() {
           .when("law", fluid)};
 }
 
+std::vector<Key> granular_keys() {
+  const std::vector<std::string> grains = {"mu_i"};
+  return {
+      key::number("static_friction", "",
+                  "mu_s, shear stress over pressure where flow begins: the tangent of the slope at "
+                  "which a layer starts to flow.")
+          .in(positive())
+          .when("law", grains),
+      key::number("limit_friction", "",
+                  "mu_2 of fast flow, at least `static_friction`: the tangent of the steepest "
+                  "slope on which flow is steady.")
+          .in(positive())
+          .when("law", grains),
+      key::number("inertial_number", "",
+                  "I_0, the inertial number at which the friction is half way between the two.")
+          .in(positive())
+          .when("law", grains),
+      key::number("grain_size", "m", "Diameter of the grains.").in(positive()).when("law", grains),
+      key::number("grain_density", "kg/m^3", "Density of the grains themselves, without pores.")
+          .in(positive())
+          .when("law", grains)};
+}
+
 std::vector<Key> apex_keys() {
   const std::vector<std::string> words = {"gap", "forget"};
   return {key::choice("apex_volume", words,
                       "What becomes of volume that opens without stress: `gap`: it closes before "
                       "pressure builds, `forget`: recompression builds pressure at once.")
               .or_else("gap")
-              .when("law", with_friction),
+              .when("law", {"mohr_coulomb", "drucker_prager", "mu_i"}),
           key::choice("apex_volume", words,
                       "The same of volume that opens with all three principal stresses at the "
                       "cut-off.")
@@ -214,18 +241,35 @@ HerschelBulkley<dim> read_herschel_bulkley(ConfigReader& in, const LameConstants
                                .flow_index = in.number("flow_index")});
 }
 
+template <int dim>
+MuI<dim> read_mu_i(ConfigReader& in, const LameConstants& elastic) {
+  const double static_friction = in.number("static_friction");
+  const double limit_friction =
+      in.number("limit_friction",
+                in_words(at_least(static_friction),
+                         fmt::format("a number from static_friction = {} on", static_friction)));
+  return MuI<dim>({.lambda = elastic.lambda,
+                   .mu = elastic.mu,
+                   .static_friction = static_friction,
+                   .limit_friction = limit_friction,
+                   .inertial_number = in.number("inertial_number"),
+                   .grain_size = in.number("grain_size"),
+                   .grain_density = in.number("grain_density"),
+                   .apex_volume = read_apex_volume(in)});
+}
+
 }  // namespace
 
 const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
-const std::vector<std::string> material_laws = {"linear_elastic",  "neo_hookean", "hencky_elastic",
-                                                "mohr_coulomb",    "tresca",      "drucker_prager",
-                                                "herschel_bulkley"};
+const std::vector<std::string> material_laws = {"linear_elastic",   "neo_hookean", "hencky_elastic",
+                                                "mohr_coulomb",     "tresca",      "drucker_prager",
+                                                "herschel_bulkley", "mu_i",        "cam_clay"};
 
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group :
-       {elasticity_keys(), strength_keys(), flow_keys(), apex_keys(), softening_key()}) {
+  for (const auto& group : {elasticity_keys(laws), strength_keys(), flow_keys(), granular_keys(),
+                            cam_clay_keys(), apex_keys(), softening_key()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }
@@ -237,6 +281,11 @@ Material<dim> read_material(ConfigReader in) {
   Material<dim> material;
   material.law_name = in.choice("law");
   material.density = in.number("density");
+  if (material.law_name == "cam_clay") {
+    material.law = CamClay<dim>(read_cam_clay(in));
+    in.finish();
+    return material;
+  }
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
     material.law = LinearElastic<dim>{elastic.lambda, elastic.mu};
@@ -250,6 +299,8 @@ Material<dim> read_material(ConfigReader in) {
     material.law = read_drucker_prager<dim>(in, elastic);
   } else if (material.law_name == "herschel_bulkley") {
     material.law = read_herschel_bulkley<dim>(in, elastic);
+  } else if (material.law_name == "mu_i") {
+    material.law = read_mu_i<dim>(in, elastic);
   } else {
     material.law = read_mohr_coulomb<dim>(in, elastic);
   }

@@ -49,7 +49,8 @@ class SofteningSoil {
     const double for_ever = std::numeric_limits<double>::infinity();
     return update({.dt = for_ever}, H, state_n, out, A);
   }
-  /// Of four points those that stay elastic, and which they are; none with a tension cut-off.
+  /// Update those of four points that stay elastic; none with a tension cut-off.
+  /// @returns which they are
   LaneMask update_elastic(const std::array<PointContext, num_lanes>& contexts,
                           PointBatch<dim>& batch, bool with_A) const;
   bool symmetric_tangent() const { return false; }
@@ -58,7 +59,7 @@ class SofteningSoil {
 
   const SofteningParameters& parameters() const { return parameters_; }
   const SofteningSurface& surface() const { return surface_; }
-  /// Of the virgin soil.
+  /// The law of the virgin soil.
   const PrincipalMohrCoulomb& principal() const { return virgin_.law; }
 
  private:

@@ -79,7 +79,7 @@ struct StressUpdate {
 /// What a law may know of the step and of the point besides the strain.
 struct PointContext {
   double dt = 0;  ///< step, or substep, in which the strain comes about [s]
-  /// Of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
+  /// Width of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
   double band_width = 0;
   InternalState internal = InternalState::Zero();  ///< at the start, of laws that remember it
 };
@@ -90,7 +90,8 @@ concept ContextualLaw = requires(const Law& law, StressUpdate<dim>& out, Tangent
   law.update(PointContext{}, Matrix<dim>{}, MaterialState<dim>{}, out, A);
 };
 
-/// Laws with internal variables: all zero in the virgin soil, changed only where a point yields.
+/// Laws with internal variables: all zero in the virgin soil, or as its initial stress sets them;
+/// changed only where a point yields.
 /// `internal_names` are those of the fields in which frames have them.
 template <class Law>
 concept RemembersInternal = requires {

@@ -14,11 +14,11 @@
 
 namespace gabion {
 
-FacetOwners::Key FacetOwners::key(std::span<const std::int32_t> nodes) {
-  assert(nodes.size() <= 4);
+FacetOwners::Key FacetOwners::key(std::span<const std::int32_t> nodes) const {
+  assert(nodes.size() == num_nodes_);
   Key result;
   result.fill(std::numeric_limits<std::int32_t>::max());
-  std::copy(nodes.begin(), nodes.end(), result.begin());
+  std::copy_n(nodes.begin(), num_corners_, result.begin());
   for (const auto& [i, j] : {std::pair{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}}) {
     if (result[j] < result[i]) std::swap(result[i], result[j]);
   }
@@ -26,7 +26,9 @@ FacetOwners::Key FacetOwners::key(std::span<const std::int32_t> nodes) {
 }
 
 template <int dim>
-FacetOwners::FacetOwners(const Mesh<dim>& mesh) {
+FacetOwners::FacetOwners(const Mesh<dim>& mesh)
+    : num_nodes_(num_nodes(facet_type(mesh.cell_type))),
+      num_corners_(num_corners(facet_type(mesh.cell_type))) {
   const int facets_per_cell = num_facets(mesh.cell_type);
   const int n = num_nodes(facet_type(mesh.cell_type));
   struct Entry {
@@ -52,13 +54,15 @@ FacetOwners::FacetOwners(const Mesh<dim>& mesh) {
 }
 
 std::span<const FacetOwners::Owner> FacetOwners::find(std::span<const std::int32_t> nodes) const {
+  if (nodes.size() != num_nodes_) return {};
   const auto [first, last] = std::equal_range(keys_.begin(), keys_.end(), key(nodes));
   return {owners_.data() + (first - keys_.begin()), static_cast<std::size_t>(last - first)};
 }
 
 template <int dim>
-std::array<std::int32_t, 4> cell_facet(const Mesh<dim>& mesh, std::int32_t c, int f) {
-  std::array<std::int32_t, 4> result = {-1, -1, -1, -1};
+std::array<std::int32_t, max_facet_nodes> cell_facet(const Mesh<dim>& mesh, std::int32_t c, int f) {
+  std::array<std::int32_t, max_facet_nodes> result;
+  result.fill(-1);
   const auto cell = mesh.cell(c);
   const auto local = facet_nodes(mesh.cell_type, f);
   for (std::size_t a = 0; a < local.size(); ++a) result[a] = cell[local[a]];
@@ -108,7 +112,7 @@ std::vector<std::int32_t> boundary_facets(const Mesh<dim>& mesh) {
 template <int dim>
 std::vector<Vector<dim>> facet_area_vectors(std::span<const Vector<dim>> x, CellType type,
                                             std::span<const std::int32_t> facets) {
-  assert(dimension(type) == dim - 1);
+  assert(dimension(type) == dim - 1 && !is_quadratic(type));
   const std::size_t n = num_nodes(type);
   std::vector<Vector<dim>> result(facets.size() / n);
   for (std::size_t f = 0; f < result.size(); ++f) {
@@ -141,8 +145,8 @@ std::vector<FacetGeometry<dim>> facet_geometry(std::span<const Vector<dim>> x, C
 
 template FacetOwners::FacetOwners(const Mesh<2>&);
 template FacetOwners::FacetOwners(const Mesh<3>&);
-template std::array<std::int32_t, 4> cell_facet(const Mesh<2>&, std::int32_t, int);
-template std::array<std::int32_t, 4> cell_facet(const Mesh<3>&, std::int32_t, int);
+template std::array<std::int32_t, max_facet_nodes> cell_facet(const Mesh<2>&, std::int32_t, int);
+template std::array<std::int32_t, max_facet_nodes> cell_facet(const Mesh<3>&, std::int32_t, int);
 template std::vector<std::int32_t> cell_neighbours(const Mesh<2>&);
 template std::vector<std::int32_t> cell_neighbours(const Mesh<3>&);
 template std::vector<std::int32_t> boundary_facets(const Mesh<2>&);

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// Which cells a facet belongs to: finds facets by their nodes, in any order.
+/// Which cells a facet belongs to: finds facets by their corners, in any order.
 class FacetOwners {
  public:
   struct Owner {
@@ -21,7 +21,8 @@ class FacetOwners {
   template <int dim>
   explicit FacetOwners(const Mesh<dim>& mesh);
 
-  /// Owners of the facet with these nodes: none, one (outer facet) or two, lower cell first.
+  /// Owners of the facet with these nodes, corners first: none, one (outer facet) or two, lower
+  /// cell first; none of one with another number of nodes than the facets of the cells.
   std::span<const Owner> find(std::span<const std::int32_t> nodes) const;
 
   /// Visit the owners of each facet that has several, one facet after the other: visit(span).
@@ -35,15 +36,16 @@ class FacetOwners {
 
  private:
   using Key = std::array<std::int32_t, 4>;  // sorted; unused places hold the largest number
-  static Key key(std::span<const std::int32_t> nodes);
+  Key key(std::span<const std::int32_t> nodes) const;
 
-  std::vector<Key> keys_;  // sorted, one per owner
+  std::size_t num_nodes_ = 0, num_corners_ = 0;  // of a facet
+  std::vector<Key> keys_;                        // sorted, one per owner
   std::vector<Owner> owners_;
 };
 
 /// Nodes of facet `f` of cell `c`, normal outward; the first num_nodes(facet_type) entries count.
 template <int dim>
-std::array<std::int32_t, 4> cell_facet(const Mesh<dim>& mesh, std::int32_t c, int f);
+std::array<std::int32_t, max_facet_nodes> cell_facet(const Mesh<dim>& mesh, std::int32_t c, int f);
 
 /// The cell on the other side of each facet, num_cells x num_facets(cell_type); -1 outside.
 /// @throws ConfigError  a facet that belongs to more than two cells
@@ -56,7 +58,7 @@ template <int dim>
 std::vector<std::int32_t> boundary_facets(const Mesh<dim>& mesh);
 
 /// Area vectors [m^(dim-1)] of facets, normal times area, for nodes at `x`: exact integral of
-/// n dA, also over a warped quad. @param facets  num_facets x num_nodes(type)
+/// n dA, also over a warped quad. @param facets  num_facets x num_nodes(type), linear ones
 template <int dim>
 std::vector<Vector<dim>> facet_area_vectors(std::span<const Vector<dim>> x, CellType type,
                                             std::span<const std::int32_t> facets);

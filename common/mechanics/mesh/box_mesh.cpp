@@ -135,9 +135,10 @@ const char* box_side_name(int dim, int axis, int end) {
 
 template <int dim>
 void check_box(const BoxShape<dim>& box) {
-  require<ConfigError>(dimension(box.cell_type) == dim,
-                       "box mesh of dimension {}: found cell type {}, allowed: {}", dim,
-                       name(box.cell_type), dim == 2 ? "tri3, quad4" : "tet4, hex8");
+  require<ConfigError>(
+      dimension(box.cell_type) == dim, "box mesh of dimension {}: found cell type {}, allowed: {}",
+      dim, name(box.cell_type),
+      dim == 2 ? "tri3, quad4, tri6, quad8, quad9" : "tet4, hex8, tet10, hex20, hex27");
   std::int64_t num_nodes_total = 1;
   for (int i = 0; i < dim; ++i) {
     require<ConfigError>(box.low[i] < box.high[i],
@@ -156,6 +157,11 @@ template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
                    const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
                    bool alternate) {
+  if (is_quadratic(cell_type)) {
+    check_box(BoxShape<dim>{low, high, num_cells, cell_type, alternate});
+    return with_middle_nodes(box_mesh(low, high, num_cells, corner_type(cell_type), alternate),
+                             cell_type);
+  }
   const BoxShape<dim> box{low, high, num_cells, cell_type, alternate};
   check_box(box);
   Mesh<dim> mesh;

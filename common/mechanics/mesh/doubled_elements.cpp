@@ -17,8 +17,13 @@ namespace gabion {
 
 namespace {
 
-/// Nodes of a cell or facet in ascending order; unused places hold the largest number.
+/// Corners of a cell or facet in ascending order; unused places hold the largest number.
 using NodeSet = std::array<std::int32_t, max_cell_nodes>;
+
+template <int dim>
+std::span<const std::int32_t> corners_of(const Mesh<dim>& mesh, std::int32_t c) {
+  return mesh.cell(c).first(num_corners(mesh.cell_type));
+}
 
 NodeSet node_set(std::span<const std::int32_t> nodes) {
   NodeSet set;
@@ -42,7 +47,7 @@ void for_each_run(SortedSets& sets, const Visit& visit) {
   }
 }
 
-/// Whether two facets with the same nodes run around in the same sense.
+/// Whether two facets with the same corners run around in the same sense.
 bool same_sense(std::span<const std::int32_t> a, std::span<const std::int32_t> b) {
   if (a.size() == 2) return a[0] == b[0];
   std::vector<std::int32_t> turned(b.begin(), b.end());
@@ -82,7 +87,7 @@ class CellCopies {
     std::vector<std::int32_t> places;
     for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
       places.clear();
-      for (const std::int32_t i : mesh.cell(c)) places.push_back(place[i]);
+      for (const std::int32_t i : corners_of(mesh, c)) places.push_back(place[i]);
       sets.emplace_back(node_set(places), c);
     }
     for_each_run(sets, [this](std::span<const std::pair<NodeSet, std::int32_t>> run) {
@@ -99,7 +104,8 @@ class CellCopies {
  private:
   void refuse_unless_label(std::int32_t first, std::int32_t later, std::size_t count) const {
     const FileElement &a = origin_.cells[first], &b = origin_.cells[later];
-    const bool same_nodes = node_set(mesh_.cell(first)) == node_set(mesh_.cell(later));
+    const bool same_nodes =
+        node_set(corners_of(mesh_, first)) == node_set(corners_of(mesh_, later));
     const std::size_t num_groups = group_names(origin_.file, *a.block).size();
     if (same_nodes && same_entity(a, b) && num_groups > 1 && count <= num_groups) return;
     throw ConfigError(fmt::format(
@@ -159,9 +165,10 @@ void settle_doubled_cells(MeshOrigin& origin, Mesh<dim>& mesh) {
 template <int dim>
 void settle_doubled_facets(MeshOrigin& origin, Mesh<dim>& mesh) {
   const std::size_t n = num_nodes(facet_type(mesh.cell_type));
+  const std::size_t corners = num_corners(facet_type(mesh.cell_type));
   for (auto& [group, facets] : mesh.facet_groups) {
     const auto facet = [&, &nodes = facets](std::int32_t f) {
-      return std::span(nodes).subspan(f * n, n);
+      return std::span(nodes).subspan(f * n, corners);
     };
     SortedSets sets;
     const auto num_facets = static_cast<std::int32_t>(facets.size() / n);
@@ -186,7 +193,8 @@ void settle_doubled_facets(MeshOrigin& origin, Mesh<dim>& mesh) {
               origin.path, count, group);
     std::vector<std::int32_t> kept;
     for (std::int32_t f = 0; f < num_facets; ++f) {
-      if (is_copy[f] == 0) kept.insert(kept.end(), facet(f).begin(), facet(f).end());
+      const auto nodes = std::span(facets).subspan(f * n, n);
+      if (is_copy[f] == 0) kept.insert(kept.end(), nodes.begin(), nodes.end());
     }
     facets = std::move(kept);
   }
@@ -195,7 +203,7 @@ void settle_doubled_facets(MeshOrigin& origin, Mesh<dim>& mesh) {
 template <int dim>
 void refuse_cells_on_one_side(const MeshOrigin& origin, const FacetOwners& owners,
                               const Mesh<dim>& mesh) {
-  const std::size_t n = num_nodes(facet_type(mesh.cell_type));
+  const std::size_t n = num_corners(facet_type(mesh.cell_type));
   owners.for_each_shared([&](std::span<const FacetOwners::Owner> of_facet) {
     for (std::size_t k = 1; k < of_facet.size(); ++k) {
       for (std::size_t l = 0; l < k; ++l) {

@@ -230,7 +230,9 @@ void read_elements(Scanner& in, GmshFile& file) {
     if (n == 0) {
       in.fail(
           fmt::format("found Gmsh's element type {}, allowed: 15 (point), 1 (line), "
-                      "2 (triangle), 3 (quad), 4 (tetrahedron), 5 (hexahedron), all of order 1",
+                      "2 (triangle), 3 (quad), 4 (tetrahedron), 5 (hexahedron), and of order 2: "
+                      "8 (line3), 9 (tri6), 16 (quad8), 10 (quad9), 11 (tet10), 17 (hex20), "
+                      "12 (hex27)",
                       block.type));
     }
     const std::size_t count = in.count("elements");
@@ -248,22 +250,42 @@ void read_elements(Scanner& in, GmshFile& file) {
 
 }  // namespace
 
-int gmsh_num_nodes(int type) {
+std::optional<CellType> cell_type_of_gmsh(int type) {
   switch (type) {
     case 15:
-      return 1;
+      return CellType::point1;
     case 1:
-      return 2;
+      return CellType::line2;
     case 2:
-      return 3;
+      return CellType::tri3;
     case 3:
+      return CellType::quad4;
     case 4:
-      return 4;
+      return CellType::tet4;
     case 5:
-      return 8;
+      return CellType::hex8;
+    case 8:
+      return CellType::line3;
+    case 9:
+      return CellType::tri6;
+    case 10:
+      return CellType::quad9;
+    case 11:
+      return CellType::tet10;
+    case 12:
+      return CellType::hex27;
+    case 16:
+      return CellType::quad8;
+    case 17:
+      return CellType::hex20;
     default:
-      return 0;
+      return std::nullopt;
   }
+}
+
+int gmsh_num_nodes(int type) {
+  const auto known = cell_type_of_gmsh(type);
+  return known ? num_nodes(*known) : 0;
 }
 
 GmshFile read_gmsh_file(const std::string& path) {

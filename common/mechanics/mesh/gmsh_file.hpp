@@ -4,9 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "common/mechanics/elements/cell_type.hpp"
 
 namespace gabion {
 
@@ -16,7 +19,7 @@ struct GmshFile {
   struct ElementBlock {
     int dimension;
     int entity;
-    int type;  ///< Gmsh's number: 1 line, 2 triangle, 3 quad, 4 tetrahedron, 5 hexahedron, 15 point
+    int type;                          ///< Gmsh's number, see cell_type_of_gmsh()
     std::vector<std::uint64_t> nodes;  ///< num_elements x nodes of the type, node tags
     std::vector<std::uint64_t> tags;   ///< num_elements, the elements' own
   };
@@ -32,6 +35,8 @@ struct GmshFile {
 /// @throws ConfigError  "<path>: line or byte n, section $X: ..."
 GmshFile read_gmsh_file(const std::string& path);
 
+/// None for types that are not read.
+std::optional<CellType> cell_type_of_gmsh(int type);
 /// Nodes of a Gmsh element type; 0 for types that are not read.
 int gmsh_num_nodes(int type);
 

@@ -10,6 +10,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/mechanics/elements/quadratic_cells.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/mesh/doubled_elements.hpp"
@@ -22,20 +23,15 @@ namespace gabion {
 namespace {
 
 CellType cell_type_of(int gmsh_type) {
-  switch (gmsh_type) {
-    case 1:
-      return CellType::line2;
-    case 2:
-      return CellType::tri3;
-    case 3:
-      return CellType::quad4;
-    case 4:
-      return CellType::tet4;
-    case 5:
-      return CellType::hex8;
-    default:
-      return CellType::point1;
+  return cell_type_of_gmsh(gmsh_type).value_or(CellType::point1);
+}
+
+/// A type of cells in space with facets of this type.
+CellType type_with_facets(CellType facet) {
+  for (const CellType type : {CellType::tet4, CellType::tet10, CellType::hex20, CellType::hex27}) {
+    if (facet_type(type) == facet) return type;
   }
+  return CellType::hex8;
 }
 
 /// A type of cells whose facets are those of the file; for meshes of lines alone.
@@ -45,12 +41,11 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
   for (const auto& block : file.element_blocks) {
     const CellType facet = cell_type_of(block.type);
     if (dim == 2 || dimension(facet) != dim - 1) continue;
-    const CellType type = facet == CellType::tri3 ? CellType::tet4 : CellType::hex8;
-    require<ConfigError>(
-        !result || *result == type,
-        "{}: section $Elements: found facets of types tri3 and quad4 beside lines, "
-        "allowed: one type a mesh",
-        path);
+    const CellType type = type_with_facets(facet);
+    require<ConfigError>(!result || *result == type,
+                         "{}: section $Elements: found facets of types {} and {} beside lines, "
+                         "allowed: one type a mesh",
+                         path, name(facet_type(result.value_or(type))), name(facet));
     result = type;
   }
   return result.value_or(dim == 2 ? CellType::quad4 : CellType::hex8);
@@ -58,7 +53,8 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
 
 /// The one type of the cells of dimension `dim`.
 template <int dim>
-CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_lines) {
+CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_lines,
+                        CellOrders orders) {
   std::optional<CellType> result;
   int highest = -1;
   for (const auto& block : file.element_blocks) {
@@ -70,6 +66,10 @@ CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_
                          "{}: section $Elements: found cells of types {} and {}, "
                          "allowed: one type a mesh",
                          path, name(result.value_or(type)), name(type));
+    require<ConfigError>(orders == CellOrders::any || !is_quadratic(type),
+                         "{}: section $Elements: found cells of type {}, which are of order 2, "
+                         "allowed: {}, of order 1, here",
+                         path, name(type), dim == 2 ? "tri3, quad4" : "tet4, hex8");
     result = type;
   }
   require<ConfigError>(highest <= dim,
@@ -101,7 +101,8 @@ std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
 template <int dim>
 class MeshBuilder {
  public:
-  MeshBuilder(const GmshFile& file, const std::string& path, const LineGroupNames& lines)
+  MeshBuilder(const GmshFile& file, const std::string& path, const LineGroupNames& lines,
+              CellOrders orders)
       : file_(file),
         path_(path),
         lines_(lines),
@@ -109,7 +110,7 @@ class MeshBuilder {
         origin_{.file = file, .path = path, .cells = {}, .facets = {}} {
     const bool has_lines = std::ranges::any_of(
         file.element_blocks, [this](const auto& block) { return !line_groups_of(block).empty(); });
-    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines);
+    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines, orders);
   }
 
   Mesh<dim> build() {
@@ -124,7 +125,13 @@ class MeshBuilder {
     GmshLines<dim> lines(origin_, mesh_);
     for (const auto& block : file_.element_blocks) {
       const auto groups = line_groups_of(block);
-      if (!groups.empty()) lines.add(block, groups, numbers_of(block));
+      if (!groups.empty()) {
+        require<ConfigError>(cell_type_of(block.type) == CellType::line2,
+                             "{}: section $Elements: found the group of lines \"{}\" with lines of "
+                             "{} nodes, allowed: 2 (order 1)",
+                             path_, groups[0], gmsh_num_nodes(block.type));
+        lines.add(block, groups, numbers_of(block));
+      }
       if (block.dimension < dim - 1) add_node_groups(block);
     }
     on_line_.assign(mesh_.nodes.size(), 0);
@@ -216,38 +223,33 @@ class MeshBuilder {
     }
   }
 
-  /// Make the volume positive; refuse a cell whose map is not invertible at each corner.
+  /// Make the volume positive; refuse a cell whose map is not invertible at each node.
   void orient_cell(std::int32_t c) {
     const int n = mesh_.nodes_per_cell();
     std::int32_t* cell = &mesh_.cells[static_cast<std::size_t>(c) * n];
     if (cell_volume(mesh_, c) < 0) {
-      if (mesh_.cell_type == CellType::tri3 || mesh_.cell_type == CellType::tet4) {
-        std::swap(cell[1], cell[2]);
-      } else {
-        std::swap(cell[1], cell[3]);
-        if (n == 8) std::swap(cell[5], cell[7]);
-      }
+      mirror_cell(mesh_.cell_type, {cell, static_cast<std::size_t>(n)});
     }
     Vector<dim> low = mesh_.nodes[cell[0]], high = low;
     for (int a = 1; a < n; ++a) {
       low = low.cwiseMin(mesh_.nodes[cell[a]]);
       high = high.cwiseMax(mesh_.nodes[cell[a]]);
     }
-    if (smallest_corner_determinant(c) > 1e-12 * std::pow((high - low).maxCoeff(), dim)) return;
+    if (smallest_determinant(c) > 1e-12 * std::pow((high - low).maxCoeff(), dim)) return;
     throw ConfigError(fmt::format(
-        "{}: section $Elements: found a degenerate, folded or non-convex {} near ({}), allowed: "
-        "cells of positive Jacobian",
-        path_, name(mesh_.cell_type), fmt::join(low, ", ")));
+        "{}: section $Elements: found a degenerate, folded or non-convex {} near ({}), element {}, "
+        "allowed: cells of positive Jacobian",
+        path_, name(mesh_.cell_type), fmt::join(low, ", "), origin_.cells[c].tag));
   }
 
-  double smallest_corner_determinant(std::int32_t c) const {
+  /// Of the map of a cell, at its nodes.
+  double smallest_determinant(std::int32_t c) const {
     const auto cell = mesh_.cell(c);
-    const bool simplex = dim + 1 == static_cast<int>(cell.size());
+    const bool affine = is_simplex(mesh_.cell_type) && !is_quadratic(mesh_.cell_type);
     double smallest = INFINITY;
-    ShapeValues<dim> shape;
-    for (int corner = 0; corner < (simplex ? 1 : 1 << dim); ++corner) {
-      Vector<dim> xi;
-      for (int i = 0; i < dim; ++i) xi[i] = (corner >> i & 1) ? 1.0 : -1.0;
+    AnyShapeValues<dim> shape;
+    for (std::size_t node = 0; node < (affine ? 1 : cell.size()); ++node) {
+      const Vector<dim> xi = node_place<dim>(mesh_.cell_type, static_cast<int>(node));
       shape_functions<dim>(mesh_.cell_type, xi, shape);
       Matrix<dim> jacobian = Matrix<dim>::Zero();
       for (std::size_t a = 0; a < cell.size(); ++a) {
@@ -260,14 +262,15 @@ class MeshBuilder {
 
   void add_facets(const GmshFile::ElementBlock& block, const FacetOwners& owners) {
     const auto groups = group_names(file_, block);
+    const CellType type = facet_type(mesh_.cell_type);
     const std::size_t n = gmsh_num_nodes(block.type);
     if (groups.empty() || block.tags.empty()) return;
     std::vector<std::int32_t> facets;
     for (std::size_t first = 0; first < block.nodes.size(); first += n) {
-      std::array<std::int32_t, 4> facet;
+      std::array<std::int32_t, max_facet_nodes> facet;
       for (std::size_t a = 0; a < n; ++a) facet[a] = number_[position(block.nodes[first + a])];
       const auto found = owners.find({facet.data(), n});
-      const bool between_lines = mesh_.num_lines() > 0 &&
+      const bool between_lines = mesh_.num_lines() > 0 && cell_type_of(block.type) == type &&
                                  std::all_of(facet.begin(), facet.begin() + n, [&](std::int32_t i) {
                                    return i >= 0 && on_line_[i] != 0;
                                  });
@@ -312,12 +315,12 @@ class MeshBuilder {
 }  // namespace
 
 template <int dim>
-Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines) {
+Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines, CellOrders orders) {
   const GmshFile file = read_gmsh_file(path);
-  return MeshBuilder<dim>(file, path, lines).build();
+  return MeshBuilder<dim>(file, path, lines, orders).build();
 }
 
-template Mesh<2> read_gmsh(const std::string&, const LineGroupNames&);
-template Mesh<3> read_gmsh(const std::string&, const LineGroupNames&);
+template Mesh<2> read_gmsh(const std::string&, const LineGroupNames&, CellOrders);
+template Mesh<3> read_gmsh(const std::string&, const LineGroupNames&, CellOrders);
 
 }  // namespace gabion

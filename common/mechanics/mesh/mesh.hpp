@@ -75,10 +75,10 @@ struct Mesh {
   std::vector<std::int32_t> group_nodes(const std::string& group, const std::string& where) const;
 };
 
-/// Volume (2D: area) of a cell with these corners [m^dim]; negative when their order is reversed
+/// Volume (2D: area) of a cell with these nodes [m^dim]; negative when their order is reversed
 /// round.
 template <int dim>
-double cell_volume(CellType type, std::span<const Vector<dim>> corners);
+double cell_volume(CellType type, std::span<const Vector<dim>> nodes);
 template <int dim>
 double cell_volume(const Mesh<dim>& mesh, std::int32_t c);
 
@@ -100,12 +100,20 @@ void check_box(const BoxShape<dim>& box);
 /// left, right, bottom, top (3D also front, back: y is up in 2D, z is up in 3D; left/right = x,
 /// front/back = y in 3D). tri3: each rectangle is cut along one diagonal, `alternate` flips it like
 /// a chess board. tet4: six tetrahedra a brick; with `alternate` five, mirrored from brick to
-/// brick.
+/// brick. Quadratic cells: as the linear ones on their corners, see with_middle_nodes().
 /// @throws ConfigError  as check_box()
 template <int dim>
 Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
                    const Eigen::Matrix<int, dim, 1>& num_cells, CellType cell_type,
                    bool alternate = false);
+
+/// The mesh with cells of a quadratic type on the corners of its own; edges are straight, middle
+/// nodes follow the others, cell by cell. @pre corner_type(type) is that of the cells
+template <int dim>
+Mesh<dim> with_middle_nodes(const Mesh<dim>& mesh, CellType type);
+
+/// Which cells a reader takes.
+enum class CellOrders { linear, any };
 
 /// Name of a side of a box: across an axis, at its low (0) or high (1) end.
 const char* box_side_name(int dim, int axis, int end);
@@ -118,27 +126,31 @@ using LineGroupNames = std::optional<std::set<std::string>>;
 /// of dimension dim cell groups, of lower dimension node groups. One cell type per mesh. Nodes that
 /// no cell or line uses are dropped, cells of negative volume reordered, facets turned outward; a
 /// facet between two cells stays as the file has it, and one of no cell between nodes of lines,
-/// such as the mesh of a net. A mesh of the plane must have one z for all nodes.
+/// such as the mesh of a net. A mesh of the plane must have one z for all nodes. The map of a cell
+/// must be invertible at its corners, of a quadratic one at all of its nodes.
 /// @throws ConfigError  file and line or section, what was found; with lines: one without length,
 ///                      the same one twice, a group of curves on nodes of no cell that is not among
 ///                      the names
 template <int dim>
-Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines = std::nullopt);
+Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines = std::nullopt,
+                    CellOrders orders = CellOrders::linear);
 
 /// Read {"file": "x.msh"} or {"box": {"low": [..], "high": [..], "cells": [..], "type": "quad4"}}.
 template <int dim>
-Mesh<dim> read_mesh(const Scene& scene, ConfigReader in,
-                    const LineGroupNames& lines = std::nullopt);
+Mesh<dim> read_mesh(const Scene& scene, ConfigReader in, const LineGroupNames& lines = std::nullopt,
+                    CellOrders orders = CellOrders::linear);
 /// As above, but a box is not yet made into a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
 /// As above, but the file is not yet opened.
 template <int dim>
-std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in);
+std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in,
+                                                          CellOrders orders = CellOrders::linear);
 /// Read what read_box_or_file() named. @param in  as there, for errors
 template <int dim>
 Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file,
-                         const LineGroupNames& lines = std::nullopt);
+                         const LineGroupNames& lines = std::nullopt,
+                         CellOrders orders = CellOrders::linear);
 KeyTable mesh_keys();
 
 /// Warn when the file of a mesh with one material has several groups of cells: they look like

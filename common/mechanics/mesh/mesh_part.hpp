@@ -17,8 +17,7 @@ struct PartNumbers {
   std::vector<std::int32_t> nodes;  ///< in the whole, ascending
   std::vector<std::int32_t> cells;  ///< in the whole, ascending
   std::vector<std::int32_t> lines;  ///< in the whole, ascending
-  /// By group, of each facet of the part: they ascend as the facets follow each other in the group
-  /// of the whole.
+  /// Places of the facets of the part in each group of the whole, ascending.
   std::map<std::string, std::vector<std::int64_t>> facets;
   std::int32_t num_nodes = 0;  ///< of the whole
   std::int32_t num_cells = 0;  ///< of the whole

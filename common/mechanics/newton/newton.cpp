@@ -15,6 +15,7 @@ namespace gabion {
 namespace {
 
 constexpr int max_cuts = 8;
+constexpr int max_supported_cuts = 40;  // what nothing held may have to come back from far away
 constexpr double energy_reduction = 0.8;
 constexpr double reuse_reduction = 0.25;  // |r| after over before an old matrix
 constexpr double loosest_linear_tolerance = 1e-2;
@@ -78,6 +79,7 @@ class Newton {
   bool line_search();
   bool sufficient(const Iterate& next) const;
   bool raise_brace();
+  bool ask_for_support();
   void follow_brace(double norm_before);
   bool goes_in_circles() const;
   bool is_converged() const;
@@ -100,6 +102,7 @@ class Newton {
   double step_size_ = 0;        // largest |step| of a node before any cut
   double cut_ = 1;              // s of the last line search
   bool supported_ = false;      // the step at hand
+  bool wants_support_ = false;  // the next step: K was singular but for round-off
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
   Brace brace_;
   std::size_t unbraced_since_ = 0;  // first of the residuals since the last brace
@@ -172,10 +175,15 @@ void Newton<block_size>::solve_linear() {
   const double wanted = std::min(needed / current_.relative, loosest_linear_tolerance);
   const ScopedTimer timer(times_, "solve");
   supported_ = false;
-  try {
-    report_.linear_iterations += matrix_.linear.solve(r_, step_, wanted);
-  } catch (const ConvergenceError& error) {
-    report_.linear_iterations += solve_supported(wanted, error.what());
+  if (wants_support_) {
+    wants_support_ = false;
+    report_.linear_iterations += solve_supported(wanted, "line search failed");
+  } else {
+    try {
+      report_.linear_iterations += matrix_.linear.solve(r_, step_, wanted);
+    } catch (const ConvergenceError& error) {
+      report_.linear_iterations += solve_supported(wanted, error.what());
+    }
   }
   ++report_.iterations;
   report_.braced += brace_.active();
@@ -221,7 +229,8 @@ template <int block_size>
 bool Newton<block_size>::line_search() {
   const bool speculate = !settings_.reuse_matrix && !current_.likely_last && !next_is_last();
   cut_ = !brace_.active() && cycles() ? 0.5 : 1;
-  for (int cuts = 0; cuts <= max_cuts; ++cuts, cut_ /= 2) {
+  const int most = supported_ ? max_supported_cuts : max_cuts;
+  for (int cuts = 0; cuts <= most; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
     const Iterate next = evaluate(trial_, trial_r_, speculate && cuts == 0);
     if (is_solution() && !next.small_residual) break;
@@ -247,6 +256,15 @@ bool Newton<block_size>::raise_brace() {
     return false;
   }
   current_.has_matrix = false;
+  return true;
+}
+
+// A matrix that is singular but for round-off has a solution, along which nothing gets better.
+// @returns false where no part can be loose, or where support did not help
+template <int block_size>
+bool Newton<block_size>::ask_for_support() {
+  if (supported_ || brace_.active() || !problem_.support(false)) return false;
+  wants_support_ = true;
   return true;
 }
 
@@ -312,7 +330,7 @@ NewtonReport Newton<block_size>::run() {
     } else if (is_solution()) {
       evaluate(du_, r_, false);
       converged = true;
-    } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace()) {
+    } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace() || ask_for_support()) {
       matrix_is_usable = false;  // the first K may be that of a neighbouring state
     } else {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -36,8 +37,46 @@ std::string topology(CellType type) {
       return R"(TopologyType="Tetrahedron")";
     case CellType::hex8:
       return R"(TopologyType="Hexahedron")";
+    case CellType::line3:
+      return R"(TopologyType="Edge_3")";
+    case CellType::tri6:
+      return R"(TopologyType="Triangle_6")";
+    case CellType::quad8:
+      return R"(TopologyType="Quadrilateral_8")";
+    case CellType::quad9:
+      return R"(TopologyType="Quadrilateral_9")";
+    case CellType::tet10:
+      return R"(TopologyType="Tetrahedron_10")";
+    case CellType::hex20:
+      return R"(TopologyType="Hexahedron_20")";
+    case CellType::hex27:
+      return R"(TopologyType="Hexahedron_27")";
   }
   return "";
+}
+
+/// Places in Gmsh's order of the nodes of a cell in VTK's, which ParaView reads; the two differ in
+/// the middle nodes of tet10, hex20 and hex27.
+std::vector<int> places_of_vtk(CellType type) {
+  std::vector<int> places(num_nodes(type));
+  std::iota(places.begin(), places.end(), 0);
+  if (type == CellType::tet10) std::swap(places[8], places[9]);
+  if (type == CellType::hex20 || type == CellType::hex27) {
+    constexpr int middle[] = {8,  11, 13, 9,  16, 18, 19, 17, 10, 12,
+                              14, 15, 22, 23, 21, 24, 20, 25, 26};
+    std::copy_n(middle, places.size() - 8, places.begin() + 8);
+  }
+  return places;
+}
+
+std::vector<std::int32_t> in_vtk_order(std::span<const std::int32_t> connectivity, CellType type) {
+  const std::vector<int> places = places_of_vtk(type);
+  std::vector<std::int32_t> result;
+  result.reserve(connectivity.size());
+  for (std::size_t first = 0; first < connectivity.size(); first += places.size()) {
+    for (const int place : places) result.push_back(connectivity[first + place]);
+  }
+  return result;
 }
 
 /// How a field is stored: each stored column is one of the field's components, or zero (-1).
@@ -192,6 +231,9 @@ void XdmfSeries::write(OutputFrame frame) {
   if (frame.connectivity.empty()) {
     own_cells.resize(num_cells(frame));  // ParaView's newer readers draw nothing without it
     std::iota(own_cells.begin(), own_cells.end(), static_cast<std::int32_t>(rows.cells.first));
+    frame.connectivity = own_cells;
+  } else if (is_quadratic(frame.cell_type)) {
+    own_cells = in_vtk_order(frame.connectivity, frame.cell_type);
     frame.connectivity = own_cells;
   }
   const bool first = rank_of(comm_) == 0;

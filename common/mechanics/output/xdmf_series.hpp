@@ -32,7 +32,8 @@ struct OutputFrame {
   int dim = 2;                          ///< dimension of the space of the points, 2 or 3
   std::span<const double> coordinates;  ///< num_points x dim [m]
   CellType cell_type = CellType::point1;
-  /// num_cells x num_nodes(cell_type); empty for CellType::point1: each point a cell
+  /// num_cells x num_nodes(cell_type), in Gmsh's order; the file has VTK's, which differs for
+  /// tet10, hex20 and hex27. Empty for CellType::point1: each point a cell
   std::span<const std::int32_t> connectivity = {};
   std::vector<OutputField> fields = {};
 };

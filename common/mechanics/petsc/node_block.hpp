@@ -12,7 +12,7 @@ template <int block_size>
 using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
 
 /// The entries of a NodeBlock as one vector of the machine: sums of blocks are most of an assembly.
-/// Of x, the entry (a, b) of rows() is x_a, that of columns() x_b; products are entry by entry.
+/// The entry (a, b) of rows() of x is x_a, that of columns() x_b; products are entry by entry.
 template <int block_size>
 class BlockVector;
 

@@ -8,10 +8,6 @@
 
 namespace gabion::test {
 
-inline bool is_simplex(CellType type) {
-  return type == CellType::tri3 || type == CellType::tet4;
-}
-
 /// Nodes of the reference cell.
 template <int dim>
 std::vector<Vector<dim>> reference_nodes(CellType type) {

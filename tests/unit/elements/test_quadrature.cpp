@@ -11,7 +11,6 @@ namespace gabion {
 namespace {
 
 using test::inside_reference;
-using test::is_simplex;
 
 double factorial(int n) {
   return std::tgamma(n + 1.0);

@@ -117,6 +117,40 @@ TEST(ReadMaterial, herschel_bulkley) {
   expect_refused(json, {"/cohesion", "unknown"});
 }
 
+TEST(ReadMaterial, mu_i) {
+  const Json good = {{"law", "mu_i"},           {"density", 1500},         {"young_modulus", 1e6},
+                     {"poisson_ratio", 0.3},    {"static_friction", 0.38}, {"limit_friction", 0.64},
+                     {"inertial_number", 0.28}, {"grain_size", 5e-4},      {"grain_density", 2450}};
+  Json json = good;
+  const auto read = [&] {
+    return std::get<MuI<2>>(
+               read_material<2>(ConfigReader(json, "f", material_keys(material_laws))).law)
+        .parameters();
+  };
+  EXPECT_EQ(read().static_friction, 0.38);
+  EXPECT_EQ(read().limit_friction, 0.64);
+  EXPECT_EQ(read().inertial_number, 0.28);
+  EXPECT_EQ(read().grain_size, 5e-4);
+  EXPECT_EQ(read().grain_density, 2450);
+  EXPECT_EQ(read().apex_volume, ApexVolume::gap);
+  json["limit_friction"] = 0.38;  // a cone of constant friction
+  EXPECT_EQ(read().limit_friction, 0.38);
+  for (const auto& [name, bad] : {std::pair{"static_friction", 0.0},
+                                  {"limit_friction", 0.37},
+                                  {"inertial_number", 0.0},
+                                  {"grain_size", 0.0},
+                                  {"grain_density", -1.0}}) {
+    json = good;
+    json[name] = bad;
+    expect_refused(json, {std::string("/") + name});
+    json.erase(name);
+    expect_refused(json, {name});
+  }
+  json = good;
+  json["friction_angle"] = 30;
+  expect_refused(json, {"/friction_angle", "unknown"});
+}
+
 TEST(ReadMaterial, apex_volume) {
   for (const std::string law : {"mohr_coulomb", "drucker_prager"}) {
     Json json = soil();

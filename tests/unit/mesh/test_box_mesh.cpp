@@ -111,7 +111,8 @@ TEST(BoxMesh, refuses_what_is_no_box) {
   EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<2>({0, 0}, {1, 1}, {1, 1}, CellType::hex8);
             }),
-            "box mesh of dimension 2: found cell type hex8, allowed: tri3, quad4");
+            "box mesh of dimension 2: found cell type hex8, allowed: tri3, quad4, tri6, quad8, "
+            "quad9");
   EXPECT_EQ(error_of<ConfigError>([] {
               box_mesh<3>({0, 0, 0}, {1, 1, 1}, {10000, 10000, 10000}, CellType::hex8);
             }),

@@ -126,10 +126,15 @@ TEST_F(GmshErrors, broken_numbers_and_counts) {
 
 TEST_F(GmshErrors, elements_that_cannot_be_read) {
   SmallFile file;
+  file.elements = "1 1 1 1\n2 1 21 1\n1 10 20 30 10 20 30 10 20 30 10\n";
+  EXPECT_EQ(message(file.text()),
+            "line 30, section $Elements: found Gmsh's element type 21, allowed: 15 (point), "
+            "1 (line), 2 (triangle), 3 (quad), 4 (tetrahedron), 5 (hexahedron), and of order 2: "
+            "8 (line3), 9 (tri6), 16 (quad8), 10 (quad9), 11 (tet10), 17 (hex20), 12 (hex27)");
   file.elements = "1 1 1 1\n2 1 9 1\n1 10 20 30 10 20 30\n";
   EXPECT_EQ(message(file.text()),
-            "line 30, section $Elements: found Gmsh's element type 9, allowed: 15 (point), "
-            "1 (line), 2 (triangle), 3 (quad), 4 (tetrahedron), 5 (hexahedron), all of order 1");
+            "section $Elements: found cells of type tri6, which are of order 2, allowed: tri3, "
+            "quad4, of order 1, here");
   file.elements = "2 2 1 2\n2 1 2 1\n1 10 20 30\n2 1 3 1\n2 10 20 30 40\n";
   EXPECT_EQ(message(file.text()),
             "section $Elements: found cells of types tri3 and quad4, allowed: one type a mesh");
@@ -162,11 +167,11 @@ TEST_F(GmshErrors, bad_geometry_and_topology) {
   file.elements = "1 1 1 1\n2 1 2 1\n1 10 20 20\n";
   EXPECT_EQ(message(file.text()),
             "section $Elements: found a degenerate, folded or non-convex tri3 near (0, 0), "
-            "allowed: cells of positive Jacobian");
+            "element 1, allowed: cells of positive Jacobian");
   file.elements = "1 1 1 1\n2 1 3 1\n1 10 30 20 40\n";
   EXPECT_EQ(message(file.text()),
             "section $Elements: found a degenerate, folded or non-convex quad4 near (0, 0), "
-            "allowed: cells of positive Jacobian");
+            "element 1, allowed: cells of positive Jacobian");
   file = {};
   file.elements = "2 2 1 2\n1 1 1 1\n1 20 40\n2 1 2 1\n2 10 20 30\n";
   EXPECT_EQ(message(file.text()),

@@ -15,13 +15,15 @@ using mpm::FacetSettings;
 
 constexpr double modulus = 1e4;
 
+const FacetSettings method{.penalty_factor = 50, .resting_factor = 12, .tangential_factor = 0.5};
+
 /// A surface below soil that fills the unit box from `level` upwards: two facets, bent.
 template <int dim>
 ContactSettings<dim> floor_below(double level, double friction) {
   ContactSettings<dim> settings;
   settings.name = "floor";
   settings.friction = friction;
-  settings.method = FacetSettings{.penalty_factor = 50, .tangential_factor = 0.5};
+  settings.method = method;
   if constexpr (dim == 2) {
     settings.surface.vertices = {{1.2, level}, {0.45, level + 0.01}, {-0.2, level}};
     settings.surface.facets = {0, 1, 1, 2};
@@ -43,8 +45,11 @@ struct Met {
   std::unique_ptr<mpm::Contact<dim>> contact;
   std::vector<char> elastic;
   std::vector<double> moduli{modulus};
+  std::vector<double> weights{100};
 
-  Met(const ContactSettings<dim>& settings, CellType type, mpm::Basis basis, bool is_elastic)
+  /// @param takes_weight  of the step, of 100 Pa
+  Met(const ContactSettings<dim>& settings, CellType type, mpm::Basis basis, bool is_elastic,
+      bool takes_weight = false)
       : soil(type, 3, basis), contact(make_contact(settings)), elastic{is_elastic} {
     soil.fill(type == CellType::tri3 ? 3 : dim == 2 || type == CellType::tet4 ? 4 : 8);
     soil.to_grid();
@@ -56,7 +61,9 @@ struct Met {
                          .dt = 1e-3,
                          .step_force_weight = 1.7,
                          .elastic = elastic,
-                         .moduli = moduli});
+                         .moduli = moduli,
+                         .takes_weight = takes_weight,
+                         .weights_of = weights});
     contact->set_displacement(std::vector<double>(settings.surface.vertices.size() * dim, 0.0));
   }
 };
@@ -126,6 +133,18 @@ TEST(FacetContact, stiffness_is_the_derivative_of_the_force) {
   });
 }
 
+/// At the pressure of the weight, 100 Pa, the law goes over into its tangent: at a depth of
+/// 2 h 100 / (12 M) = 5.6e-4 m, far less than here.
+TEST(FacetContact, stiffness_of_soil_that_took_its_weight) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    for (const double friction : {-1.0, 0.3}) {
+      Met<dim> met(floor_below<dim>(-0.005, friction), type, basis, false, true);
+      check_stiffness(met, pressed_down(met, 0.05));
+      EXPECT_GT(met.contact->counts().closed, 3);
+    }
+  });
+}
+
 /// Both sides get opposite forces; without friction opposite moments too, at the places where soil
 /// and facets meet. The grid's nodes move with the step.
 TEST(FacetContact, action_is_reaction) {
@@ -184,7 +203,7 @@ TEST(FacetContact, inside_corners_push_by_the_shortest_way_out) {
     ContactSettings<2> settings;
     settings.name = "corner";
     settings.friction = 0.2;
-    settings.method = FacetSettings{.penalty_factor = 50, .tangential_factor = 0.5};
+    settings.method = method;
     // Through (0.08, 0): a floor to the right of it, to the left one that rises by `turn`.
     const Vector<2> corner(0.08, 0), left = corner + Vector<2>(-std::cos(turn), std::sin(turn));
     settings.surface.vertices = {{1.2, 0}, corner, left};
@@ -206,8 +225,9 @@ TEST(FacetContact, inside_corners_push_by_the_shortest_way_out) {
     EXPECT_GT(largest, 10) << turn;
     EXPECT_LT(jump, 5e-3 * largest) << turn;
     Met<2> again(settings, CellType::quad4, mpm::Basis::linear, true);
-    const auto du = pressed_down(again, 0.01);
-    check_stiffness(again, du);
+    check_stiffness(again, pressed_down(again, 0.01));
+    Met<2> at_rest(settings, CellType::quad4, mpm::Basis::linear, true, true);
+    check_stiffness(at_rest, pressed_down(at_rest, 0.01));
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/stress/point_motion.hpp"
+#include "mpm_solver/step/surplus_ways.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,12 +54,24 @@ TEST(SurplusWay, is_beyond_what_each_point_could_expect) {
   const auto largest = [&](double way) {
     std::vector<double> du(soil.nodes.m.size() * 2, 0.0);
     for (std::size_t k = 0; k < du.size(); k += 2) du[k] = way;
-    return mpm::largest_surplus_way(soil.points, soil.weights, soil.nodes,
-                                    std::span<const double>(du), dt);
+    return mpm::SurplusWays<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
   };
   EXPECT_NEAR(largest(2 * dt), 0, 1e-12);
   EXPECT_NEAR(largest(2 * dt + 0.3), 0.3, 1e-12);
   EXPECT_NEAR(largest(0), -2 * dt, 1e-12);
+}
+
+/// Whichever nodes move otherwise than in the solution before.
+TEST(SurplusWay, follows_the_nodes_that_move_otherwise) {
+  const SoilPatch<2> soil = with_fast_grain<2>(CellType::quad4);
+  std::vector<double> du(soil.nodes.m.size() * 2, 0.1 * dt);
+  mpm::SurplusWays<2> ways;
+  for (std::size_t k = 0; k <= du.size(); ++k) {
+    const double fresh =
+        mpm::SurplusWays<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
+    EXPECT_EQ(ways.largest({soil.points, soil.weights, soil.nodes, du, dt}), fresh) << k;
+    if (k < du.size()) du[k] = (k % 3 == 0 ? 9 : -1) * dt;
+  }
 }
 
 }  // namespace

@@ -162,6 +162,35 @@ TEST(SoilAtRest, free_of_stress_under_its_weight) {
   EXPECT_EQ(text_of(json), "");
 }
 
+/// The stiffer the soil, the more of its thrust an interface of the usual stiffness leaves out.
+TEST(SoilAtRest, an_interface_that_gives_while_soil_takes_its_weight) {
+  const auto text_of = [](double E, const Json& change) {
+    Json json = {{"dimension", 2},
+                 {"grid", box({0, 0}, {3, 2}, {24, 16}, "quad4")},
+                 {"gravity", {0, -10}},
+                 {"gravity_ramp", {{"duration", 0.5}}},
+                 {"bodies",
+                  {body("soil", box({0, 0}, {2, 1}, {16, 8}, "quad4"), 4,
+                        elastic_soil("hencky_elastic", E, 0.3, 2000))}},
+                 {"interfaces",
+                  {{{"name", "gate"},
+                    {"surface", {{"polyline", {{2, 1.5}, {2, 0}}}, {"spacing", 0.125}}}}}}};
+    json.merge_patch(change);
+    return mpm::soft_interfaces_text<2>(mpm_settings<2>(json), 0.125);
+  };
+  // 10 kPa, depth h sqrt(p / (10 M)) with M = 135 MPa: 0.34 mm; the soil gives 0.148 mm.
+  expect_parts(text_of(1e8, {}), {"at gate", "at 1e+04 Pa", "\"soil\"", "gives by 0.00034 m",
+                                  "over 2 m", "some 86 %", "resting_factor", "initial_stress"});
+  EXPECT_EQ(text_of(1e3, {}), "");
+  EXPECT_EQ(text_of(1e8, {{"gravity_ramp", nullptr}}), "");
+  EXPECT_NE(text_of(1e8, {{"gravity_ramp", nullptr}, {"analysis", "quasi_static"}}), "");
+  EXPECT_EQ(text_of(1e8, {{"gravity", {0, 0}}}), "");
+  Json interface = {{"name", "gate"},
+                    {"surface", {{"polyline", {{2, 1.5}, {2, 0}}}, {"spacing", 0.125}}},
+                    {"resting_factor", 12}};
+  EXPECT_EQ(text_of(1e8, {{"interfaces", {interface}}}), "");
+}
+
 /// Two layers between smooth walls, 1 m of 1500 kg/m^3 on 1 m of 2000 kg/m^3.
 Json layers(double surface) {
   Json lower = body("lower", box({0, 0}, {1, 1}, {2, 2}, "quad4"), 4,

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <sstream>
 
@@ -113,6 +114,28 @@ TEST_F(XdmfSeriesTest, a_mesh_has_its_cells_and_cell_values) {
   EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "connectivity"),
             (std::vector<double>{0, 1, 2, 3}));
   EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "cell/damage"), value);
+}
+
+/// VTK's middle nodes of a hexahedron: bottom edges, top edges, upright ones, then the faces.
+TEST_F(XdmfSeriesTest, middle_nodes_are_written_in_the_order_of_vtk) {
+  const std::vector<double> x(81, 0.0);
+  std::vector<std::int32_t> cell(27);
+  std::iota(cell.begin(), cell.end(), 0);
+  XdmfSeries series(path("."), "mesh");
+  series.write({.dim = 3, .coordinates = x, .cell_type = CellType::hex27, .connectivity = cell});
+  EXPECT_EQ(read_dataset(path("mesh_000000.h5"), "connectivity"),
+            (std::vector<double>{0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26}));
+  EXPECT_EQ(count(text("mesh.xdmf"), "TopologyType=\"Hexahedron_27\""), 1);
+  cell.resize(10);
+  series.write({.time = 1,
+                .dim = 3,
+                .coordinates = std::span(x).first(30),
+                .cell_type = CellType::tet10,
+                .connectivity = cell});
+  EXPECT_EQ(read_dataset(path("mesh_000001.h5"), "connectivity"),
+            (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 9, 8}));
+  EXPECT_EQ(count(text("mesh.xdmf"), "TopologyType=\"Tetrahedron_10\""), 1);
 }
 
 TEST_F(XdmfSeriesTest, size_of_a_frame_is_foretold) {

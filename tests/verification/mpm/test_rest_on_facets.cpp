@@ -154,8 +154,7 @@ Json under_a_ramp(int dim, const std::string& basis, double E, double nu) {
     surface = {{"mesh", box({1, -1, -size}, {1.2, 1, 1 + size}, {1, 2, 4}, "hex8")},
                {"groups", {"left"}}};
   }
-  json["rigid_walls"] = {
-      {{"name", "wall"}, {"surface", surface}, {"mode", "slip"}, {"resting_factor", 12}}};
+  json["rigid_walls"] = {{{"name", "wall"}, {"surface", surface}, {"mode", "slip"}}};
   return json;
 }
 

@@ -119,6 +119,40 @@ TEST(RigidWalls, block_on_an_incline) {
   }
 }
 
+/// VA14: the same with facets and Voellmy's drag rho g / xi, of a block of the height h:
+///
+///     v = v_t tanh(t / T) ,  v_t^2 = h xi (sin - mu cos) ,  T = v_t / (g (sin - mu cos))
+double speed_with_drag(const std::string& scheme) {
+  constexpr double angle = M_PI / 9, g = 9.81, density = 1000, xi = 500, h = 0.5;
+  const Json incline = {{"name", "incline"},
+                        {"surface", {{"polyline", {{26, h}, {0, h}}}, {"spacing", h}}},
+                        {"friction", 0.15},
+                        {"turbulent_drag", density * g / xi}};
+  const auto solver = make_mpm({{"dimension", 2},
+                                {"grid", box({0, 0}, {26, 2.5}, {52, 5}, "quad4")},
+                                {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
+                                {"bodies",
+                                 {body("block", box({0.5, h}, {2.5, h + 1}, {4, 2}, "quad4"), 4,
+                                       elastic_soil("neo_hookean", 1e6, 0.2, density))}},
+                                {"time_integration", {{"scheme", scheme}}},
+                                {"rigid_walls", {incline}}});
+  run_steps(*solver, 0.02, 250);
+  return probe(*solver, "momentum_x") / probe(*solver, "mass");
+}
+
+TEST(RigidWalls, block_on_an_incline_with_turbulent_drag) {
+  for (const std::string scheme : {"bossak", "explicit"}) {
+    verify({.id = "VA14",
+            .what = fmt::format("block of 1 m on an incline of 20 degrees, mu 0.15, xi 500 m/s^2: "
+                                "speed after 5 s, {}",
+                                scheme),
+            .exact = 10.026621 * std::tanh(5 / 5.083308),
+            .computed = speed_with_drag(scheme),
+            .bound = 5e-3,
+            .unit = "m/s"});
+  }
+}
+
 /// A plate presses a column: F = D / (L / (M A) + 1 / (eps A)), penetration F / (eps A); steps so
 /// long and soil so light that inertia vanishes. Then the plate goes back, and the force is gone
 /// within the step that opens the gap.

@@ -232,7 +232,8 @@ TEST(V10_Rolling, ball) {
   Roll roll{.slope = M_PI / 4, .mu = 1, .h = 0.125, .dt = 4e-3, .end = 0.6, .points = 8};
   check<3>(roll, "FLIP", roll_ball(roll), {0.038, 0.031});
   roll.tpic = true;
-  check<3>(roll, "TPIC", roll_ball(roll), {0.02, 0.049});
+  // 0.048 with `resting_factor` 0: the corners on which the ball stands while gravity grows are stiff.
+  check<3>(roll, "TPIC", roll_ball(roll), {0.02, 0.058});
   roll.mu = 0.1;
   roll.tpic = false;
   check<3>(roll, "FLIP", roll_ball(roll), {0.02, 0.27});

@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/side_fields.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace gabion::mpm {
+
+namespace {
+
+// Of the shortest edge of a cell: a node that is no farther before a face lies on it.
+constexpr double tiny_share = 1e-9;
+
+// Of the same: points are looked at from this far beside themselves. Sights along the lines of the
+// grid would else go through corners of simplices, which are on it often.
+constexpr double aside_share = 1e-6;
+
+// A point is at an end of a wall where the nearest face is seen at more than 60 degrees off its
+// normal.
+constexpr double before_cosine = 0.5;
+
+constexpr std::int32_t unknown = -1;
+constexpr std::int32_t no_face = -2;
+
+template <int dim>
+Vector<dim> aside() {
+  if constexpr (dim == 2)
+    return {0.6139, 0.7894};
+  else
+    return {0.5773, 0.3137, 0.7539};
+}
+
+double cross(const Vector<2>& a, const Vector<2>& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+// Whether the line from x to y goes through a simplex.
+bool goes_through(const Vector<2>& x, const Vector<2>& y, const std::array<Vector<2>, 2>& corners) {
+  const Vector<2> way = y - x;
+  return (cross(way, corners[0] - x) >= 0) != (cross(way, corners[1] - x) >= 0);
+}
+
+bool goes_through(const Vector<3>& x, const Vector<3>& y, const std::array<Vector<3>, 3>& corners) {
+  const Vector<3> way = y - x;
+  const auto side = [&](int a, int b) {
+    return way.dot((corners[a] - x).cross(corners[b] - x)) >= 0;
+  };
+  return side(0, 1) == side(1, 2) && side(1, 2) == side(2, 0);
+}
+
+// Give the entries of a group another order.
+template <int dim>
+void reorder(const CellGroup& group, std::span<const std::int32_t> order,
+             PointWeights<dim>& weights) {
+  const PointWeights<dim> old = [&] {
+    PointWeights<dim> part;
+    const auto copy = [&](const auto& from, auto& to, std::int32_t first, std::int32_t last) {
+      to.assign(from.begin() + first, from.begin() + last);
+    };
+    const std::int32_t begin = weights.starts[group.first], end = weights.starts[group.last];
+    copy(weights.point, part.point, group.first, group.last);
+    copy(weights.volume, part.volume, group.first, group.last);
+    copy(weights.starts, part.starts, group.first, group.last + 1);
+    copy(weights.local, part.local, begin, end);
+    copy(weights.N, part.N, begin, end);
+    copy(weights.grad_N, part.grad_N, begin, end);
+    for (std::int32_t& start : part.starts) start -= begin;
+    return part;
+  }();
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::int32_t from = order[k], to = group.first + static_cast<std::int32_t>(k);
+    const std::int32_t first = weights.starts[to];
+    weights.point[to] = old.point[from];
+    weights.volume[to] = old.volume[from];
+    const int n = old.num_nodes(from);
+    std::copy_n(old.local_of(from), n, weights.local.begin() + first);
+    std::copy_n(old.N_of(from), n, weights.N.begin() + first);
+    std::copy_n(old.grad_of(from), n, weights.grad_N.begin() + first);
+    weights.starts[to + 1] = first + n;
+  }
+}
+
+}  // namespace
+
+template <int dim>
+SideFields<dim>::SideFields(const std::vector<StartSurface<dim>>& surfaces,
+                            const BackgroundGrid<dim>& grid, double cell_size)
+    : grid_(grid), faces_(surfaces) {
+  pairs_ = thin_pairs(faces_, cell_size);
+  std::erase_if(pairs_,
+                [&](const FacePair& pair) { return !faces_.can_have_fields(pair, surfaces); });
+  which_ = members(pairs_);
+  for (const std::int32_t s : which_) surfaces_.push_back(faces_.surface[s]);
+  surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+  reach_ = (grid.basis == Basis::linear ? 1 : 2) * grid.box->spacing.norm();
+  tiny_ = tiny_share * grid.box->spacing.minCoeff();
+}
+
+// Take the accepted places of the surfaces, and list the faces that act.
+template <int dim>
+void SideFields<dim>::follow(const Surfaces<dim>& surfaces) {
+  bool same = hash_.has_value();
+  std::vector<char> acts(faces_.first_vertex.size(), 0);
+  for (const std::size_t k : surfaces_) {
+    const auto x = surfaces.accepted_vertices(k);
+    acts[k] = x.empty() ? 0 : 1;
+    const auto own = faces_.vertices.begin() + faces_.first_vertex[k];
+    if (std::equal(x.begin(), x.end(), own)) continue;
+    std::copy(x.begin(), x.end(), own);
+    same = false;
+  }
+  std::vector<Simplex<dim>> acting;
+  std::vector<std::int32_t> place(faces_.simplices.size(), no_face);
+  for (const std::int32_t s : which_) {
+    if (acts[faces_.surface[s]] == 0) continue;
+    place[s] = static_cast<std::int32_t>(acting.size());
+    acting.push_back(faces_.simplices[s]);
+  }
+  if (same && acting == acting_) return;
+  acting_ = std::move(acting);
+  acting_pairs_.clear();
+  for (const auto& [front, back, thickness] : pairs_) {
+    if (place[front] < 0 || place[back] < 0) continue;
+    acting_pairs_.push_back({place[front], place[back], thickness});
+  }
+  bounds_ = bounds_of<dim>(acting_, faces_.vertices);
+  hash_.emplace(acting_, faces_.vertices, 2 * reach_);
+}
+
+// The face that is nearest to a node, of several the one that the node is before; or no_face.
+template <int dim>
+std::int32_t SideFields<dim>::face_of(std::int32_t node) {
+  std::int32_t& known = face_of_.at(node);
+  if (known != unknown) return known;
+  const Vector<dim> x = grid_.node(node);
+  double nearest = std::numeric_limits<double>::infinity(), most_before = 0;
+  known = no_face;
+  for (const std::int32_t s : hash_->near(x)) {
+    const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
+    const double distance = (closest_place<dim>(corners, x).x - x).norm();
+    const double before = (x - corners[0]).dot(bounds_[s].normal);
+    const bool as_near = distance < nearest + tiny_ && before > most_before + tiny_;
+    if (distance >= nearest - tiny_ && !as_near) continue;
+    nearest = std::min(distance, nearest);
+    most_before = before;
+    known = s;
+  }
+  return known;
+}
+
+// Whether a point sees a node through thin walls, so that it is not on the side that the node's
+// face looks to. Walls that were entered and not left again end around the node: then the face that
+// was entered last tells the side. A wall may be left through an end, which is no face.
+template <int dim>
+bool SideFields<dim>::is_far_side(const Vector<dim>& x, std::int32_t node,
+                                  std::span<const std::int32_t> faces) {
+  const Vector<dim> y = grid_.node(node);
+  int entered = 0, left = 0;
+  double last_share = -1;
+  std::int32_t last = no_face;
+  for (const std::int32_t s : faces) {
+    const Vector<dim>& n = bounds_[s].normal;
+    const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
+    const double from = (x - corners[0]).dot(n), to = (y - corners[0]).dot(n);
+    const bool enters = from > tiny_;
+    if (enters == (to > tiny_) || !goes_through(x, y, corners)) continue;
+    if (!enters) {
+      ++left;
+      continue;
+    }
+    ++entered;
+    const double share = from / (from - to);
+    if (share > last_share) {
+      last_share = share;
+      last = s;
+    }
+  }
+  if (entered <= left) return entered % 2 != 0;
+  return bounds_[last].normal.dot(bounds_[face_of(node)].normal) < 0;
+}
+
+template <int dim>
+bool SideFields<dim>::is_at_end(const Vector<dim>& x) const {
+  double nearest = reach_;
+  bool at_end = false;
+  for (const std::int32_t s : hash_->near(x)) {
+    if (bounds_[s].is_beyond(x, nearest + tiny_)) continue;
+    const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
+    const Vector<dim> way = x - closest_place<dim>(corners, x).x;
+    const double distance = way.norm();
+    if (distance > nearest + tiny_) continue;
+    const bool before = way.dot(bounds_[s].normal) >= before_cosine * distance;
+    at_end = distance < nearest - tiny_ ? !before : at_end && !before;
+    nearest = std::min(nearest, distance);
+  }
+  return at_end;
+}
+
+template <int dim>
+typename SideFields<dim>::NearGroup SideFields<dim>::look_at(const CellGroup& group,
+                                                             std::span<const std::int32_t> faces,
+                                                             const MaterialPoints<dim>& points,
+                                                             const PointWeights<dim>& weights) {
+  NearGroup near;
+  const auto nodes = weights.nodes_of(group);
+  const Vector<dim> beside = aside_share * grid_.box->spacing.minCoeff() * aside<dim>();
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    const Vector<dim> x = points.x[weights.point[e]] + beside;
+    Sides sides = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (is_far_side(x, nodes[k], faces)) sides |= Sides{1} << k;
+    }
+    near.sides.push_back(sides);
+    const bool at_end = is_at_end(x);
+    for (int i = 0; i < weights.num_nodes(e); ++i) {
+      if (weights.N_of(e)[i] <= 0) continue;
+      const int k = weights.local_of(e)[i];
+      char& reached = reached_.at(nodes[k]);
+      reached |= (sides >> k & 1) != 0 ? by_far_side : by_near_side;
+      if (at_end) reached |= by_end;
+    }
+  }
+  return near;
+}
+
+// Faces that a sight from a point of the group to one of its nodes may go through.
+template <int dim>
+std::vector<std::int32_t> SideFields<dim>::faces_near(const CellGroup& group) const {
+  const Vector<dim> middle = grid_.node(grid_.cell(group.cell)[0]) + grid_.box->spacing / 2;
+  std::vector<std::int32_t> faces;
+  for (const std::int32_t s : hash_->near(middle)) {
+    if (!bounds_[s].is_beyond(middle, 2 * reach_)) faces.push_back(s);
+  }
+  return faces;
+}
+
+// Whether there are points before both faces of a pair, so that a node may be doubled.
+template <int dim>
+bool SideFields<dim>::has_two_sides(const MaterialPoints<dim>& points,
+                                    const PointWeights<dim>& weights) const {
+  std::vector<char> has_soil(acting_.size(), 0);
+  for (const CellGroup& group : weights.groups) {
+    for (const std::int32_t s : faces_near(group)) {
+      const Vector<dim>& corner = faces_.vertices[acting_[s][0]];
+      for (std::int32_t e = group.first; e < group.last && has_soil[s] == 0; ++e) {
+        const Vector<dim> way = points.x[weights.point[e]] - corner;
+        has_soil[s] = way.dot(bounds_[s].normal) > 0 ? 1 : 0;
+      }
+    }
+  }
+  return std::ranges::any_of(acting_pairs_, [&](const FacePair& pair) {
+    return has_soil[pair.front] != 0 && has_soil[pair.back] != 0;
+  });
+}
+
+// Look at the groups that are near thin walls.
+template <int dim>
+void SideFields<dim>::look(const MaterialPoints<dim>& points, const PointWeights<dim>& weights) {
+  near_.clear();
+  reached_.assign(grid_.num_nodes_total(), 0);
+  face_of_.assign(grid_.num_nodes_total(), unknown);
+  for (std::int32_t g = 0; g < std::ssize(weights.groups); ++g) {
+    const CellGroup& group = weights.groups[g];
+    const std::vector<std::int32_t> faces = faces_near(group);
+    if (faces.empty()) continue;
+    near_.push_back(look_at(group, faces, points, weights));
+    near_.back().group = g;
+  }
+}
+
+// Points that are far from all thin walls are on the near side of all their nodes.
+template <int dim>
+void SideFields<dim>::reach_from_afar(const PointWeights<dim>& weights) {
+  auto near = near_.begin();
+  for (std::int32_t g = 0; g < std::ssize(weights.groups); ++g) {
+    if (near != near_.end() && near->group == g) {
+      ++near;
+      continue;
+    }
+    for (const std::int32_t node : weights.nodes_of(weights.groups[g])) {
+      if (reached_[node] != 0) reached_.at(node) |= by_near_side;
+    }
+  }
+}
+
+// The groups of points that see the doubled nodes of a group in the same way, with their nodes.
+template <int dim>
+void SideFields<dim>::part(const CellGroup& group, NearGroup& near, PointWeights<dim>& weights,
+                           PointWeights<dim>& parted) const {
+  const auto nodes = weights.nodes_of(group);
+  Sides doubled = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (is_doubled(nodes[k])) doubled |= Sides{1} << k;
+  }
+  for (Sides& sides : near.sides) sides &= doubled;
+  std::vector<std::int32_t> order(near.sides.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](std::int32_t e) { return near.sides[e]; });
+  if (!std::ranges::is_sorted(order)) reorder<dim>(group, order, weights);
+  for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
+    const Sides sides = near.sides[order[from]];
+    while (to < order.size() && near.sides[order[to]] == sides) ++to;
+    CellGroup own = group;
+    own.first = group.first + static_cast<std::int32_t>(from);
+    own.last = group.first + static_cast<std::int32_t>(to);
+    own.first_node = static_cast<std::int32_t>(parted.group_nodes.size());
+    std::uint8_t number[max_group_nodes<dim>];
+    const auto begin = weights.local.begin() + weights.starts[own.first];
+    const auto end = weights.local.begin() + weights.starts[own.last];
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (std::find(begin, end, static_cast<std::uint8_t>(k)) == end) continue;
+      number[k] = static_cast<std::uint8_t>(parted.group_nodes.size() - own.first_node);
+      const bool far = (sides >> k & 1) != 0;
+      parted.group_nodes.push_back(nodes[k] + (far ? grid_.num_nodes_total() : 0));
+    }
+    own.num_nodes = static_cast<std::int32_t>(parted.group_nodes.size()) - own.first_node;
+    std::transform(begin, end, begin, [&](std::uint8_t k) { return number[k]; });
+    parted.groups.push_back(own);
+  }
+}
+
+template <int dim>
+void SideFields<dim>::split(const Surfaces<dim>& surfaces, const MaterialPoints<dim>& points,
+                            PointWeights<dim>& weights) {
+  follow(surfaces);
+  num_doubled_ = 0;
+  if (acting_pairs_.empty() || !has_two_sides(points, weights)) return;
+  look(points, weights);
+  reach_from_afar(weights);
+  reached_.for_each([&](std::size_t node, char) {
+    num_doubled_ += is_doubled(static_cast<std::int32_t>(node)) ? 1 : 0;
+  });
+  if (num_doubled_ == 0) return;
+  PointWeights<dim> parted;
+  parted.body_groups.push_back(0);
+  auto near = near_.begin();
+  for (std::size_t b = 0; b + 1 < weights.body_groups.size(); ++b) {
+    for (std::int32_t g = weights.body_groups[b]; g < weights.body_groups[b + 1]; ++g) {
+      if (near != near_.end() && near->group == g) {
+        part(weights.groups[g], *near++, weights, parted);
+        continue;
+      }
+      const auto nodes = weights.nodes_of(weights.groups[g]);
+      parted.groups.push_back(weights.groups[g]);
+      parted.groups.back().first_node = static_cast<std::int32_t>(parted.group_nodes.size());
+      parted.group_nodes.insert(parted.group_nodes.end(), nodes.begin(), nodes.end());
+    }
+    parted.body_groups.push_back(static_cast<std::int32_t>(parted.groups.size()));
+  }
+  weights.groups = std::move(parted.groups);
+  weights.group_nodes = std::move(parted.group_nodes);
+  weights.body_groups = std::move(parted.body_groups);
+  weights.num_fields = 2;
+}
+
+template class SideFields<2>;
+template class SideFields<3>;
+
+}  // namespace gabion::mpm

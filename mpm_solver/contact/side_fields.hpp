@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/contact/thin_pairs.hpp"
+#include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/grid/sparse_list.hpp"
+
+namespace gabion::mpm {
+
+/// Gives soil on the two sides of a thin wall nodes of its own (docs/theory/interface.md, fields by
+/// side). A wall is thin where ThinWalls finds it so. A node is doubled where points of both sides
+/// weigh on it, by the sight between point and node through the faces of thin walls, and none that
+/// is at an end of the wall: the points on one side of it keep the node n, those on the other get
+/// n + num_nodes_total(). Refers to the settings of the surfaces and to the grid.
+template <int dim>
+class SideFields {
+ public:
+  /// Faces of surfaces with another method than `facets` do not count.
+  /// @param grid       a box
+  /// @param cell_size  mean [m]
+  SideFields(const std::vector<StartSurface<dim>>& surfaces, const BackgroundGrid<dim>& grid,
+             double cell_size);
+
+  /// Whether there is a thin wall.
+  bool any() const { return !which_.empty(); }
+  /// Double nodes, and part the groups of cells that have points on both sides, or that see a
+  /// doubled node in several ways.
+  /// @param surfaces         in the accepted state
+  /// @param[in,out] weights  of the points, as evaluate_basis left them
+  void split(const Surfaces<dim>& surfaces, const MaterialPoints<dim>& points,
+             PointWeights<dim>& weights);
+  /// Nodes that the last split() doubled.
+  std::int32_t num_doubled() const { return num_doubled_; }
+
+ private:
+  /// Bit k: the point of an entry is on the far side of the group's node k.
+  using Sides = std::uint64_t;
+  /// A group near a thin wall, with the sides of its entries.
+  struct NearGroup {
+    std::int32_t group = 0;
+    std::vector<Sides> sides;
+  };
+  /// How points weigh on a node, as bits.
+  enum Reached : char { by_near_side = 1, by_far_side = 2, by_end = 4 };
+
+  std::vector<std::int32_t> faces_near(const CellGroup& group) const;
+  bool has_two_sides(const MaterialPoints<dim>& points, const PointWeights<dim>& weights) const;
+  void follow(const Surfaces<dim>& surfaces);
+  void look(const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
+  NearGroup look_at(const CellGroup& group, std::span<const std::int32_t> faces,
+                    const MaterialPoints<dim>& points, const PointWeights<dim>& weights);
+  void reach_from_afar(const PointWeights<dim>& weights);
+  bool is_far_side(const Vector<dim>& x, std::int32_t node, std::span<const std::int32_t> faces);
+  bool is_at_end(const Vector<dim>& x) const;
+  std::int32_t face_of(std::int32_t node);
+  bool is_doubled(std::int32_t node) const {
+    return reached_[node] == (by_near_side | by_far_side);
+  }
+  void part(const CellGroup& group, NearGroup& near, PointWeights<dim>& weights,
+            PointWeights<dim>& parted) const;
+
+  const BackgroundGrid<dim>& grid_;
+  Faces<dim> faces_;
+  std::vector<FacePair> pairs_;             // of faces_
+  std::vector<std::int32_t> which_;         // simplices of thin walls, ascending
+  std::vector<std::size_t> surfaces_;       // that have some of them
+  double reach_ = 0;                        // no point is farther from its nodes [m]
+  double tiny_ = 0;                         // faces that are nearer to a node touch it [m]
+  std::vector<Simplex<dim>> acting_;        // of which_, of surfaces that were not dropped
+  std::vector<FacePair> acting_pairs_;      // of acting_
+  std::optional<FacetHash<dim>> hash_;      // of acting_
+  std::vector<SimplexBounds<dim>> bounds_;  // of acting_
+
+  // of the last split
+  std::vector<NearGroup> near_;
+  SparseList<char> reached_;          // of each grid node
+  SparseList<std::int32_t> face_of_;  // of each grid node: the nearest of acting_, or unknown
+  std::int32_t num_doubled_ = 0;
+};
+
+}  // namespace gabion::mpm

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/thin_pairs.hpp"
+
+#include <algorithm>
+
+#include "mpm_solver/contact/facet_hash.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Functions of a cell reach over the next one: soil on both sides of a wall that is thinner than
+// two cells shares nodes.
+constexpr double thin_cells = 2;
+
+// Faces of a wall look away from each other to within 25 degrees, along the way through it.
+constexpr double opposite_cosine = 0.9;
+
+}  // namespace
+
+template <int dim>
+Faces<dim>::Faces(const std::vector<StartSurface<dim>>& surfaces) {
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    first_simplex.push_back(static_cast<std::int32_t>(simplices.size()));
+    first_vertex.push_back(static_cast<std::int32_t>(vertices.size()));
+    num_simplices.push_back(0);
+    if (surfaces[k].settings.mode == ContactMode::fixed) continue;
+    for (Simplex<dim> simplex : mpm::simplices(surfaces[k].settings.surface)) {
+      for (std::int32_t& vertex : simplex) vertex += first_vertex.back();
+      simplices.push_back(simplex);
+      surface.push_back(k);
+      ++num_simplices.back();
+    }
+    vertices.insert(vertices.end(), surfaces[k].vertices.begin(), surfaces[k].vertices.end());
+  }
+  bounds = bounds_of<dim>(simplices, vertices);
+}
+
+template <int dim>
+bool Faces<dim>::can_have_fields(const FacePair& pair,
+                                 const std::vector<StartSurface<dim>>& surfaces) const {
+  const auto by_facets = [&](std::int32_t s) {
+    return std::holds_alternative<FacetSettings>(surfaces[surface[s]].settings.method);
+  };
+  return by_facets(pair.front) && by_facets(pair.back);
+}
+
+template <int dim>
+std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
+  const double limit = thin_cells * cell_size;
+  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit);
+  std::vector<FacePair> pairs;
+  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
+    const SimplexBounds<dim>& front = faces.bounds[s];
+    for (const std::int32_t t : hash.near(front.centre)) {
+      const SimplexBounds<dim>& back = faces.bounds[t];
+      if (front.normal.dot(back.normal) > -opposite_cosine) continue;
+      if (back.is_beyond(front.centre, limit)) continue;
+      const Vector<dim> through = front.centre - faces.closest(t, front.centre);
+      const double thickness = through.norm();
+      const bool behind = through.dot(front.normal) >= opposite_cosine * thickness;
+      if (behind && thickness < (1 - 1e-6) * limit) pairs.push_back({s, t, thickness});
+    }
+  }
+  return pairs;
+}
+
+std::vector<std::int32_t> members(const std::vector<FacePair>& pairs) {
+  std::vector<std::int32_t> all;
+  for (const FacePair& pair : pairs) all.insert(all.end(), {pair.front, pair.back});
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+template struct Faces<2>;
+template struct Faces<3>;
+template std::vector<FacePair> thin_pairs<2>(const Faces<2>&, double);
+template std::vector<FacePair> thin_pairs<3>(const Faces<3>&, double);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright faces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plotting.contact import facet_vectors
+from plotting.results import Frame, Results, Series, Table
+from plotting.view import AXES, up_axis
+
+UPRIGHT = 0.5  # largest vertical part of the unit normal of a facet of an upright face
+SAME = 0.87  # cosine between normals of one face
+HEIGHTS = 60  # at most, over which the pressure on a face is given
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Force and moment of the soil on a surface over time, components x dim and x 1 or 3, the moment about `about` [m]."""
+
+    name: str
+    time: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+    about: np.ndarray
+
+    def moment_about(self, place: np.ndarray) -> np.ndarray:
+        """Moment about another place [N m]."""
+        arm = place - self.about
+        if len(arm) == 2:
+            return self.moment - (arm[0] * self.force[:, 1] - arm[1] * self.force[:, 0])[:, None]
+        return self.moment - np.cross(arm, self.force)
+
+
+def moment_places(results: Results) -> dict[str, np.ndarray]:
+    """Name of an interface or rigid wall -> the place about which the tables give its moment [m]."""
+    origin = [0.0] * results.dim
+    entries = [*results.settings("coupler.json").get("interfaces", []), *results.settings("mpm.json").get("rigid_walls", [])]
+    return {each["name"]: np.array(each.get("moment_about") or origin, dtype=float)[:results.dim]
+            for each in entries if "name" in each}
+
+
+def all_loads(results: Results) -> list[Loads]:
+    """Of the interfaces, then of the rigid walls, as far as the tables have force and moment of them."""
+    dim = results.dim
+    turning = ("mz",) if dim == 2 else ("mx", "my", "mz")
+    places = moment_places(results)
+    found = []
+    for table in (results.table("steps.csv"), results.table("probes.csv")):
+        if table is None or not table.num_rows:
+            continue
+        for prefix in dict.fromkeys(name.rpartition(".")[0] for name in table.names if name.endswith(".mz")):
+            name = prefix.rpartition(".")[2]
+            columns = [f"{prefix}.f{axis}" for axis in AXES[:dim]], [f"{prefix}.{axis}" for axis in turning]
+            if name in places and all(column in table for column in (*columns[0], *columns[1])):
+                force, moment = (np.column_stack([table[column] for column in group]) for group in columns)
+                found.append(Loads(name, table["time"], force, moment, places[name]))
+    return found
+
+
+def foot_of(frame: Frame, up: int, dim: int) -> np.ndarray:
+    """Middle of the lowest points of a surface [m]."""
+    points = frame.points[np.unique(frame.cells)]
+    height = points[:, up]
+    lowest = points[height <= height.min() + 1e-6 * max(float(np.ptp(points, axis=0).max()), 1e-12)]
+    return ((lowest.min(axis=0) + lowest.max(axis=0)) / 2)[:dim]
+
+
+def moments(results: Results) -> list[tuple[str, np.ndarray, Table | np.ndarray, np.ndarray]]:
+    """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment."""
+    up, contacts, found = up_axis(results.dim, results.gravity), results.contacts, []
+    for loads in all_loads(results):
+        if loads.name not in contacts or not len(contacts[loads.name]):
+            continue
+        foot = foot_of(contacts[loads.name].frame(0), up, results.dim)
+        moment = loads.moment_about(foot)
+        if np.any(moment != 0):
+            found.append((loads.name, loads.time, moment, foot))
+    return found
+
+
+@dataclass(frozen=True)
+class Face:
+    """Pressure on an upright face: mean over the facets at each height, frame x height [Pa].
+
+    side: the axis to which it looks; height: above the lowest point of the surface [m]; times: of the frames [s].
+    """
+
+    surface: str
+    side: str
+    height: np.ndarray
+    times: np.ndarray
+    pressure: np.ndarray
+
+
+def normals_of(frame: Frame, dim: int) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals into the soil and sizes of facets [m] or [m^2]."""
+    vectors = facet_vectors(frame.points, frame.cells)
+    if dim == 2:  # the soil lies to the right of a line
+        vectors = np.column_stack([vectors[:, 1], -vectors[:, 0], np.zeros(len(vectors))])
+    size = np.linalg.norm(vectors, axis=1)
+    return vectors / np.where(size > 0, size, 1)[:, None], size
+
+
+def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
+    """Upright faces of a surface, by the side to which they look."""
+    first = series.frame(0)
+    normals, size = normals_of(first, dim)
+    centres = first.points[first.cells].mean(axis=1)[:, up] - first.points[:, up].min()
+    left = np.flatnonzero((np.abs(normals[:, up]) <= UPRIGHT) & (size > 0))
+    values = np.array([series.frame(k).fields["pressure"] for k in range(len(series))])
+    found = []
+    while len(left):
+        like = normals[left] @ normals[left[0]] > SAME
+        face, left = left[like], left[~like]
+        heights = np.unique(centres[face].round(9))
+        if len(heights) > HEIGHTS:
+            edges = np.linspace(heights[0], heights[-1], HEIGHTS + 1)
+            heights = (edges[1:] + edges[:-1]) / 2
+            row = np.clip(np.searchsorted(edges, centres[face], side="right") - 1, 0, HEIGHTS - 1)
+        else:
+            row = np.argmin(np.abs(centres[face][:, None] - heights[None, :]), axis=1)
+        area = np.bincount(row, size[face], len(heights))
+        total = np.array([np.bincount(row, size[face] * each[face], len(heights)) for each in values])
+        kept = area > 0
+        axis = int(np.argmax(np.abs(normals[face[0]])))
+        side = ("-" if normals[face[0], axis] < 0 else "+") + AXES[axis]
+        found.append(Face(name, side, heights[kept], series.times, total[:, kept] / area[kept]))
+    return found
+
+
+def touched_faces(results: Results) -> list[Face]:
+    """Of interfaces and rigid walls, those that soil pressed on."""
+    up = up_axis(results.dim, results.gravity)
+    faces = [face for name, series in results.contacts.items() if len(series)
+             for face in faces_of(name, series, results.dim, up)]
+    return [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]

@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/calibrate: known parameters are found again, and what the tests do not say is said.
+
+    test_calibrate.py PROGRAMS      folder of the built programs
+"""
+
+import json
+import unittest
+from unittest import mock
+
+import element_case
+import numpy as np
+from element_case import SAND, ElementCase
+
+from element import calibration
+from element.calibration import Model, calibrate
+from element.calibration_plan import read_calibration
+from element.curves import read_laboratory
+from element.laboratory import ElementError
+from sampling.reader import PlanError
+
+GUESS = SAND | {"young_modulus": 1e7, "friction_angle": 28, "cohesion": 500}
+FRICTION = {"phi": {"set": "/friction_angle", "between": [20, 45]}, "c": {"set": "/cohesion", "between": [100, 5e4]}}
+STIFFNESS = {"E": {"set": "/young_modulus", "between": [1e6, 1e8]}}
+
+
+class Calibrations(ElementCase):
+    def laboratory(self, confine: float, noise: float = 0.0, columns: tuple[str, ...] = ("q",),
+                   last: float = 0.06) -> dict:
+        """A table of a triaxial test on SAND, and its entry in a plan."""
+        rng = np.random.default_rng(int(confine))
+        curves = self.curves("triaxial", confine=confine, strain=0.06)
+        x = np.linspace(0.001, last, 25)
+        found = [np.interp(x, curves["eps_a"], curves[name]) for name in columns]
+        found = [y + noise * np.ptp(y) * rng.normal(size=len(y)) for y in found]
+        found = [y / 1e3 if name == "q" else y for name, y in zip(columns, found)]
+        head = ",".join(["eps_a[%]", *(f"{name}[{'kPa' if name == 'q' else '-'}]" for name in columns)])
+        rows = "".join(",".join(f"{value:.10g}" for value in row) + "\n" for row in zip(100 * x, *found))
+        name = f"lab_{confine:g}.csv"
+        self.write(name, f"# made up\n{head}\n{rows}")
+        return {"lab": name, "test": "triaxial", "confine": confine, "strain": 0.06}
+
+    def plan(self, tests: list[dict], parameters: dict, **keys: object):
+        values = {"material": GUESS, "parameters": parameters, "tests": tests, "samples": 8, "polished": 1, **keys}
+        return read_calibration(self.write_json("plan.json", values))
+
+    def fit(self, *args: object, **keys: object) -> calibration.Fit:
+        plan = self.plan(*args, **keys)
+        return calibrate(plan, Model(plan, element_case.PROGRAMS))
+
+    def test_exact_data_give_the_parameters(self) -> None:
+        fit = self.fit([self.laboratory(5e4), self.laboratory(2e5)], FRICTION | STIFFNESS)
+        for name, key in (("phi", "friction_angle"), ("c", "cohesion"), ("E", "young_modulus")):
+            self.assertAlmostEqual(fit.values[name] / SAND[key], 1, delta=1e-3, msg=name)
+        self.assertLess(max(fit.misfit.values()), 1e-3)
+        self.assertEqual(fit.remarks, [])
+
+    def test_noisy_data_give_them_within_their_confidence(self) -> None:
+        fit = self.fit([self.laboratory(5e4, 0.02), self.laboratory(2e5, 0.02)], FRICTION | STIFFNESS)
+        for name, key in (("phi", "friction_angle"), ("c", "cohesion"), ("E", "young_modulus")):
+            low, high = fit.interval[name]
+            self.assertTrue(low < SAND[key] < high, f"{name}: {low} {high}")
+            self.assertGreater(high - low, 1e-3 * SAND[key])
+        self.assertAlmostEqual(fit.misfit["triaxial_0 q"], 0.02, delta=0.01)
+
+    def test_one_cell_pressure_does_not_tell_friction_from_cohesion(self) -> None:
+        fit = self.fit([self.laboratory(1e5, 0.01)], FRICTION)
+        self.assertTrue(any("phi, c: not identified by these tests" in remark for remark in fit.remarks), fit.remarks)
+
+    def test_elastic_data_say_nothing_of_strength(self) -> None:
+        cohesion = {"c": {"set": "/cohesion", "between": [2e4, 5e4]}}
+        fit = self.fit([self.laboratory(2e5, last=0.01)], cohesion | STIFFNESS)
+        self.assertTrue(any(remark.startswith("c: not identified") for remark in fit.remarks), fit.remarks)
+        self.assertFalse(any(remark.startswith("E") for remark in fit.remarks), fit.remarks)
+
+    def test_a_bound_that_is_reached_is_said(self) -> None:
+        fit = self.fit([self.laboratory(5e4), self.laboratory(2e5)],
+                       {"phi": {"set": "/friction_angle", "between": [20, 30]}})
+        self.assertTrue(any("at the bound 30" in remark for remark in fit.remarks), fit.remarks)
+
+    def test_values_that_the_law_refuses_are_gone_round(self) -> None:
+        """Dilation above friction is refused by the program: such samples do not end the search."""
+        parameters = {"phi": {"set": "/friction_angle", "between": [2, 45]},
+                      "psi": {"set": "/dilation_angle", "between": [0, 40], "scale": "linear"}}
+        material = GUESS | {"young_modulus": SAND["young_modulus"], "cohesion": SAND["cohesion"]}
+        fit = self.fit([self.laboratory(1e5, columns=("q", "eps_v"))], parameters, material=material)
+        self.assertAlmostEqual(fit.values["phi"], 33, delta=0.1)
+        self.assertAlmostEqual(fit.values["psi"], 6, delta=0.1)
+
+    def test_no_sample_with_an_answer(self) -> None:
+        with self.assertRaisesRegex(ElementError, "none of 8 samples.*poisson_ratio"):
+            self.fit([self.laboratory(1e5)], {"nu": {"set": "/poisson_ratio", "between": [0.6, 0.9]}})
+
+    def test_the_script_writes_what_it_found(self) -> None:
+        self.plan([self.laboratory(5e4), self.laboratory(2e5)], FRICTION | STIFFNESS)
+        result = self.python_script("calibrate", self.folder / "plan.json", "--output", self.folder / "out",
+                                    "--programs", element_case.PROGRAMS)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        record = json.loads((self.folder / "out" / "calibration.json").read_text())
+        self.assertAlmostEqual(record["material"]["friction_angle"], 33, delta=0.05)
+        self.assertTrue((self.folder / "out" / "triaxial_1.png").exists())
+
+
+class WrongPlans(ElementCase):
+    """Nothing is run."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.write("lab.csv", "eps_a[-],q[kPa]\n0,0\n0.01,50\n0.02,80\n0.03,90\n")
+        self.values = {"material": GUESS, "parameters": {**STIFFNESS},
+                       "tests": [{"lab": "lab.csv", "test": "triaxial", "confine": 1e5}]}
+        patch = mock.patch.object(calibration, "run_program", side_effect=AssertionError)
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def expect(self, part: str, **change: object) -> None:
+        path = self.write_json("plan.json", self.values | change)
+        with self.assertRaisesRegex((PlanError, ElementError), part):
+            read_calibration(path)
+
+    def test_plans(self) -> None:
+        read_calibration(self.write_json("plan.json", self.values))
+        bad = {"set": "/young_modulus", "between": [1e6, 1e8]}
+        self.expect("parameters", parameters={})
+        self.expect("two that set the same", parameters={"a": bad, "b": bad})
+        self.expect("between: found .*low < high", parameters={"a": bad | {"between": [2, 1]}})
+        self.expect("/set: found", parameters={"a": bad | {"set": "/softening/slip"}})
+        self.expect("scale", parameters={"a": bad | {"between": [-1, 1], "scale": "log"}})
+        self.expect("unknown", paramters={})
+        self.expect("material and scene|found material and scene", scene="x")
+        self.expect("polished: found 30, allowed: at most", polished=30)
+        self.expect("allowed: more values", parameters={k: {"set": f"/{k}", "between": [1, 2]} for k in "abcde"})
+        test = self.values["tests"][0]
+        self.expect("tests/0/confine", tests=[{"lab": "lab.csv", "test": "triaxial"}])
+        self.expect("tests/0/hold", tests=[test | {"hold": 3}])
+        self.expect("tests/0/over", tests=[test | {"over": "u"}])
+        self.expect("names of their own", tests=[test | {"name": "a"}, test | {"name": "a"}])
+        self.expect("no.csv", tests=[test | {"lab": "no.csv"}])
+
+    def test_tables(self) -> None:
+        for text, part in (("eps_a[-],q\n0,0\n1,1\n2,2\n", "'q'"), ("eps_a[-],q[psi]\n0,0\n1,1\n2,2\n", "psi"),
+                           ("eps_a[-],eps_a[%]\n0,0\n1,1\n2,2\n", "twice"),
+                           ("eps_a[-],q[Pa]\n0,0\n1,x\n2,2\n", "row 2"),
+                           ("eps_a[-],q[Pa]\n0,0\n1,nan\n2,2\n", "finite"), ("eps_a[-],q[Pa]\n0,0\n1\n2,2\n", "row 2"),
+                           ("eps_a[-],q[Pa]\n0,0\n", "at least 3 rows"), ("", "at least 3 rows")):
+            with self.assertRaisesRegex(ElementError, part):
+                read_laboratory(self.write("bad.csv", text))
+        table = read_laboratory(self.write("lab.csv", "# made\neps_a[%], q [MPa]\n0,0\n1,0.1\n2,0.2\n"))
+        np.testing.assert_allclose(table.columns["eps_a"], [0, 0.01, 0.02])
+        np.testing.assert_allclose(table.columns["q"], [0, 1e5, 2e5])
+
+
+if __name__ == "__main__":
+    element_case.take_programs()
+    unittest.main()

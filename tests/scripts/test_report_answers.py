@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/report: its answers, the moment of each surface about its own foot, pressure over the height of faces."""
+
+import csv
+import json
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from made_up_results import AMPLITUDE, CONTACT, END, FORCE, write_results
+from script_case import ScriptCase
+
+from plotting.results import Frame, Results
+from reporting.answers import answers, resultant, stability
+from reporting.curves import chart, charts, compared
+from reporting.surfaces import Loads, faces_of, foot_of, moments
+
+
+class Frames:
+    """Frames of a surface that never was."""
+
+    def __init__(self, points: list, cells: list, pressure: list) -> None:
+        padded = np.column_stack([np.array(points, dtype=float), np.zeros((len(points), 3 - len(points[0])))])
+        self.frames = [Frame(k, padded, np.array(cells), {"pressure": np.array(each, dtype=float)})
+                       for k, each in enumerate(pressure)]
+        self.times = np.arange(len(pressure), dtype=float)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def frame(self, k: int) -> Frame:
+        return self.frames[k]
+
+
+# Wall of 0.5 m by 2 m at x = 3, its corners in the order that has the soil to the right.
+WALL = [[3.5, 1], [3.5, 3], [3, 3], [3, 2], [3, 1]], [[0, 1], [1, 2], [2, 3], [3, 4]]
+
+
+def by_question(results: Results) -> dict[str, str]:
+    return dict(answers(results))
+
+
+class Surfaces(ScriptCase):
+    def test_moment_moves_with_the_force(self) -> None:
+        force, at = np.array([[2.0, -3.0]]), np.array([7.0, 5.0])
+        for about in (np.zeros(2), np.array([-4.0, 11.0])):
+            moment = np.array([[(at - about)[0] * -3.0 - (at - about)[1] * 2.0]])
+            moved = Loads("a", np.zeros(1), force, moment, about).moment_about(np.array([3.25, 1.0]))
+            self.assertAlmostEqual(moved[0, 0], 3.75 * -3.0 - 4.0 * 2.0)
+        force, at, about = np.array([[2.0, -3.0, 5.0]]), np.array([7.0, 5.0, 1.0]), np.array([1.0, 2.0, 3.0])
+        moved = Loads("a", np.zeros(1), force, np.cross(at - about, force), about).moment_about(np.array([4.0, 4.0, 0.5]))
+        np.testing.assert_allclose(moved, np.cross([3.0, 1.0, 0.5], force))
+
+    def test_foot_is_the_middle_of_what_is_lowest(self) -> None:
+        np.testing.assert_allclose(foot_of(Frames(*WALL, [[0] * 4]).frame(0), 1, 2), [3.25, 1])
+
+    def test_faces_of_a_line(self) -> None:
+        left, right = sorted(faces_of("wall", Frames(*WALL, [[0, 0, 0, 0], [1, 9, 3, 5]]), 2, 1), key=lambda face: face.side,
+                             reverse=True)
+        self.assertEqual((left.side, right.side), ("-x", "+x"))
+        np.testing.assert_allclose(left.height, [0.5, 1.5])
+        np.testing.assert_allclose(left.pressure, [[0, 0], [5, 3]])
+        np.testing.assert_allclose(right.pressure, [[0], [1]])
+
+    def test_faces_in_space(self) -> None:
+        points = [[0, 0, 0], [0, 1, 0], [0, 3, 0], [0, 0, 1], [0, 1, 1], [0, 3, 1]]
+        cells = [[0, 3, 4, 1], [1, 4, 5, 2]]  # look to -x; one and two square metres at one height
+        face, = faces_of("wall", Frames(points, cells, [[3, 6]]), 3, 2)
+        self.assertEqual(face.side, "-x")
+        np.testing.assert_allclose(face.pressure, [[5]])  # by area
+
+
+class Answers(ScriptCase):
+    def with_moments(self) -> Path:
+        """Force FORCE along x on the surface `wall`, at a height of 1.5 m above its foot at (3.25, 1)."""
+        folder = write_results(self.folder / "run")
+        rows = list(csv.DictReader((folder / "steps.csv").read_text(encoding="utf-8").splitlines()))
+        for row in rows:
+            row |= {"wall.fx": row["fx"], "wall.fy": 0.0, "wall.mz": -2.5 * float(row["fx"])}
+        with (folder / "steps.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows(rows)
+        resolved = json.loads((folder / "resolved_config.json").read_text(encoding="utf-8")) if (
+            folder / "resolved_config.json").exists() else {}
+        resolved.setdefault("coupler.json", {})["interfaces"] = [{"name": "wall", "soil": "soil", "structure": "structure"}]
+        (folder / "resolved_config.json").write_text(json.dumps(resolved), encoding="utf-8")
+        return folder
+
+    def test_peaks_residuals_and_impulse(self) -> None:
+        found = by_question(Results(write_results(self.folder / "run")))
+        force = found["force on the structure, x"]
+        self.assertIn(f"{FORCE:g} N/m at 0.151 s; at the end {FORCE:g} N/m", force)
+        self.assertIn(f"impulse {FORCE * (END - CONTACT):.4g} N s/m", force)
+        self.assertIn(f"{2 * AMPLITUDE:.4g} m", found["displacement structure.A.ux"])
+        self.assertNotIn("force on the structure, y", found)  # zero
+
+    def test_moments_are_about_the_foot(self) -> None:
+        results = Results(self.with_moments())
+        with mock.patch.object(Results, "contacts", {"wall": Frames(*WALL, [[0] * 4, [1, 0, 2, 8e3]])}):
+            (name, _, moment, foot), = moments(results)
+            found = by_question(results)
+            drawn = {each["name"]: each for each in charts(results)}
+        self.assertEqual(name, "wall")
+        np.testing.assert_allclose(foot, [3.25, 1])
+        np.testing.assert_allclose(moment[-1], -1.5 * FORCE)
+        self.assertIn(f"{-1.5 * FORCE:g} N m/m", found["moment on wall about its foot, z"])
+        self.assertIn("8000 Pa at a height of 0.5 m above its foot at 1 s (of 2 frames)",
+                      found["largest pressure on wall, side -x"])
+        self.assertIn("1.5 m above its foot", found["run-up on wall, side -x"])
+        self.assertEqual(drawn["pressure-wall-x"]["label"], "height above its foot [m]")
+        self.assertEqual(drawn["pressure-wall-x"]["curves"][0]["y"], [8000, 2])
+        self.assertAlmostEqual(drawn["moment-wall"]["curves"][0]["y"][-1], -1.5 * FORCE)
+
+    def test_stability_of_a_footing(self) -> None:
+        folder = self.write("run/probes.csv", "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
+                            "0,0,100,0\n1,-60,120,30\n2,-20,80,-40\n").parent
+        found = dict(stability(Results(folder)))
+        self.assertIn("0.5 at 1 s, 0.25 at the end", found["sliding of structure.foot"])
+        self.assertIn("0.5 m from the middle at 2 s", found["overturning of structure.foot"])
+        self.write("run/probes.csv", "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
+                   "0,0,100,0\n1,-60,-5,30\n")
+        self.assertIn("first at 1 s", dict(stability(Results(folder)))["uplift of structure.foot"])
+        self.assertEqual(len(resultant("a", np.arange(2), np.zeros(2), np.zeros(2))), 2)
+
+    def test_energies_without_those_at_zero(self) -> None:
+        results = Results(write_results(self.folder / "run"))
+        table = results.table("steps.csv")
+        with mock.patch("reporting.curves.history.energy_curves", return_value=[(table, "soil.kinetic_energy"), (table, "dt")]):
+            energy = next(each for each in charts(results) if each["name"] == "energy")
+        self.assertEqual([each["name"] for each in energy["curves"]], ["soil.kinetic energy"])
+        self.assertIn("dt", energy["hint"])
+
+
+class Compared(ScriptCase):
+    def test_curves_and_answers_of_another_run(self) -> None:
+        write_results(self.folder / "one")
+        write_results(self.folder / "two", scale=2.0)
+        done = self.python_script("report", self.folder / "one", "--compare", self.folder / "two",
+                                  "--out", self.folder / "page.html")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        text = (self.folder / "page.html").read_text(encoding="utf-8")
+        row = text[text.index("<th>force on the structure, x</th>"):]
+        row = row[:row.index("</tr>")]
+        self.assertIn(f"<td>{FORCE:g} N/m", row)
+        self.assertIn(f"<td>{2 * FORCE:g} N/m", row)
+        self.assertIn('"name":"fx, two"', text)
+        self.assertLess(text.index('id="answers"'), text.index('id="verdict"'))
+
+    def test_chart_that_the_other_run_lacks(self) -> None:
+        own = [chart("a", "a", [("f", np.arange(3), np.arange(3))])]
+        self.assertEqual(compared(own, [], "b"), own)
+
+    def test_folder_that_is_none(self) -> None:
+        done = self.python_script("report", write_results(self.folder / "one"), "--compare", self.folder / "nowhere")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nowhere", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
