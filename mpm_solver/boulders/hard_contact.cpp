@@ -138,6 +138,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
                                 const std::vector<Pair>& pairs, Under& under, Sums& sums) const {
   under.h = h;
   under.s1 = under.s0;
+  const Vector<3> gravity = under.step.gravity_share * gravity_;
   sums.loads.assign(bodies_.size(), {});
   double last = infinity;
   for (int k = 0; k < most_iterations; ++k) {
@@ -147,7 +148,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
       const BodyMass& mass = bodies_[c].mass;
       const BodyLoad& given = under.step.loads[c];
       const BodyState s = advance(mass, under.s0[c],
-                                  {given.force + sums.loads[c].force + mass.mass * gravity_,
+                                  {given.force + sums.loads[c].force + mass.mass * gravity,
                                    given.moment + sums.loads[c].moment},
                                   h);
       const double radius = bodies_[c].radius;

@@ -66,6 +66,7 @@ class HardContact {
   /// In a step from the start to the end of the obstacles.
   struct Step {
     double dt = 0;                     ///< [s]
+    double gravity_share = 1;          ///< mean over the step, of the gravity
     std::vector<BodyLoad> loads = {};  ///< besides gravity and these contacts, of each body
     std::vector<char> held = {};       ///< of each body: 1 where it does not move
     std::vector<Obstacle> obstacles = {};

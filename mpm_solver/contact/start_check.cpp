@@ -250,7 +250,8 @@ std::vector<StartSurface<dim>> surfaces_at_start(
     surfaces.push_back({interface, interface.surface.vertices, false});
   }
   for (const auto& wall : walls) {
-    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, wall.motion.moves()});
+    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true,
+                        wall.is_boulder || wall.motion.moves()});
     auto& vertices = surfaces.back().vertices;
     const auto moved = wall.motion.displacement(vertices, 0);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
