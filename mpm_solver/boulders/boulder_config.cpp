@@ -78,21 +78,27 @@ Vector<dim> positive_lengths(ConfigReader& in, const std::string& key) {
 template <int dim>
 BoulderShape<dim> read_shape(const Scene& scene, ConfigReader in, double density) {
   BoulderShape<dim> shape;
-  if (in.has("radius")) {
+  const bool ball = in.has("radius"), box = in.has("box"), ellipsoid = in.has("ellipsoid");
+  const bool polygon = in.has("polygon"), triangles = in.has("triangles");
+  if (dim == 2 && triangles) in.fail("triangles", "allowed in 2D: \"polygon\"");
+  if (dim == 3 && polygon) in.fail("polygon", "allowed in 3D: \"triangles\"");
+  const char* const keys[] = {"radius", "box", "ellipsoid", "polygon", "triangles"};
+  const bool given[] = {ball, box, ellipsoid, polygon, triangles};
+  if (std::count(std::begin(given), std::end(given), true) != 1) {
+    in.fail(box ? "box" : "radius",
+            fmt::format("allowed: exactly one of {}", fmt::join(keys, ", ")));
+  }
+  if (ball) {
     shape = ball_shape<dim>(in.number("radius"), density);
-  } else if (in.has("box")) {
+  } else if (box) {
     shape = box_shape<dim>(positive_lengths<dim>(in, "box"), density);
-  } else if (in.has("ellipsoid")) {
+  } else if (ellipsoid) {
     shape = ellipsoid_shape<dim>(positive_lengths<dim>(in, "ellipsoid"), density);
   } else {
-    const char* key = dim == 2 ? "polygon" : "triangles";
-    if (!in.has(key)) {
-      in.fail(dim == 2 ? "triangles" : "polygon", fmt::format("allowed in {}D: \"{}\"", dim, key));
-    }
     try {
       shape = surface_shape<dim>(surface_of<dim>(scene, in), density);
     } catch (const ConfigError& error) {
-      in.fail(key, error.what());
+      in.fail(dim == 2 ? "polygon" : "triangles", error.what());
     }
   }
   in.finish();
@@ -101,11 +107,11 @@ BoulderShape<dim> read_shape(const Scene& scene, ConfigReader in, double density
 
 template <int dim>
 Eigen::Quaterniond read_orientation(ConfigReader& in) {
+  if (!in.has("orientation")) return Eigen::Quaterniond::Identity();
   if constexpr (dim == 2) {
     const double angle = in.vector("orientation", 1)[0];
     return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector<3>::UnitZ()));
   } else {
-    if (!in.has("orientation")) return Eigen::Quaterniond::Identity();
     const auto q = in.vector("orientation", 4);
     const Eigen::Quaterniond result(q[0], q[1], q[2], q[3]);
     if (!(result.norm() > 0)) in.fail("orientation", "found length 0, allowed: a quaternion");

@@ -223,20 +223,36 @@ HardContact::End HardContact::solve(const Start& start, const Step& step) const 
   throw ConvergenceError("boulders move too far in one step to know what they touch", "boulders");
 }
 
+// The nearest place of each surface says on which side a ball is.
 HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& states,
                                                   const std::vector<Obstacle>& obstacles) const {
   const Step step{.dt = 1, .held = std::vector<char>(bodies_.size(), 1), .obstacles = obstacles};
   const Under under{
       .dim = dim_, .bodies = bodies_, .step = step, .s0 = states, .s1 = states, .h = 1};
+  double reach = 0;
+  for (const HardBody& body : bodies_) reach = std::max(reach, body.radius);
   Overlap found;
-  for (const Pair& pair : near_pairs(states, step, 0)) {
-    Place place;
-    if (!place_of(pair, under, place) || -place.g0 <= found.depth) continue;
-    const bool body_first = pair.a < num_bodies();
-    found = {.depth = -place.g0,
-             .body = body_first ? pair.a : pair.b,
-             .other = body_first ? pair.b : pair.a,
-             .place = place.x};
+  const auto pairs = near_pairs(states, step, reach);
+  Place nearest, place;
+  double least = infinity;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Pair& pair = pairs[k];
+    const double radius = under.ball_radius(pair.a);
+    if (locate(pair, under, place) && std::abs(place.g0 + radius) < least) {
+      least = std::abs(place.g0 + radius);
+      nearest = place;
+    }
+    const bool last = k + 1 == pairs.size() || pairs[k + 1].a != pair.a ||
+                      pairs[k + 1].ball != pair.ball || pairs[k + 1].b != pair.b;
+    if (!last) continue;
+    if (least < infinity && -nearest.g0 > found.depth) {
+      const bool body_first = pair.a < num_bodies();
+      found = {.depth = -nearest.g0,
+               .body = body_first ? pair.a : pair.b,
+               .other = body_first ? pair.b : pair.a,
+               .place = nearest.x};
+    }
+    least = infinity;
   }
   return found;
 }

@@ -109,6 +109,7 @@ class HardContact {
   void add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                  std::vector<Pair>& pairs) const;
   double substep(const Under& under, const std::vector<Pair>& pairs, double remaining) const;
+  bool locate(const Pair& pair, const Under& under, Place& place) const;
   bool place_of(const Pair& pair, const Under& under, Place& place) const;
   void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
                 Sums& sums) const;

@@ -59,6 +59,13 @@ double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const H
 }
 
 bool HardContact::place_of(const Pair& pair, const Under& under, Place& place) const {
+  if (!locate(pair, under, place)) return false;
+  const double size = std::min(pair.a < num_bodies() ? bodies_[pair.a].radius : infinity,
+                               pair.b < num_bodies() ? bodies_[pair.b].radius : infinity);
+  return std::max(place.g0, place.g1) > -deepest * size;
+}
+
+bool HardContact::locate(const Pair& pair, const Under& under, Place& place) const {
   place.pair = pair;
   const Vector<3> c0 = under.ball(pair.a, pair.ball, false);
   const Vector<3> c1 = under.ball(pair.a, pair.ball, true);
@@ -80,9 +87,7 @@ bool HardContact::place_of(const Pair& pair, const Under& under, Place& place) c
   place.g1 = gap.g1 - radius;
   place.normal = gap.normal;
   place.x = 0.5 * (c0 + c1) - radius * gap.normal.normalized();
-  const double size = std::min(pair.a < num_bodies() ? bodies_[pair.a].radius : infinity,
-                               pair.b < num_bodies() ? bodies_[pair.b].radius : infinity);
-  return std::max(place.g0, place.g1) > -deepest * size;
+  return true;
 }
 
 void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,

@@ -19,8 +19,8 @@ struct HardContact::Place {
   Pair pair;
   HardFoot foot;
   double g0 = 0, g1 = 0;
-  Vector<3> normal;  // from b to a; n . (relative way) is g1 - g0
-  Vector<3> x;       // in the middle of the substep
+  Vector<3> normal = Vector<3>::Zero();  // from b to a; n . (relative way) is g1 - g0
+  Vector<3> x = Vector<3>::Zero();       // in the middle of the substep
 };
 
 struct HardContact::Sums {
