@@ -261,6 +261,56 @@ TEST(BouldersInSoil, a_plate_gets_the_force_of_a_stone) {
   EXPECT_GT(lost, 2 * mass);
 }
 
+/// Held while the soil settles without inertia, free in the phase after it.
+TEST(BouldersInSoil, a_stone_is_held_until_it_is_free) {
+  Json json = bed(2, false);
+  json["grid"] = box({0, 0}, {1, 1.2}, {10, 12}, "quad4");
+  json["walls"] = {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")};
+  json["phases"] = {{{"analysis", "quasi_static"}, {"until", 0.01}}, {{"analysis", "dynamic"}}};
+  json["boulders"][0]["free_from"] = 0.01;
+  const auto solver = make_mpm(json);
+  const double x = probe(*solver, "stone.x"), y = probe(*solver, "stone.y");
+  run_steps(*solver, 1e-3, 10);
+  EXPECT_EQ(probe(*solver, "stone.x"), x);
+  EXPECT_EQ(probe(*solver, "stone.y"), y);
+  EXPECT_EQ(probe(*solver, "stone.vy"), -1);
+  run_steps(*solver, 1e-3, 5, 11);
+  EXPECT_LT(probe(*solver, "stone.y"), y - 0.004);
+}
+
+TEST(BouldersInSoil, a_stone_that_falls_out_of_the_grid_is_refused) {
+  Json json = bed(2, true);
+  json["boulders"][0]["centre"] = {1.1, 0.2};
+  json["boulders"][0]["velocity"] = {4, 0};
+  json["bodies"][0]["mesh"] = box({0, 0}, {0.4, 0.4}, {4, 4}, "quad4");
+  const auto solver = make_mpm(json);
+  expect_error<ConvergenceError>([&] { run_steps(*solver, 1e-2, 10); },
+                                 {"\"stone\"", "leave the background grid", "1.18", "rigid_walls"});
+  json["outside"] = "remove";
+  const auto other = make_mpm(json);
+  run_steps(*other, 1e-2, 10);
+  EXPECT_GT(probe(*other, "stone.x"), 1.3);
+}
+
+/// A step in which the soil is much stiffer than the stone is heavy is right or an error.
+TEST(BouldersInSoil, light_stones_on_stiff_soil_agree_or_are_refused) {
+  for (const double light : {1000., 300., 100., 30.}) {
+    Json json = bed(2, false);
+    json["boulders"][0]["density"] = light;
+    json["bodies"][0]["material"]["young_modulus"] = 1e8;
+    const auto solver = make_mpm(json);
+    const double mass = M_PI * radius * radius * light, soil = probe(*solver, "mass"), dt = 5e-3;
+    try {
+      run_steps(*solver, dt, 8);
+    } catch (const ConvergenceError& error) {
+      EXPECT_NE(std::string(error.what()).find("too light"), std::string::npos) << error.what();
+      continue;
+    }
+    EXPECT_NEAR(sum_of_momentum(*solver, "y", mass), -mass - g * (mass + soil) * 8 * dt,
+                1e-9 * (mass + soil));
+  }
+}
+
 void expect_refused(const Json& json, const std::vector<std::string_view>& parts) {
   expect_error<ConfigError>([&] { make_mpm(json); }, parts);
 }
