@@ -9,7 +9,6 @@
 #include "common/mechanics/mesh/triangle_surface.hpp"
 #include "mpm_solver/boulders/boulders.hpp"
 #include "mpm_solver/config_checks.hpp"
-#include "mpm_solver/mpm_config.hpp"
 
 namespace gabion::mpm {
 
@@ -176,7 +175,7 @@ RigidWallSettings<dim> wall_of(const BoulderSettings<dim>& boulder, const Config
 
 template <int dim>
 void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
-                   const MpmSettings<dim>& settings) {
+                   const BoulderScene<dim>& settings) {
   const double cell = mean_cell_size(settings.grid);
   if (0.5 * boulder.shape.thickness < least_radius * cell) {
     in.fail("shape", fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
@@ -204,7 +203,7 @@ void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
 }
 
 template <int dim>
-void check_overlaps(const ConfigReader& in, const MpmSettings<dim>& settings) {
+void check_overlaps(const ConfigReader& in, const BoulderScene<dim>& settings) {
   const Boulders<dim> boulders(settings);
   const auto overlap = boulders.overlap_at_start();
   const auto& boulder = settings.boulders[overlap.body];
@@ -259,22 +258,28 @@ KeyTable boulder_keys() {
 }
 
 template <int dim>
-void read_boulders(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
-  std::vector<RigidWallSettings<dim>> walls;
+void read_boulders(const Scene& scene, ConfigReader& in, const BoulderScene<dim>& among,
+                   std::vector<BoulderSettings<dim>>& boulders,
+                   std::vector<RigidWallSettings<dim>>& walls) {
+  std::vector<RigidWallSettings<dim>> own;
   for (auto& item : in.objects("boulders")) {
-    settings.boulders.push_back(read_boulder<dim>(scene, item));
+    boulders.push_back(read_boulder<dim>(scene, item));
     const double friction = item.has("soil_friction") ? item.number("soil_friction") : sticking;
     item.finish();
-    check_boulder(item, settings.boulders.back(), settings);
-    require_own_name(item, settings.boulders);
-    walls.push_back(wall_of(settings.boulders.back(), item, friction));
+    check_boulder(item, boulders.back(), among);
+    require_own_name(item, boulders);
+    own.push_back(wall_of(boulders.back(), item, friction));
   }
-  if (settings.boulders.empty()) return;
-  check_overlaps(in, settings);
-  settings.rigid_walls.insert(settings.rigid_walls.end(), walls.begin(), walls.end());
+  if (boulders.empty()) return;
+  check_overlaps(in, among);
+  walls.insert(walls.end(), own.begin(), own.end());
 }
 
-template void read_boulders<2>(const Scene&, ConfigReader&, MpmSettings<2>&);
-template void read_boulders<3>(const Scene&, ConfigReader&, MpmSettings<3>&);
+template void read_boulders<2>(const Scene&, ConfigReader&, const BoulderScene<2>&,
+                               std::vector<BoulderSettings<2>>&,
+                               std::vector<RigidWallSettings<2>>&);
+template void read_boulders<3>(const Scene&, ConfigReader&, const BoulderScene<3>&,
+                               std::vector<BoulderSettings<3>>&,
+                               std::vector<RigidWallSettings<3>>&);
 
 }  // namespace gabion::mpm

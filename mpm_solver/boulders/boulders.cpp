@@ -8,7 +8,6 @@
 
 #include "common/base/error.hpp"
 #include "mpm_solver/contact/surface_features.hpp"
-#include "mpm_solver/mpm_config.hpp"
 
 namespace gabion::mpm {
 
@@ -34,7 +33,7 @@ std::vector<HardFacet> hard_facets(const ContactSurface<dim>& surface) {
 }
 
 template <int dim>
-std::vector<HardBody> hard_bodies(const MpmSettings<dim>& settings) {
+std::vector<HardBody> hard_bodies(const BoulderScene<dim>& settings) {
   std::vector<HardBody> bodies;
   for (const auto& boulder : settings.boulders) {
     const auto& shape = boulder.shape;
@@ -62,7 +61,7 @@ std::vector<Vector<3>> places(const std::vector<Vector<dim>>& vertices,
 }  // namespace
 
 template <int dim>
-Boulders<dim>::Boulders(const MpmSettings<dim>& settings)
+Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
     : settings_(settings),
       contact_(dim, hard_bodies(settings), in_space<dim>(settings.gravity)),
       last_loads_(settings.boulders.size()),
@@ -274,9 +273,9 @@ void Boulders<dim>::add_forces(std::span<double> forces) const {
 }
 
 template <int dim>
-std::vector<std::string> Boulders<dim>::names(const MpmSettings<dim>& settings) {
+std::vector<std::string> Boulders<dim>::names(const std::vector<BoulderSettings<dim>>& boulders) {
   std::vector<std::string> names;
-  for (const auto& boulder : settings.boulders) {
+  for (const auto& boulder : boulders) {
     for (const char* part : {"", "v"}) {
       for (int d = 0; d < dim; ++d)
         names.push_back(fmt::format("{}.{}{}", boulder.name, part, "xyz"[d]));

@@ -8,12 +8,32 @@
 
 #include "mpm_solver/boulders/boulder_settings.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
+#include "mpm_solver/grid/background_grid.hpp"
 #include "mpm_solver/phases/phases.hpp"
 
 namespace gabion::mpm {
 
+/// What boulders meet. Refers to the settings of the run.
 template <int dim>
-struct MpmSettings;
+struct BoulderScene {
+  const BackgroundGrid<dim>& grid;
+  const Vector<dim>& gravity;  ///< [m/s^2]
+  const std::vector<Phase>& phases;
+  const std::vector<ContactSettings<dim>>& interfaces;
+  const std::vector<RigidWallSettings<dim>>& rigid_walls;  ///< those of the boulders at the end
+  const std::vector<BoulderSettings<dim>>& boulders;
+};
+
+/// Of MpmSettings, which may have given away its grid.
+template <int dim, class Settings>
+BoulderScene<dim> boulder_scene(const Settings& settings, const BackgroundGrid<dim>& grid) {
+  return {grid,
+          settings.gravity,
+          settings.phases,
+          settings.interfaces,
+          settings.rigid_walls,
+          settings.boulders};
+}
 
 /// The boulders of a run, equal on all ranks (docs/theory/boulders.md). A step: begin; then place,
 /// the soil's solution and follow until `follow` says that both agree; then accept. Soil and
@@ -21,7 +41,7 @@ struct MpmSettings;
 template <int dim>
 class Boulders {
  public:
-  explicit Boulders(const MpmSettings<dim>& settings);
+  explicit Boulders(const BoulderScene<dim>& settings);
 
   bool empty() const { return contact_.bodies().empty(); }
 
@@ -49,7 +69,7 @@ class Boulders {
   /// The same of rigid walls. @param forces  as Surfaces::forces_on_walls
   void add_forces(std::span<double> forces) const;
 
-  static std::vector<std::string> names(const MpmSettings<dim>& settings);
+  static std::vector<std::string> names(const std::vector<BoulderSettings<dim>>& boulders);
   std::vector<double> values() const;
   const std::vector<BodyState>& states() const { return accepted_.states; }
 
@@ -66,7 +86,7 @@ class Boulders {
   std::size_t num_interfaces() const { return settings_.interfaces.size(); }
   std::size_t first_wall() const { return settings_.rigid_walls.size() - contact_.bodies().size(); }
 
-  const MpmSettings<dim>& settings_;
+  BoulderScene<dim> settings_;
   Eigen::AlignedBox<double, dim> grid_;  // around it [m]
   HardContact contact_;
   std::vector<std::vector<Vector<3>>> interface_places_;  // of the accepted step

@@ -177,7 +177,7 @@ template <int dim>
 SoilState<dim>::SoilState(const SoilModel<dim>& model)
     : points(lay_all_points(model)),
       surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls, model.cell_size),
-      boulders(model.settings),
+      boulders(boulder_scene<dim>(model.settings, model.grid)),
       ledger(model.comm),
       control(model.settings.step_control),
       gauges(model.comm, model.settings.gauges, model.cell_size),
