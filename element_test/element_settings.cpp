@@ -138,16 +138,12 @@ StageSettings read_stage(ConfigReader& in, const ElementSettings& test) {
   return stage;
 }
 
-double skeleton_modulus(const Material<3>& material) {
-  return std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
-}
-
 // The material and the water of one object that has both keys.
 void read_soil(ConfigReader& in, ElementSettings& test) {
   test.material = read_material<3>(in.object("material"));
   if (auto water = in.optional_object("water")) {
-    test.water = mpm::read_pore_water(std::move(*water), test.material.density,
-                                      skeleton_modulus(test.material));
+    test.water =
+        mpm::read_pore_water(std::move(*water), test.material.density, test.p_wave_modulus());
   }
 }
 

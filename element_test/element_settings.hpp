@@ -42,6 +42,11 @@ struct ElementSettings {
   double back_pressure = 0;             ///< of the pores while they drain [Pa]
   bool simple_shear = false;            ///< F is triangular, else symmetric
   std::vector<StageSettings> stages;    ///< at least one
+
+  /// P-wave modulus of the material without water [Pa].
+  double p_wave_modulus() const {
+    return std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
+  }
 };
 
 /// Keys of element.json.

@@ -26,7 +26,7 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
       state_(model_),
       step_(model_, state_, times_),
       report_(model_, output_folder),
-      thin_walls_(surfaces_of(model_), model_.cell_size, step_.soil().doubles_nodes()) {
+      thin_walls_(surfaces_of(model_), step_.soil().shared_pairs(), model_.cell_size) {
   report_.log_start(state_, step_.soil().weights());
   log_soil_at_rest(model_.settings, model_.cell_size);
   check_overlaps(model_.comm, model_.settings, state_.points);

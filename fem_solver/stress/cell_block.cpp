@@ -42,6 +42,13 @@ Eigen::Map<const Vector<dim>> at(std::span<const double> u, std::int32_t node) {
   return Eigen::Map<const Vector<dim>>(u.data() + static_cast<std::size_t>(node) * dim);
 }
 
+/// f_a += P dN_a. Eigen's products become calls in the many instances of integrate(), not in here.
+template <int dim, int nodes>
+[[gnu::flatten, gnu::noinline]] void add_forces(const Matrix<dim>& P, const Vector<dim>* dN,
+                                                Vector<dim>* f) {
+  for (int a = 0; a < nodes; ++a) f[a] += P.lazyProduct(dN[a]);
+}
+
 /// H = sum_a u_a (x) dN_a; in the plane by component, which the compiler keeps in registers.
 template <int dim, int nodes>
 Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_cell) {
@@ -148,7 +155,7 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
         return {.inadmissible_cell = cells_[c], .fault = "det F <= 0", .energy = result.energy};
       }
       result.energy += w * update.energy;
-      for (int a = 0; a < nodes; ++a) f_cell[a].noalias() += w * (update.P * dN[a]);
+      add_forces<dim, nodes>(w * update.P, dN, f_cell);
       if (K) add_point_stiffness<dim, nodes>(A, dN, w, K_cell);
     }
     for (int a = 0; a < nodes; ++a) {

@@ -75,7 +75,6 @@ namespace {
 // A thrust between walls that is smaller by more is worth a warning.
 constexpr double notable_share = 0.05;
 
-template <int dim>
 struct SoftContact {
   double share = 0;  // of the thrust that is missing
   std::size_t body = 0;
@@ -85,15 +84,14 @@ struct SoftContact {
 /// A wall that gives by depth ~ sqrt(pressure) holds soil back that would have to give by
 /// pressure / M over its width: r + depth M / (p width) sqrt(r) = 1 for the part r of the thrust.
 template <int dim>
-SoftContact<dim> soft_contact(const MpmSettings<dim>& settings, std::size_t b, double factor,
-                              double cell_size) {
+SoftContact soft_contact(const MpmSettings<dim>& settings, std::size_t b, double factor,
+                         double cell_size) {
   const WeightedColumn column = column_of(settings, b);
   const Vector<dim> sizes = box_around(settings.layouts[b].mesh).sizes();
-  SoftContact<dim> soft{.body = b};
-  for (int d = 0; d < dim; ++d) {
-    if (std::abs(settings.gravity[d]) < 0.5 * column.gravity) {
-      soft.width = std::max(soft.width, sizes[d]);
-    }
+  SoftContact soft{.body = b};
+  for (int d = 0; d < dim; ++d) {  // the longest edge of the box as gravity sees it
+    const double along = settings.gravity[d] / column.gravity;
+    soft.width = std::max(soft.width, sizes[d] * std::sqrt(std::max(0.0, 1 - along * along)));
   }
   const double M = column.p_wave_modulus;
   soft.pressure = 0.5 * column.density * column.gravity * column.height;
@@ -111,7 +109,7 @@ std::string soft_interfaces_text(const MpmSettings<dim>& settings, double cell_s
   const Phase& phase = settings.phases.front();
   const bool takes_weight = !phase.dynamic || phase.gravity_ramp.runs(0);
   if (!takes_weight || settings.gravity.isZero(0)) return "";
-  SoftContact<dim> softest;
+  SoftContact softest;
   std::vector<std::string> names;
   for (const auto& interface : settings.interfaces) {
     const auto* facets = std::get_if<FacetSettings>(&interface.method);

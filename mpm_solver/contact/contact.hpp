@@ -185,6 +185,9 @@ class Contact {
   /// method cannot. Collective over the soil's ranks.
   /// @pre begin_step and set_displacement for the start of the run
   virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
+  /// Where the vertices of a member are in the accepted state [m]; empty: it acts no more, or the
+  /// method has no facets.
+  virtual std::span<const Vector<dim>> accepted_vertices(std::size_t) const { return {}; }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
   /// Energy that contact stores and has lost, in the accepted state.

@@ -77,8 +77,7 @@ class FacetContact final : public Contact<dim> {
   }
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
-  /// Where the vertices of a member are in the accepted state [m]; empty: it acts no more.
-  std::span<const Vector<dim>> accepted_vertices(std::size_t member) const {
+  std::span<const Vector<dim>> accepted_vertices(std::size_t member) const override {
     const Member& own = members_[member];
     if (own.dropped) return {};
     return std::span(start_).subspan(own.first_vertex, own.num_vertices);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace gabion::mpm {
 
@@ -84,13 +85,9 @@ void reorder(const CellGroup& group, std::span<const std::int32_t> order,
 }  // namespace
 
 template <int dim>
-SideFields<dim>::SideFields(const std::vector<StartSurface<dim>>& surfaces,
-                            const BackgroundGrid<dim>& grid, double cell_size)
-    : grid_(grid), faces_(surfaces) {
-  pairs_ = thin_pairs(faces_, cell_size);
-  std::erase_if(pairs_,
-                [&](const FacePair& pair) { return !faces_.can_have_fields(pair, surfaces); });
-  which_ = members(pairs_);
+SideFields<dim>::SideFields(Faces<dim> faces, std::vector<FacePair> pairs,
+                            const BackgroundGrid<dim>& grid)
+    : grid_(grid), faces_(std::move(faces)), pairs_(std::move(pairs)), which_(members(pairs_)) {
   for (const std::int32_t s : which_) surfaces_.push_back(faces_.surface[s]);
   surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
   reach_ = (grid.basis == Basis::linear ? 1 : 2) * grid.box->spacing.norm();

@@ -18,18 +18,14 @@ namespace gabion::mpm {
 /// side). A wall is thin where ThinWalls finds it so. A node is doubled where points of both sides
 /// weigh on it, by the sight between point and node through the faces of thin walls, and none that
 /// is at an end of the wall: the points on one side of it keep the node n, those on the other get
-/// n + num_nodes_total(). Refers to the settings of the surfaces and to the grid.
+/// n + num_nodes_total(). Refers to the grid.
 template <int dim>
 class SideFields {
  public:
-  /// Faces of surfaces with another method than `facets` do not count.
-  /// @param grid       a box
-  /// @param cell_size  mean [m]
-  SideFields(const std::vector<StartSurface<dim>>& surfaces, const BackgroundGrid<dim>& grid,
-             double cell_size);
+  /// @param pairs  of the faces, both of the method `facets` (Faces::can_have_fields)
+  /// @param grid   a box
+  SideFields(Faces<dim> faces, std::vector<FacePair> pairs, const BackgroundGrid<dim>& grid);
 
-  /// Whether there is a thin wall.
-  bool any() const { return !which_.empty(); }
   /// Double nodes, and part the groups of cells that have points on both sides, or that see a
   /// doubled node in several ways.
   /// @param surfaces         in the accepted state

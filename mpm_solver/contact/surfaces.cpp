@@ -12,7 +12,6 @@
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
-#include "mpm_solver/contact/facet_contact.hpp"
 
 namespace gabion::mpm {
 
@@ -123,9 +122,7 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t surface) const {
 
 template <int dim>
 std::span<const Vector<dim>> Surfaces<dim>::accepted_vertices(std::size_t surface) const {
-  const auto* const facets = dynamic_cast<const FacetContact<dim>*>(&contact_of(surface));
-  if (facets == nullptr) return {};
-  return facets->accepted_vertices(member_of(surface));
+  return contact_of(surface).accepted_vertices(member_of(surface));
 }
 
 template <int dim>

@@ -76,8 +76,7 @@ class Surfaces {
     return contact_of(surface).marks(member_of(surface));
   }
 
-  /// Where the vertices of a surface of the method `facets` are in the accepted state [m]; empty:
-  /// it acts no more. @note Not collective.
+  /// Contact::accepted_vertices of a surface. @note Not collective.
   std::span<const Vector<dim>> accepted_vertices(std::size_t surface) const;
 
   /// Contact::begin_at_rest of all of them.

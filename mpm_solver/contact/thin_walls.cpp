@@ -97,17 +97,12 @@ std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b
 }  // namespace
 
 template <int dim>
-ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size,
-                          bool fields_by_side)
-    : cell_size_(cell_size) {
+ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces,
+                          std::vector<FacePair> pairs, double cell_size)
+    : cell_size_(cell_size), pairs_(std::move(pairs)), which_(members(pairs_)) {
   for (const auto& surface : surfaces) settings_.push_back(&surface.settings);
+  if (pairs_.empty()) return;
   const Faces<dim> faces(surfaces);
-  pairs_ = thin_pairs(faces, cell_size);
-  if (fields_by_side) {
-    std::erase_if(pairs_,
-                  [&](const FacePair& pair) { return faces.can_have_fields(pair, surfaces); });
-  }
-  which_ = members(pairs_);
   for (const std::int32_t s : which_) {
     const std::size_t surface = faces.surface[s];
     std::vector<std::int32_t>& places = places_[surface];

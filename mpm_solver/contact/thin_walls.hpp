@@ -20,11 +20,13 @@ namespace gabion::mpm {
 template <int dim>
 class ThinWalls {
  public:
-  /// @param cell_size       mean [m]
-  /// @param fields_by_side  walls between faces of the method `facets` have them (SideFields), and
-  ///                        nothing is to say of them
-  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size,
-            bool fields_by_side = false);
+  /// @param pairs      of the faces of the surfaces, without those that SideFields cures
+  /// @param cell_size  mean [m]
+  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, std::vector<FacePair> pairs,
+            double cell_size);
+  /// The same for all thin_pairs().
+  ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size)
+      : ThinWalls(surfaces, thin_pairs(Faces<dim>(surfaces), cell_size), cell_size) {}
 
   // Both return what to say, and are collective.
 

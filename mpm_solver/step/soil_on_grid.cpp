@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -79,11 +80,7 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
       open_of_phases_.push_back(open_nodes(model_.grid, phase.walls));
     }
   }
-  if (may_double_nodes(model_)) {
-    sides_.emplace(surfaces_at_start(settings.interfaces, settings.rigid_walls), model_.grid,
-                   model_.cell_size);
-    if (!sides_->any()) sides_.reset();
-  }
+  find_thin_walls();
   if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
                      settings.phases)) {
     ghost_.emplace(model_.grid, settings.bodies, settings.small_cuts.ghost_factor);
@@ -97,6 +94,21 @@ void SoilOnGrid<dim>::weigh() {
     border.emplace(ranks_.owners(), cells_with_points(model_.grid, points_));
   }
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
+}
+
+// Part those that can have fields by side from the others.
+template <int dim>
+void SoilOnGrid<dim>::find_thin_walls() {
+  const auto surfaces = surfaces_at_start(model_.settings.interfaces, model_.settings.rigid_walls);
+  Faces<dim> faces(surfaces);
+  shared_pairs_ = thin_pairs(faces, model_.cell_size);
+  if (!may_double_nodes(model_)) return;
+  const auto first = std::ranges::stable_partition(shared_pairs_, [&](const FacePair& pair) {
+                       return !faces.can_have_fields(pair, surfaces);
+                     }).begin();
+  std::vector<FacePair> pairs(first, shared_pairs_.end());
+  shared_pairs_.erase(first, shared_pairs_.end());
+  if (!pairs.empty()) sides_.emplace(std::move(faces), std::move(pairs), model_.grid);
 }
 
 // Give the sides of thin walls nodes of their own.

@@ -55,8 +55,8 @@ class SoilOnGrid {
   const WallStop<dim>& stop() const { return stop_; }
   /// Add the mean forces with which the points hit the walls. @param forces  of the phase's walls
   void add_stopping_forces(std::size_t phase, double dt, std::span<Vector<dim>> forces) const;
-  /// Whether thin walls have fields by side (SideFields).
-  bool doubles_nodes() const { return sides_.has_value(); }
+  /// Faces of thin walls whose two sides share nodes: without fields by side (SideFields).
+  const std::vector<FacePair>& shared_pairs() const { return shared_pairs_; }
   /// The ghost stiffness that acts in this step, null: none does.
   const GhostStiffness<dim>* ghost() const { return ghost_acts_ ? &*ghost_ : nullptr; }
   /// Whether a phase may have ghost stiffness.
@@ -73,6 +73,7 @@ class SoilOnGrid {
 
  private:
   bool wants_ghost(std::size_t phase) const;
+  void find_thin_walls();
   void split_sides();
   void cure_small_cuts(const Mapping& mapping);
 
@@ -90,6 +91,7 @@ class SoilOnGrid {
   bool ghost_acts_ = false;
   SmallCutCounts small_cuts_;
   const Surfaces<dim>& surfaces_;
+  std::vector<FacePair> shared_pairs_;
   std::optional<SideFields<dim>> sides_;  // none: no thin wall, or none that can have them
   bool said_doubled_ = false;
 };

@@ -45,18 +45,24 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
   return -max_over_ranks(model_.comm, -dt);
 }
 
-// Cam-Clay is as stiff as its pressure.
+// A law whose stiffness depends on the state gives that of the stiffest point.
 template <int dim>
 double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32_t b) const {
   const Body<dim>& body = model_.settings.bodies[b];
-  const auto* clay = std::get_if<CamClay<dim>>(&body.material.law);
-  if (!clay) return model_.wave_speeds[b];
-  double M = 0;
-  for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-    M = std::max(M, clay->p_wave_modulus_at(points.history[p], points.internal[p]));
-  }
-  if (body.water) M += body.water->modulus();
-  return std::sqrt(M / body.material.density);
+  return std::visit(
+      [&](const auto& law) {
+        if constexpr (requires { law.p_wave_modulus_at(points.history[0], points.internal[0]); }) {
+          double M = 0;
+          for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+            M = std::max(M, law.p_wave_modulus_at(points.history[p], points.internal[p]));
+          }
+          if (body.water) M += body.water->modulus();
+          return std::sqrt(M / body.material.density);
+        } else {
+          return model_.wave_speeds[b];
+        }
+      },
+      body.material.law);
 }
 
 template class StableStep<2>;

@@ -8,7 +8,7 @@ import numpy as np
 from terrain_scene.gmsh import write_cells
 from terrain_scene.plan import GRAVITY
 from terrain_scene.raster import TerrainError
-from terrain_scene.scene import write_json
+from terrain_scene.scene import coupling_settings, time_settings, write_json
 
 from .checks import warnings_of
 from .columns import Mass, lay_soil, simplified
@@ -18,7 +18,7 @@ from .stress import initial_stress, level_heights, table_below_ground
 from .wall import WallMesh, build_wall
 
 FAR = 1000.0  # [m]: beyond it the scene gets an origin of its own, for files in single precision
-RESTING = 12  # resting_factor of surfaces while gravity comes: earth pressure is then 3 % too small at most
+RESTING = 12  # resting_factor of the wall, as rigid walls have: its earth pressure is then 3 % too small at most
 
 
 @dataclass
@@ -136,8 +136,8 @@ def soil_settings(made: Made) -> dict:
         settings |= {"time": time_settings(plan), "output": {"interval": plan.interval}}
     if plan.settle:
         settings["gravity_ramp"] = {"duration": plan.settle, "shape": "smooth"}
-        for surface in (*settings["rigid_walls"], *settings.get("interfaces", [])):
-            surface["resting_factor"] = RESTING
+        for interface in settings.get("interfaces", []):
+            interface["resting_factor"] = RESTING
     return settings
 
 
@@ -146,10 +146,6 @@ def wet_groups(made: Made) -> list[str]:
     left, right = made.plan.wall.reach()
     below = made.base.at(np.linspace(left, right, 33)).min()
     return ["faces", "foot"] if below < made.wall.middle[1] - 1e-9 * made.plan.cell_size else ["faces"]
-
-
-def time_settings(plan: Plan) -> dict:
-    return {"end": plan.end, "dt": plan.dt, "dt_min": plan.dt / 1024}
 
 
 def structure_settings(made: Made) -> dict:
@@ -166,21 +162,9 @@ def structure_settings(made: Made) -> dict:
     }
 
 
-def coupling_settings(made: Made) -> dict:
-    materials = [layer.material for layer in made.plan.layers] + ([] if made.plan.slide is None else [made.plan.slide.material])
-    weight = GRAVITY * sum(mass.area * material["density"] for mass, material in zip(made.masses, materials))
-    return {
-        "time": time_settings(made.plan),
-        "output": {"interval": made.plan.interval},
-        "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
-        "interfaces": [{"name": "wall", "soil": "soil", "structure": "structure",
-                        "moment_about": [float(v) for v in made.wall.middle]}],
-        "coupling": {
-            "convergence": {"displacement": {"relative": 1e-5, "floor": 1e-9 * made.plan.cell_size},
-                            "force": {"relative": 1e-4, "floor": float(f"{1e-7 * weight:.1g}")}},
-            "mapping": {"tolerance": 1e-6 * made.plan.cell_size},
-        },
-    }
+def weight_of(made: Made) -> float:
+    """Of all soil [N/m]."""
+    return GRAVITY * sum(mass.area * body["material"]["density"] for mass, body in zip(made.masses, bodies(made)))
 
 
 def write_scene(made: Made, folder: Path) -> list[str]:
@@ -199,7 +183,8 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     if made.wall is not None:
         write_cells(made.wall.nodes, made.wall.cells, folder / "wall.msh", made.wall.groups)
         write_json(folder / "fem.json", structure_settings(made))
-        write_json(folder / "coupler.json", coupling_settings(made))
+        interface = {"name": "wall", "moment_about": [float(v) for v in made.wall.middle]}
+        write_json(folder / "coupler.json", coupling_settings(made.plan, weight_of(made), interface))
         lines.append(f"wall: {len(made.wall.cells)} cells, {len(made.wall.nodes)} nodes; its underside is held")
     else:
         for name in ("wall.msh", "fem.json", "coupler.json"):  # of a scene that is replaced

@@ -28,23 +28,29 @@ class WallMesh:
     middle: np.ndarray
 
 
-def ticks(places: list[float], size: float, least: int) -> np.ndarray:
-    """The places and between them points at most `size` apart, at least in so many pieces."""
+def pieces_between(places: list[float], size: float) -> list[tuple[float, float, int]]:
+    """Two neighbours of the places each, and into how many pieces of at most `size` the way between them goes."""
     cuts = sorted(set(places))
-    pieces = [np.linspace(a, b, max(least, int(np.ceil((b - a) / size - 1e-9))) + 1)[:-1] for a, b in zip(cuts[:-1], cuts[1:])]
-    return np.concatenate([*pieces, cuts[-1:]])
+    return [(a, b, max(1, int(np.ceil((b - a) / size - 1e-9)))) for a, b in zip(cuts[:-1], cuts[1:])]
+
+
+def ticks(pieces: list[tuple[float, float, int]]) -> np.ndarray:
+    """The ends of all pieces."""
+    return np.concatenate([*(np.linspace(a, b, number + 1)[:-1] for a, b, number in pieces), [pieces[-1][1]]])
 
 
 def build_wall(plan: Plan, base: Line) -> WallMesh:
     """Facets of half a cell at most. Held: the underside, and what lies below the rigid base. @raises TerrainError"""
     size = min(plan.cell_size / 2, plan.wall.thickness / LEAST_THROUGH)
     parts = holes(plan)
-    x = ticks([v for left, right, _, _ in parts for v in (left, right)], size, 1)
+    along = pieces_between([v for left, right, _, _ in parts for v in (left, right)], size)
     # At the ground beside it the wall gets a row of nodes: what soil touches begins there where the base is the ground.
     heights = [v for _, _, bottom, top in parts for v in (bottom, top)] + [lowest_ground(plan)]
-    z = ticks(heights, size, 1)
-    if (len(x) - 1) * (len(z) - 1) > MOST_CELLS:
-        raise TerrainError(f"wall: found {(len(x) - 1) * (len(z) - 1)} cells of {size:.3g} m around it, allowed: {MOST_CELLS}")
+    up = pieces_between(heights, size)
+    count = sum(number for *_, number in along) * sum(number for *_, number in up)
+    if count > MOST_CELLS:
+        raise TerrainError(f"wall: found {count} cells of {size:.3g} m around it, allowed: {MOST_CELLS}")
+    x, z = ticks(along), ticks(up)
     middles = (x[:-1] + x[1:]) / 2, (z[:-1] + z[1:]) / 2
     inside = np.zeros((len(x) + 1, len(z) + 1), dtype=bool)  # a row of cells outside on each side
     for left, right, bottom, top in parts:

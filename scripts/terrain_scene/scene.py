@@ -157,17 +157,17 @@ def structure_settings(made: Made) -> dict:
     }
 
 
-def coupling_settings(made: Made) -> dict:
-    weight = made.plan.slide.material.get("density", 1800) * GRAVITY * made.columns.filled
+def coupling_settings(plan: Plan, weight: float, interface: dict) -> dict:
+    """Settings of the coupler, also of a section. weight: of all soil [N, 2D N/m]; interface: its name and what is its own"""
     return {
-        "time": time_settings(made.plan),
-        "output": {"interval": made.plan.interval},
+        "time": time_settings(plan),
+        "output": {"interval": plan.interval},
         "participants": {"soil": {"sends": "force"}, "structure": {"sends": "displacement"}},
-        "interfaces": [{"name": "barrier", "soil": "soil", "structure": "structure"}],
+        "interfaces": [{"name": interface["name"], "soil": "soil", "structure": "structure"} | interface],
         "coupling": {
-            "convergence": {"displacement": {"relative": 1e-5, "floor": 1e-9 * made.plan.cell_size},
+            "convergence": {"displacement": {"relative": 1e-5, "floor": 1e-9 * plan.cell_size},
                             "force": {"relative": 1e-4, "floor": float(f"{1e-7 * weight:.1g}")}},
-            "mapping": {"tolerance": 1e-6 * made.plan.cell_size},
+            "mapping": {"tolerance": 1e-6 * plan.cell_size},
         },
     }
 
@@ -223,7 +223,8 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     if made.wall is not None:
         write_cells(made.wall.nodes, made.wall.cells, folder / "barrier.msh", made.wall.groups)
         write_json(folder / "fem.json", structure_settings(made))
-        write_json(folder / "coupler.json", coupling_settings(made))
+        weight = made.plan.slide.material.get("density", 1800) * GRAVITY * made.columns.filled
+        write_json(folder / "coupler.json", coupling_settings(made.plan, weight, {"name": "barrier"}))
         lines.append(f"barrier: {len(made.wall.cells)} cells, {len(made.wall.nodes)} nodes")
     else:
         for name in ("barrier.msh", "fem.json", "coupler.json"):  # of a scene that is replaced

@@ -134,6 +134,8 @@ class Script(ElementCase):
                             (("--test", "direct_shear", "--confine", 1e5, "--strain", 0.1), "--band-width"),
                             (("--test", "triaxial", "--confine", 1e5, 1e5, "--strain", 0.1), "twice"),
                             (("--test", "triaxial", "--confine", 1e5, "--strain", 0.1, "--body", "x"), "--body"),
+                            (("--test", "triaxial", "--confine", "nan", "--strain", 0.1), "--confine: found nan"),
+                            (("--test", "oedometer", "--stress", "inf"), "--stress: found inf"),
                             ((), "--test"),
                             (("--test", "triaxial", "--confine", 1e5, "--strain", 0.1, "--cycles", 0), "--cycles"),
                             (("--test", "triaxial", "--confine", 5e4, "--strain", 0.1, "--increments", 0),

@@ -172,6 +172,7 @@ class Walls(SectionCase):
         self.refused("wall/depth", "at least the thickness of the footing", wall=WALL | {"depth": 0.3})
         self.refused("footing/width", "1.6", wall=WALL | {"footing": {"width": 1.2, "thickness": 0.4, "before": 1}})
         self.refused("wall", "inside the ground", wall=WALL | {"at": 31.5})
+        self.refused("wall", "allowed: 500000", wall={"at": 20, "height": 2, "thickness": 1e-9, "depth": 0.5})
 
 
 class Lines(SectionCase):

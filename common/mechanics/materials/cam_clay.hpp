@@ -21,6 +21,8 @@ template <int dim>
 class CamClay {
  public:
   static constexpr bool is_elastic = false;
+  /// It is a ContextualLaw for its memory alone.
+  static constexpr bool depends_on_time = false;
   /// InternalState: P_c and mu_0, as CamClayMemory.
   static constexpr std::array internal_names = {"preconsolidation", "shear_modulus"};
   explicit CamClay(const CamClayParameters& parameters) : parameters_(parameters) {}

@@ -42,6 +42,11 @@ TEST(ElementSettings, wrong_input_is_refused_with_its_place) {
   expect_refused(with_stage(sand(), {{"strian", Json::object()}}), {"strian", "strain"});
   expect_refused(with_stage(mud(), nullptr),
                  {"/stages/0/duration", "herschel_bulkley", "may depend on time"});
+  const Json remembers = {{"law", "cam_clay"},        {"density", 1800},
+                          {"poisson_ratio", 0.3},     {"compression_index", 0.1},
+                          {"swelling_index", 0.02},   {"critical_state_ratio", 1},
+                          {"reference_pressure", 1e5}};
+  EXPECT_EQ(read(with_stage(remembers, nullptr)).stages.size(), 1);  // without a duration
   Json sensitive = clay();
   sensitive["softening"] = {{"slip", 0.05}, {"residual_cohesion", 1e4}};
   expect_refused(with_stage(sensitive, nullptr), {"/band_width", "slip"});

@@ -60,6 +60,16 @@ struct Cells {
   std::vector<double> history;
 };
 
+/// 1 for nodes that are on no facet of a group, else 0.
+template <int dim>
+std::vector<char> inner_nodes(const Mesh<dim>& mesh) {
+  std::vector<char> inner(mesh.nodes.size(), 1);
+  for (const auto& [name, facets] : mesh.facet_groups) {
+    for (const auto node : facets) inner[node] = 0;
+  }
+  return inner;
+}
+
 template <int dim>
 Eigen::VectorXd affine(const Mesh<dim>& mesh, const Matrix<dim>& G) {
   Eigen::VectorXd u(static_cast<Eigen::Index>(mesh.nodes.size()) * dim);

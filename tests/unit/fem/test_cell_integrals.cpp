@@ -7,6 +7,7 @@
 
 #include "fem_solver/stress/cell_integrals.hpp"
 #include "tests/support/check_tangent.hpp"
+#include "tests/unit/fem/cells_of_mesh.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
 namespace gabion::test {
@@ -21,15 +22,6 @@ Json box_json(const std::string& type, const std::string& law) {
   if constexpr (dim == 2) mesh = box_2d({2, 1}, {4, 3}, type);
   if constexpr (dim == 3) mesh = box_3d({2, 1, 1}, {3, 3, 3}, type);
   return {{"dimension", dim}, {"mesh", mesh}, {"material", elastic(law, E, nu, 1000)}};
-}
-
-template <int dim>
-std::vector<char> inner_nodes(const Mesh<dim>& mesh) {
-  std::vector<char> inner(mesh.nodes.size(), 1);
-  for (const auto& [name, facets] : mesh.facet_groups) {
-    for (const auto node : facets) inner[node] = 0;
-  }
-  return inner;
 }
 
 /// A box whose inner nodes are moved by up to a tenth of a cell.

@@ -251,7 +251,7 @@ TEST(MatrixSolver, ignores_no_mistake) {
           {"/matrices", "mass", "not positive", "node 2, direction 1"});
   refused(file("M.mtx", large.c_str()), {"M.mtx", "3 rows, allowed: 2", "unknowns.csv"});
   refused(file("wall.csv", "2 4\n"), {"wall.csv:1", "found node 4", "coordinates"});
-  refused(file("wall.csv", "2 1 3\n"), {"wall.csv:1", "3 nodes, allowed: 2"});
+  refused(file("wall.csv", "2 1 3 1\n"), {"wall.csv:1", "4 nodes, allowed: 2 or 3"});
   refused(file("wall.csv", "2 1\n2 1\n"), {"/interfaces/0/facets", "facet 2 a second time"});
   refused(file("nodes.csv", "1,0,0\n1,1,0\n"), {"nodes.csv:2", "node 1 a second time"});
   refused(file("nodes.csv", "1,0\n"), {"nodes.csv:1", "2 numbers", "3 (node, x, y)"});

@@ -44,15 +44,6 @@ fem::FemSettings<dim> box_of(const std::string& type, const Json& material, int 
   return fem_settings<dim>({{"dimension", dim}, {"mesh", mesh}, {"material", material}});
 }
 
-template <int dim>
-std::vector<char> inner_nodes(const Mesh<dim>& mesh) {
-  std::vector<char> inner(mesh.nodes.size(), 1);
-  for (const auto& [name, facets] : mesh.facet_groups) {
-    for (const auto node : facets) inner[node] = 0;
-  }
-  return inner;
-}
-
 /// Move inner nodes: all of them, which bends edges, or corners alone, with the middle nodes on
 /// straight edges.
 template <int dim>

@@ -35,7 +35,7 @@ TEST(ContactLaw, a_quadratic_law_that_goes_on_along_its_tangent) {
   EXPECT_EQ(law.storing(0.003), 0.003);
   for (const double d : {0.001, 0.004, 0.01, 0.1}) {
     const double step = 1e-6 * d, slope = d <= from ? 2 * d : 2 * from;
-    if (d > from) EXPECT_NEAR(square(d), from * from + 2 * from * (d - from), 1e-15);
+    EXPECT_NEAR(square(d), d > from ? from * from + 2 * from * (d - from) : d * d, 1e-15);
     EXPECT_NEAR((square(d + step) - square(d - step)) / (2 * step), slope, 1e-6 * slope);
     EXPECT_NEAR(law.reduced(d) + d * law.reduced_slope(d), slope, 1e-12 * slope);
     EXPECT_NEAR((stored(d + step) - stored(d - step)) / (2 * step), penalty * square(d),

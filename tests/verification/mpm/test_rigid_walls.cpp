@@ -123,7 +123,7 @@ TEST(RigidWalls, block_on_an_incline) {
 ///
 ///     v = v_t tanh(t / T) ,  v_t^2 = h xi (sin - mu cos) ,  T = v_t / (g (sin - mu cos))
 double speed_with_drag(const std::string& scheme) {
-  constexpr double angle = M_PI / 9, g = 9.81, density = 1000, xi = 500, h = 0.5;
+  constexpr double angle = M_PI / 9, g = 9.81, xi = 500, h = 0.5;
   const Json incline = {{"name", "incline"},
                         {"surface", {{"polyline", {{26, h}, {0, h}}}, {"spacing", h}}},
                         {"friction", 0.15},
