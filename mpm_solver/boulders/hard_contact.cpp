@@ -97,35 +97,51 @@ double HardContact::look_ahead(const Start& start, const Step& step) const {
     obstacle =
         std::max(obstacle, under.speed(static_cast<std::int32_t>(bodies_.size() + o)) * step.dt);
   }
-  return ahead * (2 * body + obstacle) + least_ahead * least;
+  double depth = 0;
+  for (const auto& [key, list] : start.memories) {
+    for (const HardMemory& memory : list) depth = std::max(depth, -memory.gap - memory.offset);
+  }
+  return ahead * (2 * body + obstacle + depth) + least_ahead * least;
 }
 
 // Length of the next substep, by the gaps and depths at its start.
 double HardContact::substep(const Under& under, const std::vector<Pair>& pairs,
-                            double remaining) const {
+                            const HardMemories& memories, double remaining) const {
   double nearest = infinity, closing = 0;
   std::vector<double> rates(bodies_.size(), 0.0);  // squared frequency of the touching places
+  std::vector<double> speeds;
+  for (std::size_t c = 0; c < bodies_.size() + under.step.obstacles.size(); ++c) {
+    speeds.push_back(under.speed(static_cast<std::int32_t>(c)));
+  }
   double fastest = 0;
-  for (const Pair& pair : pairs) {
-    Place place;
-    if (!place_of(pair, under, place)) continue;
-    const HardLaw law = law_of(pair.a, pair.b);
-    const double speed = under.speed(pair.a) + under.speed(pair.b) + gravity_.norm() * remaining;
+  const auto look_at = [&](const Place& place) {
+    const auto& [a, ball, b, facet] = place.pair;
+    const HardLaw law = law_of(a, b);
+    const double speed = speeds[a] + speeds[b] + gravity_.norm() * remaining;
     closing = std::max(closing, speed);
     nearest = std::min(nearest, place.g0);
-    for (const std::int32_t c : {pair.a, pair.b}) {
+    for (const std::int32_t c : {a, b}) {
       if (!under.is_body(c) || under.step.held[c] != 0) continue;
       const HardBody& body = bodies_[c];
       const double arm = body.radius * body.radius / body.mass.inertia.diagonal().minCoeff();
       const double mobility = 1 / body.mass.mass + arm;
       const double impact = std::cbrt(1.5 * body.mass.mass * speed * speed / law.stiffness);
       const double depth = std::max(-place.g0, 0.0);
-      const double k =
-          2 * law.stiffness * (depth + impact) + tangential_stiffness(pair.a, pair.b, law);
+      const double k = 2 * law.stiffness * (depth + impact) + tangential_stiffness(a, b, law);
       fastest = std::max(fastest, k * mobility);
       if (place.g0 < 0) rates[c] += 2 * law.stiffness * depth * mobility;
     }
-  }
+  };
+  Under::for_groups(pairs, [&](std::span<const Pair> group) {
+    Place place;
+    if (is_point(group.front(), under)) {
+      if (point_place(group, under, memories, place)) look_at(place);
+      return;
+    }
+    for (const Pair& pair : group) {
+      if (ball_place(pair, under, place)) look_at(place);
+    }
+  });
   if (nearest > 1.2 * closing * remaining) return remaining;
   for (const double rate : rates) fastest = std::max(fastest, rate);
   double h = fastest > 0 ? substep_share / std::sqrt(fastest) : remaining;
@@ -178,7 +194,7 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
     under.s1 = under.s0;
     under.share0 = under.share1 = done / step.dt;
     under.h = remaining;
-    double h = substep(under, pairs, remaining);
+    double h = substep(under, pairs, end.memories, remaining);
     Sums sums;
     for (int halvings = 0;; ++halvings, h *= 0.5) {
       if (halvings > most_halvings) {
@@ -232,37 +248,39 @@ HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& 
   double reach = 0;
   for (const HardBody& body : bodies_) reach = std::max(reach, body.radius);
   Overlap found;
-  const auto pairs = near_pairs(states, step, reach);
-  Place nearest, place;
-  double least = infinity;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pair& pair = pairs[k];
-    const double radius = under.ball_radius(pair.a);
-    if (locate(pair, under, place) && std::abs(place.g0 + radius) < least) {
-      least = std::abs(place.g0 + radius);
-      nearest = place;
+  Under::for_groups(near_pairs(states, step, reach), [&](std::span<const Pair> group) {
+    const auto& [a, ball, b, facet] = group.front();
+    const double radius = under.ball_radius(a);
+    double depth = -infinity, least = infinity;
+    Vector<3> at = under.ball(a, ball, false);
+    if (is_point(group.front(), under)) {
+      std::vector<HardCorners> corners;
+      for (const Pair& pair : group) corners.push_back(under.corners(b, pair.facet, false));
+      depth = -nearest_of(corners, at).gap;
+    } else {
+      for (const Pair& pair : group) {
+        Place place;
+        if (!locate(pair, under, place) || std::abs(place.g0 + radius) >= least) continue;
+        least = std::abs(place.g0 + radius);
+        depth = -place.g0;
+        at = place.x;
+      }
     }
-    const bool last = k + 1 == pairs.size() || pairs[k + 1].a != pair.a ||
-                      pairs[k + 1].ball != pair.ball || pairs[k + 1].b != pair.b;
-    if (!last) continue;
-    if (least < infinity && -nearest.g0 > found.depth) {
-      const bool body_first = pair.a < num_bodies();
-      found = {.depth = -nearest.g0,
-               .body = body_first ? pair.a : pair.b,
-               .other = body_first ? pair.b : pair.a,
-               .place = nearest.x};
-    }
-    least = infinity;
-  }
+    if (depth <= found.depth) return;
+    const bool body_first = a < num_bodies();
+    found = {.depth = depth, .body = body_first ? a : b, .other = body_first ? b : a, .place = at};
+  });
   return found;
 }
 
 void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories) {
-  constexpr std::size_t width = 12;
+  constexpr std::size_t width = 14;
   std::vector<double> numbers;
   for (const auto& [key, list] : memories) {
     for (const HardMemory& memory : list) {
       for (const std::int32_t k : key) numbers.push_back(k);
+      numbers.push_back(memory.gap);
+      numbers.push_back(memory.offset);
       for (const auto* part : {&memory.normal, &memory.slip, &memory.turn}) {
         numbers.insert(numbers.end(), part->begin(), part->end());
       }
@@ -279,9 +297,11 @@ void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories
     const auto at = [&](std::size_t i) {
       return Vector<3>(numbers[k + i], numbers[k + i + 1], numbers[k + i + 2]);
     };
-    memory.normal = at(3);
-    memory.slip = at(6);
-    memory.turn = at(9);
+    memory.gap = numbers[k + 3];
+    memory.offset = numbers[k + 4];
+    memory.normal = at(5);
+    memory.slip = at(8);
+    memory.turn = at(11);
     memories[{static_cast<std::int32_t>(numbers[k]), static_cast<std::int32_t>(numbers[k + 1]),
               static_cast<std::int32_t>(numbers[k + 2])}]
         .push_back(memory);

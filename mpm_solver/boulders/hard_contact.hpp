@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ struct Obstacle {
 
 /// Memory of places that touch.
 struct HardMemory {
+  double gap = 0;     ///< at the end of the last substep; what it stores is not lost or made [m]
+  double offset = 0;  ///< <= 0, of that gap: how deep a ball was when it was first seen there [m]
   Vector<3> normal = Vector<3>::Zero();
   Vector<3> slip = Vector<3>::Zero();  ///< of the tangential spring [m]
   Vector<3> turn = Vector<3>::Zero();  ///< of the rolling spring [rad]
@@ -52,7 +55,7 @@ using HardMemories = std::map<std::array<std::int32_t, 3>, std::vector<HardMemor
 
 /// A step of rigid bodies that touch each other and obstacles (docs/theory/boulders.md): as many
 /// substeps of advance() as the contacts ask for. Between two bodies act equal and opposite forces
-/// at one place. No substep gains energy where the touched surface does not turn.
+/// at one place. No substep gains energy, with stored_energy() and the work on the obstacles.
 class HardContact {
  public:
   /// @param dim      2: facets are segments in the plane of the first two coordinates
@@ -92,6 +95,9 @@ class HardContact {
   Overlap deepest_overlap(const std::vector<BodyState>& states,
                           const std::vector<Obstacle>& obstacles) const;
 
+  /// Of the springs of the places that touch [J].
+  double stored_energy(const HardMemories& memories) const;
+
   const std::vector<HardBody>& bodies() const { return bodies_; }
 
  private:
@@ -108,13 +114,22 @@ class HardContact {
                                double reach) const;
   void add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                  std::vector<Pair>& pairs) const;
-  double substep(const Under& under, const std::vector<Pair>& pairs, double remaining) const;
+  double substep(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
+                 double remaining) const;
   bool locate(const Pair& pair, const Under& under, Place& place) const;
-  bool place_of(const Pair& pair, const Under& under, Place& place) const;
+  bool is_point(const Pair& pair, const Under& under) const;
+  bool point_place(std::span<const Pair> group, const Under& under, const HardMemories& memories,
+                   Place& place) const;
+  bool ball_place(const Pair& pair, const Under& under, Place& place) const;
+  std::vector<Place> ball_places(std::span<const Pair> group, const Under& under) const;
+  void recall(const Under& under, const std::vector<HardMemory>& known,
+              std::vector<Place>& places) const;
+  std::vector<Place> places_of(std::span<const Pair> group, const Under& under,
+                               const HardMemories& memories) const;
+  double size_of(const Pair& pair) const;
   void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
                 Sums& sums) const;
-  void add_place(const Under& under, const Place& place, const HardMemories& memories,
-                 Sums& sums) const;
+  void add_place(const Under& under, const Place& place, Sums& sums) const;
   HardLaw law_of(std::int32_t a, std::int32_t b) const;
   double tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const;
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(bodies_.size()); }

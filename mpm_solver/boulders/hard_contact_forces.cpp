@@ -13,9 +13,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Gap rates below which the factor of the restitution blends from loading to unloading [m/s].
 constexpr double blend_speed = 0.02;
-// Of the radius: what is deeper is on the other side of a surface.
-constexpr double deepest = 0.25;
-constexpr double same_normal = 0.9;
 constexpr double usual_gravity = 9.81;
 
 // (W(g_0) - W(g_1)) / (g_1 - g_0) over the stiffness, W = |g|^3 / 3 where g < 0.
@@ -26,8 +23,13 @@ double mean_force(double g0, double g1) {
   return (a * a * a - b * b * b) / (3 * (g1 - g0));
 }
 
+// What the springs keep of the energy of an impact.
+double kept(double e) {
+  return (1 + e * e) / 2;
+}
+
 double restitution_factor(double e, double rate) {
-  return (1 + e * e) / 2 - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
+  return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
 }
 
 // A spring that gives way at a limit: it takes energy or keeps it.
@@ -58,38 +60,6 @@ double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const H
   return 2 * std::sqrt(law.stiffness * mass * g);
 }
 
-bool HardContact::place_of(const Pair& pair, const Under& under, Place& place) const {
-  if (!locate(pair, under, place)) return false;
-  const double size = std::min(pair.a < num_bodies() ? bodies_[pair.a].radius : infinity,
-                               pair.b < num_bodies() ? bodies_[pair.b].radius : infinity);
-  return std::max(place.g0, place.g1) > -deepest * size;
-}
-
-bool HardContact::locate(const Pair& pair, const Under& under, Place& place) const {
-  place.pair = pair;
-  const Vector<3> c0 = under.ball(pair.a, pair.ball, false);
-  const Vector<3> c1 = under.ball(pair.a, pair.ball, true);
-  const double radius = under.ball_radius(pair.a);
-  HardGap gap;
-  if (pair.facet < 0) {
-    gap = gap_of_points(c0 - under.s0[pair.b].x, c1 - under.s1[pair.b].x);
-    gap.g0 -= bodies_[pair.b].ball;
-    gap.g1 -= bodies_[pair.b].ball;
-    place.foot.support = 0;
-  } else {
-    const HardCorners f0 = under.corners(pair.b, pair.facet, false);
-    const HardCorners f1 = under.corners(pair.b, pair.facet, true);
-    place.foot = foot_of(middle(f0, f1), 0.5 * (c0 + c1));
-    if (radius == 0 && !place.foot.is_face()) return false;
-    if (!gap_of_facet(place.foot, f0, f1, {c0, c1}, gap)) return false;
-  }
-  place.g0 = gap.g0 - radius;
-  place.g1 = gap.g1 - radius;
-  place.normal = gap.normal;
-  place.x = 0.5 * (c0 + c1) - radius * gap.normal.normalized();
-  return true;
-}
-
 void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
                            const HardMemories& memories, Sums& sums) const {
   sums.loads.assign(bodies_.size(), {});
@@ -98,57 +68,27 @@ void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
     sums.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
   }
   sums.memories.clear();
-  std::vector<Place> edges;
-  FootVertices taken;  // of the ball: vertices of facets and edges that it touches
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pair& pair = pairs[k];
-    Place place;
-    if (place_of(pair, under, place) && std::min(place.g0, place.g1) < 0) {
-      if (pair.facet < 0) {
-        add_place(under, place, memories, sums);
-      } else if (place.foot.is_face() && !place.foot.on_border) {
-        add_place(under, place, memories, sums);
-        taken.add(under.facets(pair.b)[pair.facet], place.foot);
-      } else {
-        edges.push_back(place);
-      }
-    }
-    const bool last = k + 1 == pairs.size() || pairs[k + 1].a != pair.a ||
-                      pairs[k + 1].ball != pair.ball || pairs[k + 1].b != pair.b;
-    if (!last) continue;
-    // Edges before corners.
-    std::ranges::stable_sort(
-        edges, [](const Place& p, const Place& q) { return p.foot.support > q.foot.support; });
-    for (const Place& edge : edges) {
-      const HardFacet& facet = under.facets(edge.pair.b)[edge.pair.facet];
-      if (taken.has(facet, edge.foot)) continue;
-      add_place(under, edge, memories, sums);
-      taken.add(facet, edge.foot);
-    }
-    edges.clear();
-    taken.clear();
-  }
+  Under::for_groups(pairs, [&](std::span<const Pair> group) {
+    for (const Place& place : places_of(group, under, memories)) add_place(under, place, sums);
+  });
 }
 
-void HardContact::add_place(const Under& under, const Place& place, const HardMemories& memories,
-                            Sums& sums) const {
+void HardContact::add_place(const Under& under, const Place& place, Sums& sums) const {
   const auto [a, ball, b, facet] = place.pair;
   const HardLaw law = law_of(a, b);
   const double rate = (place.g1 - place.g0) / under.h;
   const double N =
       restitution_factor(law.restitution, rate) * law.stiffness * mean_force(place.g0, place.g1);
-  const Vector<3> n = place.normal.normalized();
-  HardMemory memory{.normal = n};
-  if (const auto known = memories.find({a, ball, b}); known != memories.end()) {
-    for (const HardMemory& old : known->second) {
-      if (old.normal.dot(n) < same_normal) continue;
-      memory.slip = old.slip;
-      memory.turn = old.turn;
-      break;
-    }
-  }
+  const Vector<3>& n = place.direction;
+  HardMemory memory = place.known;
+  if (memory.normal.dot(n) < same_normal) memory.slip = memory.turn = Vector<3>::Zero();
+  memory.normal = n;
+  // What was deep when it was first seen is so no more when it comes out.
+  const double gap = place.g1 + place.offset;
+  memory.offset = std::min(0.0, std::max(place.offset, gap));
+  memory.gap = gap - memory.offset;
   const double stiffness = tangential_stiffness(a, b, law);
-  memory.slip += under.way(a, place.x, place) - under.way(b, place.x, place);
+  memory.slip += under.relative_way(place);
   memory.slip -= n.dot(memory.slip) * n;
   memory.slip = spring(memory.slip, stiffness, law.friction * N);
   const Vector<3> force = N * place.normal - stiffness * memory.slip;
@@ -176,6 +116,22 @@ void HardContact::add_place(const Under& under, const Place& place, const HardMe
     const HardFacet& vertices = under.facets(b)[facet];
     for (int k = 0; k < dim_; ++k) nodal[vertices[k]] -= place.foot.weights[k] * force;
   }
+}
+
+double HardContact::stored_energy(const HardMemories& memories) const {
+  double sum = 0;
+  for (const auto& [key, list] : memories) {
+    const HardLaw law = law_of(key[0], key[2]);
+    const double stiffness = tangential_stiffness(key[0], key[2], law);
+    const double radius = key[0] < num_bodies() ? bodies_[key[0]].ball : 0;
+    for (const HardMemory& memory : list) {
+      const double depth = std::max(-memory.gap, 0.0);
+      sum += kept(law.restitution) * law.stiffness * depth * depth * depth / 3;
+      sum += 0.5 * stiffness * memory.slip.squaredNorm();
+      sum += 0.5 * stiffness * radius * radius * memory.turn.squaredNorm();
+    }
+  }
+  return sum;
 }
 
 }  // namespace gabion::mpm

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "mpm_solver/boulders/hard_contact.hpp"
 #include "mpm_solver/boulders/hard_places.hpp"
 
 namespace gabion::mpm {
+
+/// Cosine of the angle between normals of one place in two substeps.
+inline constexpr double same_normal = 0.9;
 
 struct HardContact::Pair {
   std::int32_t a = 0, ball = 0;   // what has the ball: a body, or an obstacle with its vertex
@@ -18,9 +22,13 @@ struct HardContact::Pair {
 struct HardContact::Place {
   Pair pair;
   HardFoot foot;
-  double g0 = 0, g1 = 0;
-  Vector<3> normal = Vector<3>::Zero();  // from b to a; n . (relative way) is g1 - g0
-  Vector<3> x = Vector<3>::Zero();       // in the middle of the substep
+  double g0 = 0, g1 = 0, offset = 0;
+  Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
+  Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative way) is g1 - g0
+  Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
+  HardMemory known;
+
+  bool touches() const { return std::min(g0, g1) < 0; }
 };
 
 struct HardContact::Sums {
@@ -39,6 +47,18 @@ struct HardContact::Under {
 
   bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
   const Obstacle& obstacle(std::int32_t c) const { return step.obstacles[c - bodies.size()]; }
+  // One ball and one surface have all their pairs next to each other.
+  template <class Visit>
+  static void for_groups(const std::vector<Pair>& pairs, const Visit& visit) {
+    for (std::size_t k = 0, end = 0; k < pairs.size(); k = end) {
+      const auto& [a, ball, b, facet] = pairs[k];
+      while (end < pairs.size() && pairs[end].a == a && pairs[end].ball == ball &&
+             pairs[end].b == b) {
+        ++end;
+      }
+      visit(std::span(pairs).subspan(k, end - k));
+    }
+  }
   const std::vector<HardFacet>& facets(std::int32_t c) const {
     return is_body(c) ? bodies[c].facets : obstacle(c).facets;
   }
@@ -73,6 +93,9 @@ struct HardContact::Under {
       way += place.foot.weights[k] * (vertex(c, facet[k], true) - vertex(c, facet[k], false));
     }
     return way;
+  }
+  Vector<3> relative_way(const Place& place) const {
+    return way(place.pair.a, place.x, place) - way(place.pair.b, place.x, place);
   }
   Vector<3> turn(std::int32_t c) const {
     return is_body(c) ? move_of(s0[c], s1[c], h).turn : Vector<3>(Vector<3>::Zero());

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace gabion::mpm {
 
@@ -24,6 +26,31 @@ Vector<3> place(const HardFoot& foot, const HardCorners& corners) {
   Vector<3> x = Vector<3>::Zero();
   for (int k = 0; k < corners.count; ++k) x += foot.weights[k] * corners.x[k];
   return x;
+}
+
+// Of the size of a facet: feet this near to each other are one place.
+constexpr double same_place = 1e-9;
+// Of the coordinates that a gap is a difference of.
+constexpr double rounding = 1e-13;
+
+// Of a facet in the normal at a foot: its angle at a corner, its half of an edge.
+double share_of(const HardFoot& foot, const HardCorners& c) {
+  if (c.count == 2) return 1;
+  const auto corner =
+      static_cast<int>(std::ranges::max_element(foot.weights) - foot.weights.begin());
+  if (foot.weights[corner] < 1 - same_place) return std::numbers::pi;
+  const Vector<3> a = c.x[(corner + 1) % 3] - c.x[corner], b = c.x[(corner + 2) % 3] - c.x[corner];
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// What is not along the edge, if the foot is on one.
+Vector<3> across(const HardFoot& foot, const HardCorners& c, const Vector<3>& d) {
+  if (foot.count == 2 || foot.support != 2) return d;
+  int i = 0, j = 2;
+  if (foot.weights[2] == 0) j = 1;
+  if (foot.weights[0] == 0) i = 1;
+  const Vector<3> edge = (c.x[j] - c.x[i]).normalized();
+  return d - edge.dot(d) * edge;
 }
 
 }  // namespace
@@ -90,21 +117,70 @@ bool gap_of_facet(const HardFoot& foot, const HardCorners& start, const HardCorn
   const Vector<3> n0 = start.normal(), n1 = end.normal();
   Vector<3> d0 = y[0] - place(foot, start), d1 = y[1] - place(foot, end);
   if (foot.is_face()) {
-    gap = {.g0 = n0.dot(d0), .g1 = n1.dot(d1), .normal = (n0 + n1).normalized()};
+    gap = {.g0 = n0.dot(d0), .g1 = n1.dot(d1), .normal = 0.5 * (n0 + n1)};
     return true;
   }
   if ((n0 + n1).dot(d0 + d1) <= 0) return false;
-  if (foot.support == 2) {
-    int i = 0, j = 2;
-    if (foot.weights[2] == 0) j = 1;
-    if (foot.weights[0] == 0) i = 1;
-    const Vector<3> e0 = (start.x[j] - start.x[i]).normalized();
-    const Vector<3> e1 = (end.x[j] - end.x[i]).normalized();
-    d0 -= e0.dot(d0) * e0;
-    d1 -= e1.dot(d1) * e1;
-  }
+  d0 = across(foot, start, d0);
+  d1 = across(foot, end, d1);
   gap = gap_of_points(d0, d1);
   return true;
+}
+
+HardNearest nearest_of(std::span<const HardCorners> facets, const Vector<3>& y) {
+  HardNearest nearest;
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<Vector<3>> places;
+  std::vector<HardFoot> feet;
+  for (const HardCorners& c : facets) {
+    feet.push_back(foot_of(c, y));
+    places.push_back(place(feet.back(), c));
+    const double distance = (y - places.back()).squaredNorm();
+    if (distance >= best) continue;
+    best = distance;
+    nearest.facet = static_cast<std::int32_t>(feet.size()) - 1;
+  }
+  if (nearest.facet < 0) return nearest;
+  const HardCorners& own = facets[nearest.facet];
+  HardFoot& foot = nearest.foot = feet[nearest.facet];
+  const Vector<3> d = y - places[nearest.facet];
+  if (foot.is_face() && !foot.on_border) {
+    nearest.out = own.normal();
+    nearest.gap = nearest.out.dot(d);
+    return nearest;
+  }
+  foot.support =
+      static_cast<int>(std::ranges::count_if(foot.weights, [](double w) { return w > 0; }));
+  const double same = same_place * (own.x[1] - own.x[0]).norm();
+  Vector<3> normal = Vector<3>::Zero();
+  int count = 0;
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    if ((places[f] - places[nearest.facet]).norm() > same) continue;
+    normal += share_of(feet[f], facets[f]) * facets[f].normal();
+    ++count;
+  }
+  const double side = normal.dot(d);
+  if (side < 0 && count == 1) return {};
+  nearest.gap = std::copysign(d.norm(), side);
+  nearest.out = d.norm() > 0 ? Vector<3>(d / nearest.gap) : Vector<3>(normal.normalized());
+  return nearest;
+}
+
+Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, const HardCorners& end,
+                      const std::array<Vector<3>, 2>& y) {
+  const HardFoot& foot = nearest.foot;
+  if (foot.is_face()) return 0.5 * (start.normal() + end.normal());
+  const Vector<3> d0 = across(foot, start, y[0] - place(foot, start));
+  const Vector<3> d1 = across(foot, end, y[1] - place(foot, end));
+  const double both = d0.norm() + d1.norm();
+  if (both == 0) return nearest.out;
+  return (nearest.gap < 0 ? -1 : 1) / both * (d0 + d1);
+}
+
+Vector<3> along_way(const Vector<3>& normal, const Vector<3>& way, double change, double scale) {
+  const double missing = change - normal.dot(way);
+  if (std::abs(missing) <= rounding * scale) return normal;
+  return normal + missing / way.squaredNorm() * way;
 }
 
 void FootVertices::add(const std::array<std::int32_t, 3>& facet, const HardFoot& foot) {
