@@ -119,8 +119,7 @@ void Boulders<dim>::begin(const Request& request) {
   dt_ = request.dt;
   tolerance_ = request.tolerance;
   passes_ = 0;
-  relaxation_ = 1;
-  last_difference_.clear();
+  relaxation_ = {};
   step_ = {.dt = dt_,
            .gravity_share = request.phase->gravity_ramp.at(request.time + 0.5 * dt_),
            .loads = last_loads_};
@@ -186,16 +185,7 @@ bool Boulders<dim>::follow(std::span<const double> forces) {
   const auto now = difference(loads);
   double largest = 0;
   for (const double value : now) largest = std::max(largest, std::abs(value));
-  if (!last_difference_.empty()) {  // Aitken's relaxation
-    double product = 0, square = 0;
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      const double change = now[k] - last_difference_[k];
-      product += last_difference_[k] * change;
-      square += change * change;
-    }
-    if (square > 0) relaxation_ *= -product / square;
-  }
-  last_difference_ = now;
+  const double relaxed = relaxation_.next(now);
   const bool agree = largest <= tolerance_;
   if (!agree && (++passes_ >= most_passes || !std::isfinite(largest))) {
     throw ConvergenceError(
@@ -206,7 +196,7 @@ bool Boulders<dim>::follow(std::span<const double> forces) {
         "boulders");
   }
   for (std::size_t b = 0; b < loads.size(); ++b) {
-    const double share = agree ? 1 : relaxation_;
+    const double share = agree ? 1 : relaxed;
     BodyLoad& own = step_.loads[b];
     own.force += share * (loads[b].force - own.force);
     own.moment += share * (loads[b].moment - own.moment);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm_solver/boulders/aitken.hpp"
 #include "mpm_solver/boulders/boulder_settings.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/background_grid.hpp"
@@ -98,8 +99,7 @@ class Boulders {
   double dt_ = 0, tolerance_ = 0;
   HardContact::Step step_;
   std::optional<HardContact::End> end_;
-  std::vector<double> last_difference_;
-  double relaxation_ = 1;
+  AitkenRelaxation relaxation_;
   int passes_ = 0;
 };
 

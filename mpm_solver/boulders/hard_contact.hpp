@@ -105,17 +105,24 @@ class HardContact {
   struct Place;
   struct Sums;
   struct Under;
+  struct Watched;
   bool solve_within(double reach, const Start& start, const Step& step, End& end) const;
   bool solve_substep(double h, const HardMemories& memories, const std::vector<Pair>& pairs,
                      Under& under, Sums& sums) const;
+  Sums no_sums(const Under& under) const;
+  std::vector<double> effect(const Under& under, const Sums& from, const Sums& to) const;
   void add_substep(const Under& under, double share, Sums& sums, End& end) const;
   double look_ahead(const Start& start, const Step& step) const;
   std::vector<Pair> near_pairs(const std::vector<BodyState>& states, const Step& step,
                                double reach) const;
   void add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                  std::vector<Pair>& pairs) const;
-  double substep(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
+  double substep(const Under& under, std::vector<Watched>& watched, const HardMemories& memories,
                  double remaining) const;
+  double stiffness_over_mass(const Place& place, std::int32_t c, double speed, double& now) const;
+  std::vector<double> ways(const Under& under) const;
+  bool solve_near(double h, const HardMemories& memories, const std::vector<Watched>& watched,
+                  Under& under, Sums& sums) const;
   bool locate(const Pair& pair, const Under& under, Place& place) const;
   bool is_point(const Pair& pair, const Under& under) const;
   bool point_place(std::span<const Pair> group, const Under& under, const HardMemories& memories,
@@ -126,7 +133,10 @@ class HardContact {
               std::vector<Place>& places) const;
   std::vector<Place> places_of(std::span<const Pair> group, const Under& under,
                                const HardMemories& memories) const;
+  std::vector<Place> places_before(std::span<const Pair> group, const Under& under,
+                                   const HardMemories& memories) const;
   double size_of(const Pair& pair) const;
+  /// @param sums  no_sums() at the start
   void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
                 Sums& sums) const;
   void add_place(const Under& under, const Place& place, Sums& sums) const;

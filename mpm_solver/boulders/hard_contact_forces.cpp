@@ -62,12 +62,6 @@ double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const H
 
 void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
                            const HardMemories& memories, Sums& sums) const {
-  sums.loads.assign(bodies_.size(), {});
-  sums.nodal_forces.clear();
-  for (const Obstacle& o : under.step.obstacles) {
-    sums.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
-  }
-  sums.memories.clear();
   Under::for_groups(pairs, [&](std::span<const Pair> group) {
     for (const Place& place : places_of(group, under, memories)) add_place(under, place, sums);
   });

@@ -18,6 +18,12 @@ struct HardContact::Pair {
   std::int32_t b = 0, facet = 0;  // what has the facet, -1: it is a ball about the centre
 };
 
+// A ball and a surface; they are no nearer than `apart` at the start of a substep.
+struct HardContact::Watched {
+  std::span<const Pair> pairs;
+  double apart = 0;
+};
+
 // A place that touches, on the way from the start to the end of a substep.
 struct HardContact::Place {
   Pair pair;
@@ -33,8 +39,21 @@ struct HardContact::Place {
 
 struct HardContact::Sums {
   std::vector<BodyLoad> loads;
-  std::vector<std::vector<Vector<3>>> nodal_forces;
-  HardMemories memories;
+  std::vector<std::vector<Vector<3>>> nodal_forces = {};
+  HardMemories memories = {};
+
+  // By a share of the difference.
+  void approach(const Sums& other, double share) {
+    for (std::size_t c = 0; c < loads.size(); ++c) {
+      loads[c].force += share * (other.loads[c].force - loads[c].force);
+      loads[c].moment += share * (other.loads[c].moment - loads[c].moment);
+    }
+    for (std::size_t o = 0; o < nodal_forces.size(); ++o) {
+      for (std::size_t v = 0; v < nodal_forces[o].size(); ++v) {
+        nodal_forces[o][v] += share * (other.nodal_forces[o][v] - nodal_forces[o][v]);
+      }
+    }
+  }
 };
 
 // Bodies and obstacles in a substep.

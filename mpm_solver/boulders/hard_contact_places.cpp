@@ -15,6 +15,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double deepest = 0.25;
 // Of the radius: rounding of what comes to a surface from its front.
 constexpr double entry = 1e-6;
+// Of a gap, besides the way in a substep: what differs by more is another place.
+constexpr double same_gap = 1e-3;
 
 }  // namespace
 
@@ -126,6 +128,9 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
       for (std::size_t k = 0; k < known.size(); ++k) {
         const double cosine = known[k].normal.dot(places[i].direction);
         if (done[i] != 0 || used[k] != 0 || cosine < best) continue;
+        const double gap = known[k].gap + known[k].offset;
+        const double way = under.relative_way(places[i]).norm();
+        if (std::abs(places[i].g0 - gap) > way + same_gap * std::abs(gap)) continue;
         best = cosine;
         p = i;
         m = k;
@@ -146,6 +151,22 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
     place.normal = along_way(place.normal, under.relative_way(place), place.g1 - place.g0,
                              place.x.norm() + size);
   }
+}
+
+// Whether they touch or not, on no way.
+std::vector<HardContact::Place> HardContact::places_before(std::span<const Pair> group,
+                                                           const Under& under,
+                                                           const HardMemories& memories) const {
+  std::vector<Place> places;
+  Place place;
+  if (is_point(group.front(), under)) {
+    if (point_place(group, under, memories, place)) places.push_back(place);
+    return places;
+  }
+  for (const Pair& pair : group) {
+    if (ball_place(pair, under, place)) places.push_back(place);
+  }
+  return places;
 }
 
 std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> group,
