@@ -15,7 +15,7 @@ namespace gabion::mpm {
 namespace {
 
 // Of a cell: points of the soil do not see what is smaller.
-constexpr double least_radius = 1.5;
+constexpr double least_radius = 1.5, rounding = 1e-9;
 // The default stiffness stops a ball of this speed within this share of its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
 // As of facets of rigid walls without a coefficient.
@@ -177,7 +177,7 @@ template <int dim>
 void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
                    const BoulderScene<dim>& settings) {
   const double cell = mean_cell_size(settings.grid);
-  if (0.5 * boulder.shape.thickness < least_radius * cell) {
+  if (0.5 * boulder.shape.thickness < (1 - rounding) * least_radius * cell) {
     in.fail("shape", fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
                                  "least {:.4g} m, soil does not see what is smaller",
                                  boulder.shape.thickness, cell, 2 * least_radius * cell));

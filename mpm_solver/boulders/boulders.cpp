@@ -234,6 +234,13 @@ void Boulders<dim>::accept() {
 }
 
 template <int dim>
+bool Boulders<dim>::may_touch_interface() const {
+  if (empty() || num_interfaces() == 0) return false;
+  const auto near = contact_.within_reach(accepted_, step_);
+  return std::any_of(near.begin(), near.begin() + num_interfaces(), [](char c) { return c != 0; });
+}
+
+template <int dim>
 void Boulders<dim>::add_forces(InterfaceValues& forces) const {
   if (empty()) return;
   for (std::size_t k = 0; k < num_interfaces(); ++k) {
@@ -276,6 +283,7 @@ std::vector<std::string> Boulders<dim>::names(const std::vector<BoulderSettings<
       names.push_back(fmt::format("{}.{}", boulder.name, part));
     }
   }
+  if (!boulders.empty()) names.emplace_back("boulder_contact_energy");
   return names;
 }
 
@@ -292,6 +300,7 @@ std::vector<double> Boulders<dim>::values() const {
     values.push_back(kinetic_energy(contact_.bodies()[b].mass, s));
     values.push_back(works_[b]);
   }
+  if (!empty()) values.push_back(contact_.stored_energy(accepted_.memories));
   return values;
 }
 

@@ -65,6 +65,8 @@ class Boulders {
   void refuse_exits() const;
   void accept();
 
+  /// Whether a boulder may touch an interface in the step.
+  bool may_touch_interface() const;
   /// Add the mean forces of the boulders in the last step to those of the soil.
   void add_forces(InterfaceValues& forces) const;
   /// The same of rigid walls. @param forces  as Surfaces::forces_on_walls

@@ -86,6 +86,9 @@ class HardContact {
   /// @throws ConvergenceError  a body moves farther than was looked ahead
   End solve(const Start& start, const Step& step) const;
 
+  /// Of each obstacle: whether a body may touch it in the step.
+  std::vector<char> within_reach(const Start& start, const Step& step) const;
+
   /// The deepest place where a body is inside another one or an obstacle at the start.
   struct Overlap {
     double depth = 0;                  ///< 0: none [m]

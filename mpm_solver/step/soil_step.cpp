@@ -152,6 +152,7 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
   StepReport report =
       state_.boulders.empty() ? solve_soil(request) : solve_with_boulders(request, received);
   state_.surfaces.report(report);
+  report.interface_active |= state_.boulders.may_touch_interface();
   return report;
 }
 
