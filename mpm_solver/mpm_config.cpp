@@ -10,6 +10,7 @@
 
 #include "common/base/log.hpp"
 #include "common/settings/plausible.hpp"
+#include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
@@ -370,10 +371,11 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
   resolve_rigid_walls(in, walls, settings.phases);
+  read_boulders<dim>(scene, in, boulder_scene<dim>(settings, settings.grid), settings.boulders,
+                     settings.rigid_walls);
+  const bool meets = !settings.interfaces.empty() || !settings.rigid_walls.empty();
   for (const Phase& phase : settings.phases) {
-    if (!settings.interfaces.empty() || !settings.rigid_walls.empty()) {
-      require_balance_at_end_of_step(in, phase.scheme);
-    }
+    if (meets) require_balance_at_end_of_step(in, phase.scheme);
   }
   for (auto& item : in.objects("probes")) {
     settings.probes.push_back({item.name("name"), to_vector<dim>(item.vector("point", dim))});

@@ -9,6 +9,7 @@
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/settings/scene.hpp"
+#include "mpm_solver/boulders/boulder_settings.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
 #include "mpm_solver/phases/phases.hpp"
@@ -60,7 +61,8 @@ struct MpmSettings {
   StepControlSettings step_control;
   LinearSolverSettings linear_solver;
   std::vector<ContactSettings<dim>> interfaces;
-  std::vector<RigidWallSettings<dim>> rigid_walls;
+  std::vector<RigidWallSettings<dim>> rigid_walls;  ///< those of the boulders at the end
+  std::vector<BoulderSettings<dim>> boulders;
   std::vector<PointProbe<dim>> probes;
   std::vector<Gauge<dim>> gauges;
   Outside outside = Outside::error;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/contact/contact_keys.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
@@ -137,6 +138,7 @@ KeyTable soil_newton_keys() {
 std::vector<Key> surface_and_solver_keys() {
   return {key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
           key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
+          key::objects("boulders", boulder_keys(), "Rigid bodies that move freely.").or_empty(),
           key::objects("probes", probe_keys(), "Reported places.").or_empty(),
           key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
               .or_empty(),

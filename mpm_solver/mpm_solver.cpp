@@ -56,6 +56,7 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
     throw;
   }
   sent = state_.surfaces.forces_on_structure();
+  state_.boulders.add_forces(sent);
   return report;
 }
 

@@ -64,6 +64,7 @@ struct RigidWallSettings {
   std::string name;
   ContactSettings<dim> boundary;
   RigidMotion<dim> motion;
+  bool is_boulder = false;                         ///< it moves as a boulder does, not as given
   Vector<dim> moment_about = Vector<dim>::Zero();  ///< place of the moment that is reported [m]
 };
 

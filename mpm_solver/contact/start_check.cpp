@@ -246,11 +246,10 @@ std::vector<StartSurface<dim>> surfaces_at_start(
     const std::vector<ContactSettings<dim>>& interfaces,
     const std::vector<RigidWallSettings<dim>>& walls) {
   std::vector<StartSurface<dim>> surfaces;
-  for (const auto& interface : interfaces) {
-    surfaces.push_back({interface, interface.surface.vertices, false});
-  }
+  for (const auto& own : interfaces) surfaces.push_back({own, own.surface.vertices, false});
   for (const auto& wall : walls) {
-    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, wall.motion.moves()});
+    const bool moves = wall.is_boulder || wall.motion.moves();
+    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, moves});
     auto& vertices = surfaces.back().vertices;
     const auto moved = wall.motion.displacement(vertices, 0);
     for (std::size_t v = 0; v < vertices.size(); ++v) {

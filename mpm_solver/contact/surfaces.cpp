@@ -31,6 +31,7 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
   std::vector<PlacedSurface<dim>> at_start;
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::holds_alternative<FacetSettings>(settings(k).method)) continue;
+    if (k >= interfaces_.size() && walls_[k - interfaces_.size()].is_boulder) continue;
     by_facets.push_back(k);
     at_start.push_back(placed(k));
   }
@@ -100,7 +101,7 @@ void Surfaces<dim>::keep_walls(std::span<const std::string> names) {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
     const std::size_t surface = interfaces_.size() + k;
     const bool named = std::find(names.begin(), names.end(), walls_[k].name) != names.end();
-    if (named || dropped_[surface] != 0) continue;
+    if (named || walls_[k].is_boulder || dropped_[surface] != 0) continue;
     drop(surface);
     log::info("rigid wall \"{}\" is dropped", walls_[k].name);
   }
@@ -185,10 +186,17 @@ template <int dim>
 void Surfaces<dim>::move_walls(double time) {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
     const auto& wall = walls_[k];
+    if (wall.is_boulder) continue;
     const std::size_t surface = interfaces_.size() + k;
     contact_of(surface).set_displacement(
         wall.motion.displacement(wall.boundary.surface.vertices, time), member_of(surface));
   }
+}
+
+template <int dim>
+void Surfaces<dim>::move_wall(std::size_t wall, std::span<const double> displacement) {
+  const std::size_t surface = interfaces_.size() + wall;
+  contact_of(surface).set_displacement(displacement, member_of(surface));
 }
 
 template <int dim>

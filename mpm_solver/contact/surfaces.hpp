@@ -26,7 +26,8 @@ class Surfaces {
   bool asks_for_cells() const;
   /// Grid nodes of all Contact::find_nodes, some of them several times.
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
-  /// Drop the rigid walls that are not named: they act no more, for the rest of the run.
+  /// Drop the rigid walls that are not named and no boulders: they act no more, for the rest of the
+  /// run.
   void keep_walls(std::span<const std::string> names);
   /// No surface acts any more, for the rest of the run.
   void drop_all();
@@ -42,8 +43,10 @@ class Surfaces {
   void mark_touched(std::span<char> nodes) const;
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
-  /// Move the rigid walls to where they are at a time [s].
+  /// Move the rigid walls that are no boulders to where they are at a time [s].
   void move_walls(double time);
+  /// Move the surface of a boulder. @param wall  number of the rigid wall
+  void move_wall(std::size_t wall, std::span<const double> displacement);
 
   // The following are collective.
 

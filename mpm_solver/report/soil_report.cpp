@@ -132,6 +132,7 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
+  for (const auto& name : Boulders<dim>::names(settings.boulders)) names.push_back(name);
   for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
   if (model_.lets_out) append_removed_names<dim>(model_.exit_sides, names);
   return names;
@@ -160,6 +161,7 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   append(water_probe_values(model_, state));
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
+  append(state.boulders.values());
   append(state.gauges.values(state.points));
   if (model_.lets_out) {
     const PointTotals<dim>& removed = state.ledger.removed();

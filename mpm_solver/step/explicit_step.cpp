@@ -68,7 +68,9 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .largest_courant = std::max(1.0, courant_),
                                           .body_force = body_force});
   repeated_ = std::exchange(repeats_, false);
-  may_repeat_ = !model.settings.whole_iterations && parts_.state.surfaces.may_touch_interface();
+  // Boulders move as well as interfaces do.
+  may_repeat_ = !model.settings.whole_iterations && model.settings.boulders.empty() &&
+                parts_.state.surfaces.may_touch_interface();
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);
 }

@@ -65,7 +65,7 @@ void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
       .same_strain = same_strain_share * model.settings.newton.residual_tolerance,
       .dt = start_.dt,
       .with_inertia = start_.with_inertia,
-      .repeats = !model.settings.interfaces.empty(),
+      .repeats = !model.settings.interfaces.empty() || !model.settings.boulders.empty(),
       .nearly_linear = state.nearly_linear,
       .f_body = f_body_,
       .f_body_start = f_body_start_,

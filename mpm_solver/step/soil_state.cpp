@@ -177,6 +177,7 @@ template <int dim>
 SoilState<dim>::SoilState(const SoilModel<dim>& model)
     : points(lay_all_points(model)),
       surfaces(model.comm, model.settings.interfaces, model.settings.rigid_walls, model.cell_size),
+      boulders(boulder_scene<dim>(model.settings, model.grid)),
       ledger(model.comm),
       control(model.settings.step_control),
       gauges(model.comm, model.settings.gauges, model.cell_size),
@@ -267,6 +268,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visit_points(visitor, points);
   ranks.visit_state(visitor);
   surfaces.visit_state(visitor);
+  boulders.visit_state(visitor);
   ledger.visit_state(visitor);
   visitor.reals("wall_forces", flat(wall_forces));
   visitor.reals("rigid_wall_forces", rigid_wall_forces);

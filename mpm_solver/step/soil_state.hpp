@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/krylov_pause.hpp"
+#include "mpm_solver/boulders/boulders.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/gauges/gauges.hpp"
 #include "mpm_solver/ranks/point_ranks.hpp"
@@ -47,6 +48,7 @@ struct SoilState {
 
   MaterialPoints<dim> points;
   Surfaces<dim> surfaces;
+  Boulders<dim> boulders;
   Ledger<dim> ledger;
   StepControl control;
   Gauges<dim> gauges;

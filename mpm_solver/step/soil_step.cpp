@@ -18,6 +18,9 @@ namespace gabion::mpm {
 
 namespace {
 
+// Of a cell: soil sees boulders this near to where they are.
+constexpr double boulder_tolerance = 1e-5;
+
 // Side of a cube with the mean volume of the points of all ranks [m].
 template <int dim>
 double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
@@ -146,13 +149,40 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
           request.iteration, request.step, request.time, request.dt);
   state_.surfaces.receive(received);
   state_.surfaces.move_walls(request.time + request.dt);
-  StepReport report;
-  if (!state_.is_empty()) {
-    report = method_->solve(request);
-    if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), method_->du());
-    check_surfaces();
-  }
+  StepReport report =
+      state_.boulders.empty() ? solve_soil(request) : solve_with_boulders(request, received);
   state_.surfaces.report(report);
+  report.interface_active |= state_.boulders.may_touch_interface();
+  return report;
+}
+
+template <int dim>
+StepReport SoilStep<dim>::solve_soil(const StepRequest& request) {
+  if (state_.is_empty()) return {};
+  StepReport report = method_->solve(request);
+  if (model_.settings.outside == Outside::error) soil_.refuse_exits(phase(), method_->du());
+  check_surfaces();
+  return report;
+}
+
+// Soil and boulders in turn, until the boulders are where the soil saw them.
+template <int dim>
+StepReport SoilStep<dim>::solve_with_boulders(const StepRequest& request,
+                                              const InterfaceValues& received) {
+  Boulders<dim>& boulders = state_.boulders;
+  boulders.begin({.time = request.time,
+                  .dt = request.dt,
+                  .phase = &phase(),
+                  .received = &received,
+                  .tolerance = boulder_tolerance * model_.cell_size});
+  StepReport report;
+  StepRequest pass = request;
+  for (bool agree = false; !agree; ++pass.iteration) {
+    boulders.place(state_.surfaces);
+    report = solve_soil(pass);
+    agree = boulders.follow(state_.surfaces.forces_on_walls());
+  }
+  if (model_.settings.outside == Outside::error) boulders.refuse_exits();
   return report;
 }
 
@@ -174,6 +204,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   MaterialPoints<dim>& points = state_.points;
   state_.wall_forces = forces_on_walls(*method_);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
+  state_.boulders.add_forces(state_.rigid_wall_forces);
   StepEnd<dim> end = method_->end();
   sizes_.accept(measure(end), largest_step_from(time));
   add_stop<dim>(soil_.stop().totals(), model_.settings.pic_share, end.balance);
@@ -191,6 +222,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.ledger.add_step(end.balance, start_.scheme, start_.dt, end.plastic_work, points);
   rotations_.look(points);
   state_.surfaces.accept();
+  state_.boulders.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   method_->remember(state_);
   under_way_ = false;

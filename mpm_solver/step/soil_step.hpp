@@ -74,6 +74,8 @@ class SoilStep {
   void map_soil();
   void begin_surfaces();
   void check_surfaces();
+  StepReport solve_soil(const StepRequest& request);
+  StepReport solve_with_boulders(const StepRequest& request, const InterfaceValues& received);
   void move_points(const StepEnd<dim>& end);
   AcceptReport accept_without_soil(double time);
   StepMeasures measure(const StepEnd<dim>& end) const;

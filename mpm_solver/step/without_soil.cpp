@@ -14,6 +14,8 @@ AcceptReport SoilStep<dim>::accept_without_soil(double time) {
   measures.dt = start_.dt;
   sizes_.accept(measures, largest_step_from(time));
   state_.gauges.add_step({}, state_.points, start_.dt);
+  state_.boulders.add_forces(state_.rigid_wall_forces);
+  state_.boulders.accept();
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   state_.nearly_linear = false;

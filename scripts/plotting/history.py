@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from plotting.boulders import boulder_names
 from plotting.results import Results, ResultsError, Table
 from plotting.style import COLOURS, legend_beside, new_figure, plt, save
 from plotting.view import AXES, up_axis
@@ -208,8 +209,9 @@ def wall_columns(table: Table | None) -> list[str]:
 
 
 def is_rigid_wall(table: Table, column: str) -> bool:
-    """Whether a column such as "lid.fx" is of a rigid wall; a wall of the grid has no moment."""
-    return f"{column.rpartition('.')[0]}.mz" in table
+    """Whether a column such as "lid.fx" is of a rigid wall; a wall of the grid has no moment, a boulder turns."""
+    name = column.rpartition(".")[0]
+    return f"{name}.mz" in table and name not in boulder_names(table)
 
 
 def plot_wall_forces(results: Results, out: Path) -> Path | None:

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from script_case import ROOT, ScriptCase
 
 import made_up_results as made_up
-from plotting import contact, gauges, history
+from plotting import boulders, contact, gauges, history
 from plotting import scene as scenes
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.envelope import envelope_rows, write_envelope
@@ -513,6 +513,21 @@ class Curves(ScriptCase):
         axes = self.axes_of(history.plot_sections, Results(self.folder))
         self.assertEqual([[text.get_text() for text in each.get_legend().get_texts()] for each in axes],
                          [["wall foot N", "wall foot V x"], ["wall foot M z"]])
+
+    def test_boulders_are_no_walls(self) -> None:
+        own = ["x", "y", "vx", "vy", "wz", "qw", "qx", "qy", "qz", "kinetic_energy", "fx", "fy", "mz"]
+        names = ["time", *(f"soil.{stone}.{column}" for stone in ("block", "ball") for column in own), "soil.lid.fx",
+                 "soil.lid.mz"]
+        made_up.write_table(self.folder / "probes.csv", names, [[t, *range(len(names) - 1)] for t in range(2)])
+        run = Results(self.folder)
+        self.assertEqual(boulders.boulder_names(run.table("probes.csv")), ["soil.block", "soil.ball"])
+        self.assertEqual(history.wall_columns(run.table("probes.csv")), ["soil.lid.fx"])
+        with mock.patch.object(boulders, "save", lambda figure, path: figure):
+            figure = boulders.plot_boulders(run, self.folder)
+        speed = figure.axes[1].get_lines()
+        self.assertEqual([line.get_label() for line in speed], ["block", "ball"])
+        np.testing.assert_allclose(speed[0].get_ydata(), np.hypot(2, 3))
+        self.assertIsNone(boulders.plot_boulders(Results(made_up.write_results(self.folder / "none")), self.folder))
 
     def test_mass_that_left_by_side(self) -> None:
         names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/boulder_config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/mechanics/mesh/triangle_surface.hpp"
+#include "mpm_solver/boulders/boulders.hpp"
+#include "mpm_solver/config_checks.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Of a cell: points of the soil do not see what is smaller.
+constexpr double least_radius = 1.5, rounding = 1e-9;
+// The default stiffness stops a ball of this speed within this share of its radius.
+constexpr double usual_speed = 10, usual_depth = 0.01;
+// As of facets of rigid walls without a coefficient.
+constexpr double sticking = 100;
+// Of a radius: rounding of places that touch.
+constexpr double allowed_overlap = 1e-6;
+
+KeyTable shape_keys() {
+  return {"shape",
+          "The body, about its centre of mass.",
+          {key::number("radius", "m", "A sphere, in 2D a disc.").in(positive()).or_none(),
+           key::vector("box", "m", "Lengths of the sides of a box, in 2D a rectangle.")
+               .in(positive())
+               .or_none(),
+           key::vector("ellipsoid", "m", "Half axes of an ellipsoid, in 2D an ellipse.")
+               .in(positive())
+               .or_none(),
+           key::rows("polygon", "m", "Corners [x, y], counterclockwise.")
+               .wide(2, 2)
+               .not_empty(3)
+               .or_none()
+               .only("in 2D"),
+           key::text("triangles",
+                     "A closed surface, normals out of the body, a .stl or .ply file, relative to "
+                     "the scene.")
+               .or_none()
+               .only("in 3D")},
+          {"radius", "box", "ellipsoid", "polygon", "triangles"}};
+}
+
+template <int dim>
+ContactSurface<dim> surface_of(const Scene& scene, ConfigReader& in) {
+  ContactSurface<dim> surface;
+  if constexpr (dim == 2) {
+    const auto corners = in.rows("polygon", 2);
+    const auto count = static_cast<std::int32_t>(corners.size());
+    for (std::int32_t k = 0; k < count; ++k) {
+      surface.vertices.push_back({corners[k][0], corners[k][1]});
+      surface.facets.insert(surface.facets.end(), {k, (k + 1) % count});
+    }
+  } else {
+    surface.facet_type = CellType::tri3;
+    const TriangleSurface read =
+        read_triangles(scene.path(in.text("triangles")), TriangleNormals::file);
+    surface.vertices = read.vertices;
+    for (const auto& triangle : read.triangles) {
+      surface.facets.insert(surface.facets.end(), triangle.begin(), triangle.end());
+    }
+  }
+  return surface;
+}
+
+template <int dim>
+Vector<dim> positive_lengths(ConfigReader& in, const std::string& key) {
+  const auto values = in.vector(key, dim);
+  return Eigen::Map<const Vector<dim>>(values.data());
+}
+
+template <int dim>
+BoulderShape<dim> read_shape(const Scene& scene, ConfigReader in, double density) {
+  BoulderShape<dim> shape;
+  const bool ball = in.has("radius"), box = in.has("box"), ellipsoid = in.has("ellipsoid");
+  const bool polygon = in.has("polygon"), triangles = in.has("triangles");
+  if (dim == 2 && triangles) in.fail("triangles", "allowed in 2D: \"polygon\"");
+  if (dim == 3 && polygon) in.fail("polygon", "allowed in 3D: \"triangles\"");
+  const char* const keys[] = {"radius", "box", "ellipsoid", "polygon", "triangles"};
+  const bool given[] = {ball, box, ellipsoid, polygon, triangles};
+  if (std::count(std::begin(given), std::end(given), true) != 1) {
+    in.fail(box ? "box" : "radius",
+            fmt::format("allowed: exactly one of {}", fmt::join(keys, ", ")));
+  }
+  if (ball) {
+    shape = ball_shape<dim>(in.number("radius"), density);
+  } else if (box) {
+    shape = box_shape<dim>(positive_lengths<dim>(in, "box"), density);
+  } else if (ellipsoid) {
+    shape = ellipsoid_shape<dim>(positive_lengths<dim>(in, "ellipsoid"), density);
+  } else {
+    try {
+      shape = surface_shape<dim>(surface_of<dim>(scene, in), density);
+    } catch (const ConfigError& error) {
+      in.fail(dim == 2 ? "polygon" : "triangles", error.what());
+    }
+  }
+  in.finish();
+  return shape;
+}
+
+template <int dim>
+Eigen::Quaterniond read_orientation(ConfigReader& in) {
+  if (!in.has("orientation")) return Eigen::Quaterniond::Identity();
+  if constexpr (dim == 2) {
+    const double angle = in.vector("orientation", 1)[0];
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector<3>::UnitZ()));
+  } else {
+    const auto q = in.vector("orientation", 4);
+    const Eigen::Quaterniond result(q[0], q[1], q[2], q[3]);
+    if (!(result.norm() > 0)) in.fail("orientation", "found length 0, allowed: a quaternion");
+    return result.normalized();
+  }
+}
+
+template <int dim>
+BodyState read_start(ConfigReader& in) {
+  BodyState start;
+  const auto x = in.vector("centre", dim), v = in.vector("velocity", dim);
+  std::copy(x.begin(), x.end(), start.x.begin());
+  std::copy(v.begin(), v.end(), start.v.begin());
+  start.q = read_orientation<dim>(in);
+  const auto spin = in.vector("spin", dim == 2 ? 1 : 3);
+  Vector<3> in_space = Vector<3>::Zero();
+  std::copy(spin.begin(), spin.end(), in_space.data() + (dim == 2 ? 2 : 0));
+  start.W = start.q.conjugate() * in_space;
+  return start;
+}
+
+template <int dim>
+BoulderSettings<dim> read_boulder(const Scene& scene, ConfigReader& in) {
+  BoulderSettings<dim> boulder;
+  boulder.name = in.name("name");
+  const double density = in.number("density");
+  boulder.shape = read_shape<dim>(scene, in.object("shape"), density);
+  boulder.start = read_start<dim>(in);
+  boulder.law = {.friction = in.number("friction"),
+                 .restitution = in.number("restitution"),
+                 .rolling = in.number("rolling_resistance")};
+  if (boulder.shape.ball == 0 && boulder.law.rolling > 0) {
+    in.fail("rolling_resistance", "allowed only with a shape of a \"radius\"");
+  }
+  const BoulderShape<dim>& shape = boulder.shape;
+  boulder.law.stiffness =
+      in.number_or("stiffness", 1.5 * shape.mass.mass * usual_speed * usual_speed /
+                                    std::pow(usual_depth * shape.radius, 3));
+  boulder.free_from = in.number("free_from");
+  return boulder;
+}
+
+template <int dim>
+RigidWallSettings<dim> wall_of(const BoulderSettings<dim>& boulder, const ConfigReader& in,
+                               double friction) {
+  RigidWallSettings<dim> wall;
+  wall.name = boulder.name;
+  wall.is_boulder = true;
+  wall.boundary.name = boulder.name;
+  wall.boundary.where = in.where("shape");
+  wall.boundary.friction = friction;
+  wall.boundary.method = FacetSettings{};
+  wall.boundary.surface = boulder.shape.surface;
+  for (Vector<dim>& X : wall.boundary.surface.vertices) {
+    Vector<3> in_body = Vector<3>::Zero();
+    in_body.template head<dim>() = X;
+    X = boulder.start.at(in_body).template head<dim>();
+  }
+  wall.moment_about = Vector<dim>::Zero();
+  return wall;
+}
+
+template <int dim>
+void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
+                   const BoulderScene<dim>& settings) {
+  const double cell = mean_cell_size(settings.grid);
+  if (0.5 * boulder.shape.thickness < (1 - rounding) * least_radius * cell) {
+    in.fail("shape", fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
+                                 "least {:.4g} m, soil does not see what is smaller",
+                                 boulder.shape.thickness, cell, 2 * least_radius * cell));
+  }
+  for (const auto& wall : settings.rigid_walls) {
+    if (wall.name == boulder.name)
+      in.fail("name",
+              fmt::format("found \"{}\" a second time, allowed: a name of its own", boulder.name));
+  }
+  for (const auto& interface : settings.interfaces) {
+    if (interface.name == boulder.name)
+      in.fail("name",
+              fmt::format("found \"{}\", which an interface has, allowed: a name of its own",
+                          boulder.name));
+  }
+  for (std::size_t k = 0; k < settings.phases.size(); ++k) {
+    const Phase& phase = settings.phases[k];
+    if (phase.dynamic || boulder.free_from >= phase.until) continue;
+    in.fail("free_from", fmt::format("found {} s with phase {}, quasi-static, until {} s, allowed: "
+                                     "from its end on, a free body has no state without inertia",
+                                     boulder.free_from, k, phase.until));
+  }
+}
+
+template <int dim>
+void check_overlaps(const ConfigReader& in, const BoulderScene<dim>& settings) {
+  const Boulders<dim> boulders(settings);
+  const auto overlap = boulders.overlap_at_start();
+  const auto& boulder = settings.boulders[overlap.body];
+  if (overlap.depth <= allowed_overlap * boulder.shape.radius) return;
+  in.fail(fmt::format("boulders/{}/centre", overlap.body),
+          fmt::format("found \"{}\" inside \"{}\", by {:.4g} m at ({:.6g}, {:.6g}, {:.6g}), "
+                      "allowed: no overlap",
+                      boulder.name, boulders.name_of_partner(overlap.other), overlap.depth,
+                      overlap.place[0], overlap.place[1], overlap.place[2]));
+}
+
+}  // namespace
+
+KeyTable boulder_keys() {
+  return {
+      "boulder",
+      "A rigid body that soil and boulders, interfaces and rigid walls push; grid walls do not.",
+      {key::plain_name("Its own; columns of the tables start with it."),
+       key::object("shape", shape_keys(), "What it is."),
+       key::number("density", "kg/m^3", "Of the rock.").in(positive()),
+       key::vector("centre", "m", "Of mass, at the start."),
+       key::vector("orientation", "rad",
+                   "In 2D [angle]; in 3D, without unit, the quaternion [w, x, y, z] that turns the "
+                   "shape.")
+           .wide(1, 4)
+           .or_computed("not turned"),
+       key::vector("velocity", "m/s", "At the start.").or_else(0),
+       key::vector("spin", "rad/s", "At the start, along the axes of space, in 2D [w].")
+           .wide(1, 3)
+           .or_else(0),
+       key::number("friction", "", "On what is hard, Coulomb's coefficient.")
+           .in(non_negative())
+           .or_else(0.5),
+       key::number("soil_friction", "", "Between soil and boulder; none: soil sticks.")
+           .in(non_negative())
+           .or_none(),
+       key::number("restitution", "",
+                   "Normal speed after an impact on what is hard over before it.")
+           .in(between(0, 1))
+           .or_else(0.4),
+       key::number("rolling_resistance", "",
+                   "Largest resisting moment over radius and normal force; of a `radius` only.")
+           .in(non_negative())
+           .or_else(0),
+       key::number("stiffness", "N/m^2", "Force of a place on what is hard over its squared depth.")
+           .in(positive())
+           .or_computed(
+               fmt::format("stops {:g} m/s within {:g} of the radius", usual_speed, usual_depth)),
+       key::number("free_from", "s", "It is held before that time.")
+           .in(non_negative())
+           .or_else(0)}};
+}
+
+template <int dim>
+void read_boulders(const Scene& scene, ConfigReader& in, const BoulderScene<dim>& among,
+                   std::vector<BoulderSettings<dim>>& boulders,
+                   std::vector<RigidWallSettings<dim>>& walls) {
+  std::vector<RigidWallSettings<dim>> own;
+  for (auto& item : in.objects("boulders")) {
+    boulders.push_back(read_boulder<dim>(scene, item));
+    const double friction = item.has("soil_friction") ? item.number("soil_friction") : sticking;
+    item.finish();
+    check_boulder(item, boulders.back(), among);
+    require_own_name(item, boulders);
+    own.push_back(wall_of(boulders.back(), item, friction));
+  }
+  if (boulders.empty()) return;
+  check_overlaps(in, among);
+  walls.insert(walls.end(), own.begin(), own.end());
+}
+
+template void read_boulders<2>(const Scene&, ConfigReader&, const BoulderScene<2>&,
+                               std::vector<BoulderSettings<2>>&,
+                               std::vector<RigidWallSettings<2>>&);
+template void read_boulders<3>(const Scene&, ConfigReader&, const BoulderScene<3>&,
+                               std::vector<BoulderSettings<3>>&,
+                               std::vector<RigidWallSettings<3>>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/boulder_shape.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "common/base/error.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr int icosphere_divisions = 3;  // 1280 facets, of 0.15 radii
+constexpr int disc_facets = 32;
+constexpr int most_divisions = 3;  // of the facets of a given surface
+
+using Edge = std::array<std::int32_t, 2>;
+
+template <int dim>
+void close_extents(BoulderShape<dim>& shape) {
+  Vector<dim> low = Vector<dim>::Zero(), high = Vector<dim>::Zero();
+  for (const Vector<dim>& X : shape.surface.vertices) {
+    shape.radius = std::max(shape.radius, X.norm());
+    low = low.cwiseMin(X);
+    high = high.cwiseMax(X);
+  }
+  shape.thickness = (high - low).minCoeff();
+}
+
+// Each triangle into four; on the midpoints of edges one vertex.
+void divide(ContactSurface<3>& surface) {
+  std::map<Edge, std::int32_t> middles;
+  const auto middle = [&](std::int32_t i, std::int32_t j) {
+    const auto [place, is_new] = middles.try_emplace(
+        {std::min(i, j), std::max(i, j)}, static_cast<std::int32_t>(surface.vertices.size()));
+    if (is_new) {
+      surface.vertices.push_back(0.5 * (surface.vertices[i] + surface.vertices[j]));
+    }
+    return place->second;
+  };
+  std::vector<std::int32_t> facets;
+  for (std::size_t f = 0; f < surface.facets.size(); f += 3) {
+    const std::int32_t a = surface.facets[f], b = surface.facets[f + 1], c = surface.facets[f + 2];
+    const std::int32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const std::int32_t v : {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca}) facets.push_back(v);
+  }
+  surface.facets = std::move(facets);
+}
+
+void divide(ContactSurface<2>& surface) {
+  std::vector<std::int32_t> facets;
+  for (std::size_t f = 0; f < surface.facets.size(); f += 2) {
+    const std::int32_t a = surface.facets[f], b = surface.facets[f + 1];
+    const auto m = static_cast<std::int32_t>(surface.vertices.size());
+    surface.vertices.push_back(0.5 * (surface.vertices[a] + surface.vertices[b]));
+    for (const std::int32_t v : {a, m, m, b}) facets.push_back(v);
+  }
+  surface.facets = std::move(facets);
+}
+
+ContactSurface<2> unit_ball(std::integral_constant<int, 2>) {
+  ContactSurface<2> surface;
+  for (int k = 0; k < disc_facets; ++k) {
+    const double angle = 2 * std::numbers::pi * k / disc_facets;
+    surface.vertices.emplace_back(std::cos(angle), std::sin(angle));
+    surface.facets.push_back(k);
+    surface.facets.push_back((k + 1) % disc_facets);
+  }
+  return surface;
+}
+
+ContactSurface<3> unit_ball(std::integral_constant<int, 3>) {
+  ContactSurface<3> surface;
+  surface.facet_type = CellType::tri3;
+  const double g = std::numbers::phi;
+  surface.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                      {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  surface.facets = {0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
+                    4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
+                    6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1};
+  for (int k = 0; k < icosphere_divisions; ++k) divide(surface);
+  for (Vector<3>& X : surface.vertices) X.normalize();
+  return surface;
+}
+
+// One square of a box: lattice points of it are vertices once, by their numbers along the axes.
+struct BoxLattice {
+  Vector<3> size;
+  std::array<int, 3> cells;
+  ContactSurface<3> surface{.vertices = {}, .facet_type = CellType::tri3, .facets = {}};
+  std::map<std::array<int, 3>, std::int32_t> known = {};
+
+  std::int32_t vertex(const std::array<int, 3>& place) {
+    const auto [entry, is_new] =
+        known.try_emplace(place, static_cast<std::int32_t>(surface.vertices.size()));
+    if (is_new) {
+      Vector<3> X;
+      for (int d = 0; d < 3; ++d) X[d] = size[d] * (1. * place[d] / cells[d] - 0.5);
+      surface.vertices.push_back(X);
+    }
+    return entry->second;
+  }
+  void add_side(int axis, bool high) {
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    for (int i = 0; i < cells[b]; ++i) {
+      for (int j = 0; j < cells[c]; ++j) {
+        std::array<std::int32_t, 4> v{};
+        for (int k = 0; k < 4; ++k) {
+          std::array<int, 3> place{};
+          place[axis] = high ? cells[axis] : 0;
+          place[b] = i + (k == 1 || k == 2 ? 1 : 0);
+          place[c] = j + (k >= 2 ? 1 : 0);
+          v[k] = vertex(place);
+        }
+        if (!high) std::swap(v[1], v[3]);
+        for (const int k : {0, 1, 2, 0, 2, 3}) surface.facets.push_back(v[k]);
+      }
+    }
+  }
+};
+
+ContactSurface<3> box_surface(const Vector<3>& size) {
+  const double wanted = 0.5 * size.norm() / facets_along_radius;
+  BoxLattice lattice{.size = size, .cells = {}};
+  for (int d = 0; d < 3; ++d)
+    lattice.cells[d] = std::max(1, static_cast<int>(std::ceil(size[d] / wanted)));
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.add_side(axis, false);
+    lattice.add_side(axis, true);
+  }
+  return lattice.surface;
+}
+
+ContactSurface<2> box_surface(const Vector<2>& size) {
+  const double wanted = 0.5 * size.norm() / facets_along_radius;
+  ContactSurface<2> surface;
+  const Vector<2> half = 0.5 * size;
+  const std::array<Vector<2>, 4> corners = {Vector<2>(-half), Vector<2>(half[0], -half[1]), half,
+                                            Vector<2>(-half[0], half[1])};
+  for (int k = 0; k < 4; ++k) {
+    const Vector<2> side = corners[(k + 1) % 4] - corners[k];
+    const int n = std::max(1, static_cast<int>(std::ceil(side.norm() / wanted)));
+    for (int i = 0; i < n; ++i) surface.vertices.push_back(corners[k] + i * side / n);
+  }
+  const auto count = static_cast<std::int32_t>(surface.vertices.size());
+  for (std::int32_t v = 0; v < count; ++v) {
+    surface.facets.push_back(v);
+    surface.facets.push_back((v + 1) % count);
+  }
+  return surface;
+}
+
+// Each edge (in 2D: vertex) of a closed surface has one facet on each side.
+void require_closed(const ContactSurface<3>& surface) {
+  std::map<Edge, int> edges;
+  for (std::size_t f = 0; f < surface.facets.size(); f += 3) {
+    for (int k = 0; k < 3; ++k) ++edges[{surface.facets[f + k], surface.facets[f + (k + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : edges) {
+    const auto other = edges.find({edge[1], edge[0]});
+    if (count == 1 && other != edges.end()) continue;
+    const Vector<3> x = 0.5 * (surface.vertices[edge[0]] + surface.vertices[edge[1]]);
+    throw ConfigError(fmt::format(
+        "found an edge at ({}) {}, allowed: a closed surface, whose edges have one triangle on "
+        "each side",
+        fmt::join(x.data(), x.data() + 3, ", "),
+        count == 1 ? "with a triangle on one side only" : "that several triangles share"));
+  }
+}
+
+void require_closed(const ContactSurface<2>& surface) {
+  const std::size_t n = surface.facets.size() / 2;
+  const auto corner = [&](std::size_t k) -> const Vector<2>& {
+    return surface.vertices[surface.facets[2 * (k % n)]];
+  };
+  const auto side = [](const Vector<2>& a, const Vector<2>& b, const Vector<2>& c) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 2; j < n; ++j) {
+      if (i == 0 && j == n - 1) continue;
+      const Vector<2>&a = corner(i), &b = corner(i + 1), &c = corner(j), &d = corner(j + 1);
+      if (side(a, b, c) * side(a, b, d) > 0 || side(c, d, a) * side(c, d, b) > 0) continue;
+      throw ConfigError(fmt::format(
+          "found sides {} and {} that meet, from ({}, {}) and from ({}, {}), allowed: a polygon "
+          "that does not cross itself",
+          i, j, a[0], a[1], c[0], c[1]));
+    }
+  }
+}
+
+// d^n of X over the simplex of the origin and a facet: volume, first and second moments.
+template <int dim>
+struct Moments {
+  double volume = 0;
+  Vector<dim> first = Vector<dim>::Zero();
+  Matrix<dim> second = Matrix<dim>::Zero();
+
+  void add(const std::array<Vector<dim>, dim>& corners) {
+    Matrix<dim> A;
+    for (int k = 0; k < dim; ++k) A.col(k) = corners[k];
+    const double v = A.determinant() / (dim == 2 ? 2 : 6);
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (const auto& X : corners) sum += X;
+    volume += v;
+    first += v / (dim + 1) * sum;
+    Matrix<dim> squares = sum * sum.transpose();
+    for (const auto& X : corners) squares += X * X.transpose();
+    second += v / ((dim + 1) * (dim + 2)) * squares;
+  }
+};
+
+template <int dim>
+Moments<dim> moments_of(const ContactSurface<dim>& surface) {
+  Moments<dim> moments;
+  for (std::size_t f = 0; f < surface.facets.size(); f += dim) {
+    std::array<Vector<dim>, dim> corners;
+    for (int k = 0; k < dim; ++k) corners[k] = surface.vertices[surface.facets[f + k]];
+    moments.add(corners);
+  }
+  return moments;
+}
+
+// From int X X^T of a body.
+Matrix<3> inertia_of(const Matrix<3>& second) {
+  return second.trace() * Matrix<3>::Identity() - second;
+}
+Matrix<3> inertia_of(const Matrix<2>& second) {
+  return second.trace() * Matrix<3>::Identity();
+}
+
+template <int dim>
+BodyMass mass_of(double volume, const Vector<dim>& mean_squares, double density) {
+  BodyMass result;
+  result.mass = density * volume;
+  result.inertia = inertia_of(Matrix<dim>(result.mass * mean_squares.asDiagonal()));
+  return result;
+}
+
+}  // namespace
+
+template <int dim>
+BodyMass mass_within(const ContactSurface<dim>& surface, double density) {
+  const Moments<dim> moments = moments_of(surface);
+  BodyMass result;
+  result.mass = density * moments.volume;
+  const Vector<dim> centre = moments.first / moments.volume;
+  result.centre.template head<dim>() = centre;
+  result.inertia = inertia_of(
+      Matrix<dim>(density * (moments.second - moments.volume * centre * centre.transpose())));
+  return result;
+}
+
+template <int dim>
+BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density) {
+  constexpr double pi = std::numbers::pi;
+  const double volume = (dim == 2 ? pi : 4 * pi / 3) * axes.prod();
+  BoulderShape<dim> shape;
+  shape.mass = mass_of<dim>(volume, axes.cwiseAbs2() / (dim + 2), density);
+  shape.surface = unit_ball(std::integral_constant<int, dim>{});
+  for (Vector<dim>& X : shape.surface.vertices) X = X.cwiseProduct(axes);
+  const double scale = std::pow(volume / moments_of(shape.surface).volume, 1. / dim);
+  for (Vector<dim>& X : shape.surface.vertices) X *= scale;
+  close_extents(shape);
+  return shape;
+}
+
+template <int dim>
+BoulderShape<dim> ball_shape(double radius, double density) {
+  BoulderShape<dim> shape = ellipsoid_shape<dim>(Vector<dim>::Constant(radius), density);
+  shape.ball = radius;
+  shape.thickness = 2 * radius;
+  return shape;
+}
+
+template <int dim>
+BoulderShape<dim> box_shape(const Vector<dim>& size, double density) {
+  BoulderShape<dim> shape;
+  shape.mass = mass_of<dim>(size.prod(), size.cwiseAbs2() / 12, density);
+  shape.surface = box_surface(size);
+  close_extents(shape);
+  return shape;
+}
+
+template <int dim>
+BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density) {
+  require_closed(surface);
+  const double volume = moments_of(surface).volume;
+  if (!(volume > 0)) {
+    throw ConfigError(
+        fmt::format("found a volume of {:.6g}, allowed: a surface whose normals "
+                    "point out of the body",
+                    volume));
+  }
+  BoulderShape<dim> shape;
+  shape.mass = mass_within(surface, density);
+  shape.surface = std::move(surface);
+  for (Vector<dim>& X : shape.surface.vertices) X -= shape.mass.centre.template head<dim>();
+  close_extents(shape);
+  for (int k = 0; k < most_divisions; ++k) {
+    double longest = 0;
+    const auto& facets = shape.surface.facets;
+    for (std::size_t f = 0; f < facets.size(); f += dim) {
+      const auto& X = shape.surface.vertices;
+      for (int i = 0; i < dim; ++i) {
+        longest = std::max(longest, (X[facets[f + i]] - X[facets[f + (i + 1) % dim]]).norm());
+      }
+    }
+    if (longest <= 1.5 * shape.radius / facets_along_radius) break;
+    divide(shape.surface);
+  }
+  return shape;
+}
+
+template BodyMass mass_within<2>(const ContactSurface<2>&, double);
+template BodyMass mass_within<3>(const ContactSurface<3>&, double);
+template BoulderShape<2> ball_shape<2>(double, double);
+template BoulderShape<3> ball_shape<3>(double, double);
+template BoulderShape<2> box_shape<2>(const Vector<2>&, double);
+template BoulderShape<3> box_shape<3>(const Vector<3>&, double);
+template BoulderShape<2> ellipsoid_shape<2>(const Vector<2>&, double);
+template BoulderShape<3> ellipsoid_shape<3>(const Vector<3>&, double);
+template BoulderShape<2> surface_shape<2>(ContactSurface<2>, double);
+template BoulderShape<3> surface_shape<3>(ContactSurface<3>, double);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/hard_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/base/require.hpp"
+#include "mpm_solver/boulders/hard_contact_parts.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Of the way that the bodies' motion at the start leads to.
+constexpr double ahead = 1.5;
+constexpr double least_ahead = 0.05;  // of the smallest radius
+constexpr int most_halvings = 12, most_looks = 4;
+
+}  // namespace
+
+HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity)
+    : dim_(dim), bodies_(std::move(bodies)), gravity_(gravity) {}
+
+void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
+                            std::vector<Pair>& pairs) const {
+  const double radius = under.ball_radius(a);
+  const auto num_facets = static_cast<std::int32_t>(under.facets(b).size());
+  std::vector<std::int32_t> facets;  // of b near a
+  std::vector<HardCorners> corners;
+  for (std::int32_t f = 0; f < num_facets; ++f) {
+    const HardCorners c = under.corners(b, f, false);
+    if (under.is_body(a) && distance_at_least(c, under.s0[a].x) > bodies_[a].radius + reach)
+      continue;
+    facets.push_back(f);
+    corners.push_back(c);
+  }
+  if (facets.empty()) return;
+  const bool is_ball = radius > 0;
+  const auto num_balls =
+      static_cast<std::int32_t>(is_ball            ? 1
+                                : under.is_body(a) ? bodies_[a].vertices.size()
+                                                   : under.obstacle(a).start.size());
+  for (std::int32_t k = 0; k < num_balls; ++k) {
+    const Vector<3> c = under.ball(a, k, false);
+    if (under.is_body(b) && (c - under.s0[b].x).norm() > bodies_[b].radius + radius + reach)
+      continue;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      if (distance_at_least(corners[f], c) > radius + reach) continue;
+      pairs.push_back({a, k, b, facets[f]});
+    }
+  }
+}
+
+std::vector<HardContact::Pair> HardContact::near_pairs(const std::vector<BodyState>& states,
+                                                       const Step& step, double reach) const {
+  const Under under{.dim = dim_, .bodies = bodies_, .step = step, .s0 = states, .s1 = states};
+  const auto total = static_cast<std::int32_t>(bodies_.size() + step.obstacles.size());
+  std::vector<Pair> pairs;
+  for (std::int32_t a = 0; a < num_bodies(); ++a) {
+    for (std::int32_t b = 0; b < total; ++b) {
+      if (a == b) continue;
+      if (b < num_bodies()) {
+        const double apart = (states[a].x - states[b].x).norm();
+        if (apart > bodies_[a].radius + bodies_[b].radius + reach) continue;
+        if (bodies_[b].ball > 0) {
+          if (a < b && bodies_[a].ball > 0) pairs.push_back({a, 0, b, -1});
+          continue;
+        }
+      }
+      add_pairs(a, b, under, reach, pairs);
+    }
+    if (bodies_[a].ball > 0) continue;
+    for (std::int32_t o = num_bodies(); o < total; ++o) add_pairs(o, a, under, reach, pairs);
+  }
+  return pairs;
+}
+
+std::vector<char> HardContact::within_reach(const Start& start, const Step& step) const {
+  std::vector<char> result(step.obstacles.size(), 0);
+  for (const Pair& pair : near_pairs(start.states, step, look_ahead(start, step))) {
+    const std::int32_t highest = std::max(pair.a, pair.b);
+    if (highest >= num_bodies()) result[highest - num_bodies()] = 1;
+  }
+  return result;
+}
+
+double HardContact::look_ahead(const Start& start, const Step& step) const {
+  const Under under{
+      .dim = dim_, .bodies = bodies_, .step = step, .s0 = start.states, .s1 = start.states};
+  double body = 0, obstacle = 0, least = infinity;
+  for (std::int32_t c = 0; c < num_bodies(); ++c) {
+    least = std::min(least, bodies_[c].radius);
+    if (step.held[c] != 0) continue;
+    const double a = step.loads[c].force.norm() / bodies_[c].mass.mass + gravity_.norm();
+    body = std::max(body, (under.speed(c) + a * step.dt) * step.dt);
+  }
+  for (std::size_t o = 0; o < step.obstacles.size(); ++o) {
+    obstacle =
+        std::max(obstacle, under.speed(static_cast<std::int32_t>(bodies_.size() + o)) * step.dt);
+  }
+  double depth = 0;
+  for (const auto& [key, list] : start.memories) {
+    for (const HardMemory& memory : list) depth = std::max(depth, -memory.gap - memory.offset);
+  }
+  return ahead * (2 * body + obstacle + depth) + least_ahead * least;
+}
+
+bool HardContact::solve_within(double reach, const Start& start, const Step& step, End& end) const {
+  const auto pairs = near_pairs(start.states, step, reach);
+  std::vector<Watched> watched;
+  Under::for_groups(pairs, [&](std::span<const Pair> group) { watched.push_back({group}); });
+  Under under{.dim = dim_, .bodies = bodies_, .step = step, .s0 = start.states, .s1 = start.states};
+  end = {.memories = start.memories,
+         .works = std::vector<double>(bodies_.size(), 0.0),
+         .loads = std::vector<BodyLoad>(bodies_.size())};
+  for (const Obstacle& o : step.obstacles) {
+    end.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
+  }
+  under.h = step.dt;
+  for (double done = 0; done < step.dt; ++end.substeps) {
+    const double remaining = step.dt - done;
+    under.s1 = under.s0;
+    under.share0 = under.share1 = done / step.dt;
+    double h = substep(under, watched, end.memories, remaining);
+    Sums sums;
+    for (int halvings = 0;; ++halvings, h *= 0.5) {
+      if (halvings > most_halvings) {
+        throw ConvergenceError("contact of boulders does not converge", "boulders");
+      }
+      under.share1 = h == remaining ? 1 : (done + h) / step.dt;
+      if (solve_near(h, end.memories, watched, under, sums)) break;
+    }
+    const auto way = ways(under);
+    for (Watched& w : watched) w.apart -= way[w.pairs.front().a] + way[w.pairs.front().b];
+    add_substep(under, h / step.dt, sums, end);
+    under.s0 = under.s1;
+    done = h == remaining ? step.dt : done + h;
+  }
+  end.states = under.s0;
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    if (2 * (end.states[c].x - start.states[c].x).norm() > reach) return false;
+  }
+  return true;
+}
+
+void HardContact::add_substep(const Under& under, double share, Sums& sums, End& end) const {
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    const BodyMove move = move_of(under.s0[c], under.s1[c], under.h);
+    end.works[c] += sums.loads[c].force.dot(move.shift) + sums.loads[c].moment.dot(move.turn);
+    end.loads[c].force += share * sums.loads[c].force;
+    end.loads[c].moment += share * sums.loads[c].moment;
+  }
+  for (std::size_t o = 0; o < sums.nodal_forces.size(); ++o) {
+    for (std::size_t v = 0; v < sums.nodal_forces[o].size(); ++v) {
+      end.nodal_forces[o][v] += share * sums.nodal_forces[o][v];
+    }
+  }
+  end.memories = std::move(sums.memories);
+}
+
+// What springs give back may be faster than what the step began with.
+HardContact::End HardContact::solve(const Start& start, const Step& step) const {
+  double reach = look_ahead(start, step);
+  End end;
+  for (int k = 0; k < most_looks; ++k, reach *= 4) {
+    if (solve_within(reach, start, step, end)) return end;
+  }
+  throw ConvergenceError("boulders move too far in one step to know what they touch", "boulders");
+}
+
+// The nearest place of each surface says on which side a ball is.
+HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& states,
+                                                  const std::vector<Obstacle>& obstacles) const {
+  const Step step{.dt = 1, .held = std::vector<char>(bodies_.size(), 1), .obstacles = obstacles};
+  const Under under{
+      .dim = dim_, .bodies = bodies_, .step = step, .s0 = states, .s1 = states, .h = 1};
+  double reach = 0;
+  for (const HardBody& body : bodies_) reach = std::max(reach, body.radius);
+  Overlap found;
+  Under::for_groups(near_pairs(states, step, reach), [&](std::span<const Pair> group) {
+    const auto& [a, ball, b, facet] = group.front();
+    const double radius = under.ball_radius(a);
+    double depth = -infinity, least = infinity;
+    Vector<3> at = under.ball(a, ball, false);
+    if (is_point(group.front(), under)) {
+      std::vector<HardCorners> corners;
+      for (const Pair& pair : group) corners.push_back(under.corners(b, pair.facet, false));
+      depth = -nearest_of(corners, at).gap;
+    } else {
+      for (const Pair& pair : group) {
+        Place place;
+        if (!locate(pair, under, place) || std::abs(place.g0 + radius) >= least) continue;
+        least = std::abs(place.g0 + radius);
+        depth = -place.g0;
+        at = place.x;
+      }
+    }
+    if (depth <= found.depth) return;
+    const bool body_first = a < num_bodies();
+    found = {.depth = depth, .body = body_first ? a : b, .other = body_first ? b : a, .place = at};
+  });
+  return found;
+}
+
+void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories) {
+  constexpr std::size_t width = 14;
+  std::vector<double> numbers;
+  for (const auto& [key, list] : memories) {
+    for (const HardMemory& memory : list) {
+      for (const std::int32_t k : key) numbers.push_back(k);
+      numbers.push_back(memory.gap);
+      numbers.push_back(memory.offset);
+      for (const auto* part : {&memory.normal, &memory.slip, &memory.turn}) {
+        numbers.insert(numbers.end(), part->begin(), part->end());
+      }
+    }
+  }
+  Json fact = numbers;
+  visitor.fact(name, fact);
+  numbers = fact.get<std::vector<double>>();
+  require(numbers.size() % width == 0, "saved state: \"{}\" has {} values, allowed: {} for a place",
+          name, numbers.size(), width);
+  memories.clear();
+  for (std::size_t k = 0; k < numbers.size(); k += width) {
+    HardMemory memory;
+    const auto at = [&](std::size_t i) {
+      return Vector<3>(numbers[k + i], numbers[k + i + 1], numbers[k + i + 2]);
+    };
+    memory.gap = numbers[k + 3];
+    memory.offset = numbers[k + 4];
+    memory.normal = at(5);
+    memory.slip = at(8);
+    memory.turn = at(11);
+    memories[{static_cast<std::int32_t>(numbers[k]), static_cast<std::int32_t>(numbers[k + 1]),
+              static_cast<std::int32_t>(numbers[k + 2])}]
+        .push_back(memory);
+  }
+}
+
+}  // namespace gabion::mpm

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/run/state.hpp"
+#include "mpm_solver/boulders/rigid_body.hpp"
+
+namespace gabion::mpm {
+
+/// What a boulder does where it meets something hard. Two boulders have the smaller coefficients of
+/// both, and the stiffnesses in series; walls and terrain have those of the boulder.
+struct HardLaw {
+  double friction = 0.5;     ///< Coulomb's coefficient
+  double restitution = 0.5;  ///< normal speed after over before an impact, in [0, 1]
+  double stiffness = 0;      ///< force of a place at a depth d: stiffness d^2 [N/m^2]
+  double rolling = 0;        ///< of a sphere or disc: resisting moment over its radius and force
+};
+
+/// Vertices of a facet, in 2D the third is -1; its normal points out of what has it.
+using HardFacet = std::array<std::int32_t, 3>;
+
+/// A rigid body that touches with a ball about its centre, or with the vertices of its surface.
+struct HardBody {
+  std::string name;
+  BodyMass mass;
+  double ball = 0;                       ///< radius, 0: not a ball [m]
+  double radius = 0;                     ///< of a ball about the centre that holds it [m]
+  std::vector<Vector<3>> vertices = {};  ///< in axes of the body [m]
+  std::vector<HardFacet> facets = {};
+  HardLaw law = {};
+};
+
+/// A surface whose vertices move evenly in a step. It touches what comes from where its normals
+/// point to.
+struct Obstacle {
+  std::vector<Vector<3>> start = {}, end = {};  ///< [m]
+  std::vector<HardFacet> facets = {};
+};
+
+/// Memory of places that touch.
+struct HardMemory {
+  double gap = 0;     ///< at the end of the last substep; what it stores is not lost or made [m]
+  double offset = 0;  ///< <= 0, of that gap: how deep a ball was when it was first seen there [m]
+  Vector<3> normal = Vector<3>::Zero();
+  Vector<3> slip = Vector<3>::Zero();  ///< of the tangential spring [m]
+  Vector<3> turn = Vector<3>::Zero();  ///< of the rolling spring [rad]
+};
+using HardMemories = std::map<std::array<std::int32_t, 3>, std::vector<HardMemory>>;
+
+/// A step of rigid bodies that touch each other and obstacles (docs/theory/boulders.md): as many
+/// substeps of advance() as the contacts ask for. Between two bodies act equal and opposite forces
+/// at one place. No substep gains energy, with stored_energy() and the work on the obstacles.
+class HardContact {
+ public:
+  /// @param dim      2: facets are segments in the plane of the first two coordinates
+  /// @param gravity  [m/s^2]
+  HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity);
+
+  struct Start {
+    std::vector<BodyState> states = {};
+    HardMemories memories = {};
+  };
+  /// In a step from the start to the end of the obstacles.
+  struct Step {
+    double dt = 0;                     ///< [s]
+    double gravity_share = 1;          ///< mean over the step, of the gravity
+    std::vector<BodyLoad> loads = {};  ///< besides gravity and these contacts, of each body
+    std::vector<char> held = {};       ///< of each body: 1 where it does not move
+    std::vector<Obstacle> obstacles = {};
+  };
+  struct End {
+    std::vector<BodyState> states = {};
+    HardMemories memories = {};
+    std::vector<double> works = {};    ///< of the contacts on each body [J]
+    std::vector<BodyLoad> loads = {};  ///< mean, of the contacts on each body
+    std::vector<std::vector<Vector<3>>> nodal_forces =
+        {};  ///< mean, on the vertices of obstacles [N]
+    int substeps = 0;
+  };
+  /// @throws ConvergenceError  a body moves farther than was looked ahead
+  End solve(const Start& start, const Step& step) const;
+
+  /// Of each obstacle: whether a body may touch it in the step.
+  std::vector<char> within_reach(const Start& start, const Step& step) const;
+
+  /// The deepest place where a body is inside another one or an obstacle at the start.
+  struct Overlap {
+    double depth = 0;                  ///< 0: none [m]
+    std::int32_t body = 0, other = 0;  ///< bodies, then obstacles
+    Vector<3> place = Vector<3>::Zero();
+  };
+  Overlap deepest_overlap(const std::vector<BodyState>& states,
+                          const std::vector<Obstacle>& obstacles) const;
+
+  /// Of the springs of the places that touch [J].
+  double stored_energy(const HardMemories& memories) const;
+
+  const std::vector<HardBody>& bodies() const { return bodies_; }
+
+ private:
+  struct Pair;
+  struct Place;
+  struct Sums;
+  struct Under;
+  struct Watched;
+  bool solve_within(double reach, const Start& start, const Step& step, End& end) const;
+  bool solve_substep(double h, const HardMemories& memories, const std::vector<Pair>& pairs,
+                     Under& under, Sums& sums) const;
+  Sums no_sums(const Under& under) const;
+  std::vector<double> effect(const Under& under, const Sums& from, const Sums& to) const;
+  void add_substep(const Under& under, double share, Sums& sums, End& end) const;
+  double look_ahead(const Start& start, const Step& step) const;
+  std::vector<Pair> near_pairs(const std::vector<BodyState>& states, const Step& step,
+                               double reach) const;
+  void add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
+                 std::vector<Pair>& pairs) const;
+  double substep(const Under& under, std::vector<Watched>& watched, const HardMemories& memories,
+                 double remaining) const;
+  double stiffness_over_mass(const Place& place, std::int32_t c, double speed, double& now) const;
+  std::vector<double> ways(const Under& under) const;
+  bool solve_near(double h, const HardMemories& memories, const std::vector<Watched>& watched,
+                  Under& under, Sums& sums) const;
+  bool locate(const Pair& pair, const Under& under, Place& place) const;
+  bool is_point(const Pair& pair, const Under& under) const;
+  bool point_place(std::span<const Pair> group, const Under& under, const HardMemories& memories,
+                   Place& place) const;
+  bool ball_place(const Pair& pair, const Under& under, Place& place) const;
+  std::vector<Place> ball_places(std::span<const Pair> group, const Under& under) const;
+  void recall(const Under& under, const std::vector<HardMemory>& known,
+              std::vector<Place>& places) const;
+  std::vector<Place> places_of(std::span<const Pair> group, const Under& under,
+                               const HardMemories& memories) const;
+  std::vector<Place> places_before(std::span<const Pair> group, const Under& under,
+                                   const HardMemories& memories) const;
+  double size_of(const Pair& pair) const;
+  /// @param sums  no_sums() at the start
+  void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
+                Sums& sums) const;
+  void add_place(const Under& under, const Place& place, Sums& sums) const;
+  HardLaw law_of(std::int32_t a, std::int32_t b) const;
+  double tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const;
+  std::int32_t num_bodies() const { return static_cast<std::int32_t>(bodies_.size()); }
+
+  int dim_;
+  std::vector<HardBody> bodies_;
+  Vector<3> gravity_;
+};
+
+void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The forces of the places that touch.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm_solver/boulders/hard_contact_parts.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Gap rates below which the factor of the restitution blends from loading to unloading [m/s].
+constexpr double blend_speed = 0.02;
+constexpr double usual_gravity = 9.81;
+
+// (W(g_0) - W(g_1)) / (g_1 - g_0) over the stiffness, W = |g|^3 / 3 where g < 0.
+double mean_force(double g0, double g1) {
+  const double a = std::max(-g0, 0.0), b = std::max(-g1, 0.0);
+  if (g0 <= 0 && g1 <= 0) return (a * a + a * b + b * b) / 3;
+  if (a == 0 && b == 0) return 0;
+  return (a * a * a - b * b * b) / (3 * (g1 - g0));
+}
+
+// What the springs keep of the energy of an impact.
+double kept(double e) {
+  return (1 + e * e) / 2;
+}
+
+double restitution_factor(double e, double rate) {
+  return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
+}
+
+// A spring that gives way at a limit: it takes energy or keeps it.
+Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
+  const double size = stiffness * stretched.norm();
+  return size <= limit ? stretched : Vector<3>(stretched * (limit / size));
+}
+
+}  // namespace
+
+HardLaw HardContact::law_of(std::int32_t a, std::int32_t b) const {
+  if (a >= num_bodies()) return bodies_[b].law;
+  if (b >= num_bodies()) return bodies_[a].law;
+  const HardLaw &p = bodies_[a].law, &q = bodies_[b].law;
+  return {.friction = std::min(p.friction, q.friction),
+          .restitution = std::min(p.restitution, q.restitution),
+          .stiffness = p.stiffness * q.stiffness / (p.stiffness + q.stiffness),
+          .rolling = std::min(p.rolling, q.rolling)};
+}
+
+// As stiff as the normal direction is under the weight.
+double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const {
+  double mass = infinity;
+  for (const std::int32_t c : {a, b}) {
+    if (c < num_bodies()) mass = std::min(mass, bodies_[c].mass.mass);
+  }
+  const double g = gravity_.norm() > 0 ? gravity_.norm() : usual_gravity;
+  return 2 * std::sqrt(law.stiffness * mass * g);
+}
+
+void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
+                           const HardMemories& memories, Sums& sums) const {
+  Under::for_groups(pairs, [&](std::span<const Pair> group) {
+    for (const Place& place : places_of(group, under, memories)) add_place(under, place, sums);
+  });
+}
+
+void HardContact::add_place(const Under& under, const Place& place, Sums& sums) const {
+  const auto [a, ball, b, facet] = place.pair;
+  const HardLaw law = law_of(a, b);
+  const double rate = (place.g1 - place.g0) / under.h;
+  const double N =
+      restitution_factor(law.restitution, rate) * law.stiffness * mean_force(place.g0, place.g1);
+  const Vector<3>& n = place.direction;
+  HardMemory memory = place.known;
+  if (memory.normal.dot(n) < same_normal) memory.slip = memory.turn = Vector<3>::Zero();
+  memory.normal = n;
+  // What was deep when it was first seen is so no more when it comes out.
+  const double gap = place.g1 + place.offset;
+  memory.offset = std::min(0.0, std::max(place.offset, gap));
+  memory.gap = gap - memory.offset;
+  const double stiffness = tangential_stiffness(a, b, law);
+  memory.slip += under.relative_way(place);
+  memory.slip -= n.dot(memory.slip) * n;
+  memory.slip = spring(memory.slip, stiffness, law.friction * N);
+  const Vector<3> force = N * place.normal - stiffness * memory.slip;
+  Vector<3> moment = Vector<3>::Zero();
+  const double radius = under.ball_radius(a);
+  if (radius > 0 && law.rolling > 0) {
+    const double resisting = stiffness * radius * radius;
+    memory.turn += under.turn(a) - under.turn(b);
+    memory.turn = spring(memory.turn, resisting, law.rolling * radius * N);
+    moment = -resisting * memory.turn;
+  }
+  sums.memories[{a, ball, b}].push_back(memory);
+  for (const std::int32_t c : {a, b}) {
+    const double sign = c == a ? 1 : -1;
+    if (under.is_body(c)) {
+      sums.loads[c].force += sign * force;
+      sums.loads[c].moment += sign * (Vector<3>(place.x - under.middle(c)).cross(force) + moment);
+      continue;
+    }
+    auto& nodal = sums.nodal_forces[c - bodies_.size()];
+    if (c == a) {
+      nodal[ball] += force;
+      continue;
+    }
+    const HardFacet& vertices = under.facets(b)[facet];
+    for (int k = 0; k < dim_; ++k) nodal[vertices[k]] -= place.foot.weights[k] * force;
+  }
+}
+
+double HardContact::stored_energy(const HardMemories& memories) const {
+  double sum = 0;
+  for (const auto& [key, list] : memories) {
+    const HardLaw law = law_of(key[0], key[2]);
+    const double stiffness = tangential_stiffness(key[0], key[2], law);
+    const double radius = key[0] < num_bodies() ? bodies_[key[0]].ball : 0;
+    for (const HardMemory& memory : list) {
+      const double depth = std::max(-memory.gap, 0.0);
+      sum += kept(law.restitution) * law.stiffness * depth * depth * depth / 3;
+      sum += 0.5 * stiffness * memory.slip.squaredNorm();
+      sum += 0.5 * stiffness * radius * radius * memory.turn.squaredNorm();
+    }
+  }
+  return sum;
+}
+
+}  // namespace gabion::mpm

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "mpm_solver/boulders/hard_contact.hpp"
+#include "mpm_solver/boulders/hard_places.hpp"
+
+namespace gabion::mpm {
+
+/// Cosine of the angle between normals of one place in two substeps.
+inline constexpr double same_normal = 0.9;
+
+struct HardContact::Pair {
+  std::int32_t a = 0, ball = 0;   // what has the ball: a body, or an obstacle with its vertex
+  std::int32_t b = 0, facet = 0;  // what has the facet, -1: it is a ball about the centre
+};
+
+// A ball and a surface; they are no nearer than `apart` at the start of a substep.
+struct HardContact::Watched {
+  std::span<const Pair> pairs;
+  double apart = 0;
+};
+
+// A place that touches, on the way from the start to the end of a substep.
+struct HardContact::Place {
+  Pair pair;
+  HardFoot foot;
+  double g0 = 0, g1 = 0, offset = 0;
+  Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
+  Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative way) is g1 - g0
+  Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
+  HardMemory known;
+
+  bool touches() const { return std::min(g0, g1) < 0; }
+};
+
+struct HardContact::Sums {
+  std::vector<BodyLoad> loads;
+  std::vector<std::vector<Vector<3>>> nodal_forces = {};
+  HardMemories memories = {};
+
+  // By a share of the difference.
+  void approach(const Sums& other, double share) {
+    for (std::size_t c = 0; c < loads.size(); ++c) {
+      loads[c].force += share * (other.loads[c].force - loads[c].force);
+      loads[c].moment += share * (other.loads[c].moment - loads[c].moment);
+    }
+    for (std::size_t o = 0; o < nodal_forces.size(); ++o) {
+      for (std::size_t v = 0; v < nodal_forces[o].size(); ++v) {
+        nodal_forces[o][v] += share * (other.nodal_forces[o][v] - nodal_forces[o][v]);
+      }
+    }
+  }
+};
+
+// Bodies and obstacles in a substep.
+struct HardContact::Under {
+  int dim = 3;
+  const std::vector<HardBody>& bodies;
+  const Step& step;
+  std::vector<BodyState> s0, s1;
+  double share0 = 0, share1 = 0, h = 0;
+
+  bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
+  const Obstacle& obstacle(std::int32_t c) const { return step.obstacles[c - bodies.size()]; }
+  // One ball and one surface have all their pairs next to each other.
+  template <class Visit>
+  static void for_groups(const std::vector<Pair>& pairs, const Visit& visit) {
+    for (std::size_t k = 0, end = 0; k < pairs.size(); k = end) {
+      const auto& [a, ball, b, facet] = pairs[k];
+      while (end < pairs.size() && pairs[end].a == a && pairs[end].ball == ball &&
+             pairs[end].b == b) {
+        ++end;
+      }
+      visit(std::span(pairs).subspan(k, end - k));
+    }
+  }
+  const std::vector<HardFacet>& facets(std::int32_t c) const {
+    return is_body(c) ? bodies[c].facets : obstacle(c).facets;
+  }
+  Vector<3> vertex(std::int32_t c, std::int32_t v, bool at_end) const {
+    if (is_body(c)) return (at_end ? s1 : s0)[c].at(bodies[c].vertices[v]);
+    const Obstacle& o = obstacle(c);
+    return o.start[v] + (at_end ? share1 : share0) * (o.end[v] - o.start[v]);
+  }
+  Vector<3> ball(std::int32_t c, std::int32_t k, bool at_end) const {
+    if (is_body(c) && bodies[c].ball > 0) return (at_end ? s1 : s0)[c].x;
+    return vertex(c, k, at_end);
+  }
+  double ball_radius(std::int32_t c) const { return is_body(c) ? bodies[c].ball : 0; }
+  HardCorners corners(std::int32_t c, std::int32_t facet, bool at_end) const {
+    HardCorners result{.count = dim};
+    for (int k = 0; k < dim; ++k) result.x[k] = vertex(c, facets(c)[facet][k], at_end);
+    return result;
+  }
+  Vector<3> middle(std::int32_t c) const { return 0.5 * (s0[c].x + s1[c].x); }
+  // Way of what is at x in the middle of the substep.
+  Vector<3> way(std::int32_t c, const Vector<3>& x, const Place& place) const {
+    if (is_body(c)) {
+      const BodyMove move = move_of(s0[c], s1[c], h);
+      return move.shift + move.turn.cross(x - middle(c));
+    }
+    if (c == place.pair.a) {
+      return vertex(c, place.pair.ball, true) - vertex(c, place.pair.ball, false);
+    }
+    Vector<3> way = Vector<3>::Zero();
+    const HardFacet& facet = facets(c)[place.pair.facet];
+    for (int k = 0; k < dim; ++k) {
+      way += place.foot.weights[k] * (vertex(c, facet[k], true) - vertex(c, facet[k], false));
+    }
+    return way;
+  }
+  Vector<3> relative_way(const Place& place) const {
+    return way(place.pair.a, place.x, place) - way(place.pair.b, place.x, place);
+  }
+  Vector<3> turn(std::int32_t c) const {
+    return is_body(c) ? move_of(s0[c], s1[c], h).turn : Vector<3>(Vector<3>::Zero());
+  }
+  // Largest speed of a point.
+  double speed(std::int32_t c) const {
+    if (is_body(c)) {
+      if (step.held[c] != 0) return 0;
+      return s0[c].v.norm() + bodies[c].radius * s0[c].W.norm();
+    }
+    double way = 0;
+    const Obstacle& o = obstacle(c);
+    for (std::size_t v = 0; v < o.start.size(); ++v) {
+      way = std::max(way, (o.end[v] - o.start[v]).norm());
+    }
+    return way / step.dt;
+  }
+};
+
+}  // namespace gabion::mpm

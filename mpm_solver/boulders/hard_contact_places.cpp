@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The places that touch.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm_solver/boulders/hard_contact_parts.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Of the radius: a ball that is deeper is on the other side of a surface.
+constexpr double deepest = 0.25;
+// Of the radius: rounding of what comes to a surface from its front.
+constexpr double entry = 1e-6;
+// Of a gap, besides the way in a substep: what differs by more is another place.
+constexpr double same_gap = 1e-3;
+
+}  // namespace
+
+double HardContact::size_of(const Pair& pair) const {
+  return std::min(pair.a < num_bodies() ? bodies_[pair.a].radius : infinity,
+                  pair.b < num_bodies() ? bodies_[pair.b].radius : infinity);
+}
+
+bool HardContact::is_point(const Pair& pair, const Under& under) const {
+  return pair.facet >= 0 && under.ball_radius(pair.a) == 0;
+}
+
+// A point touches where a surface is nearest to it, if it came there from its front.
+bool HardContact::point_place(std::span<const Pair> group, const Under& under,
+                              const HardMemories& memories, Place& place) const {
+  const auto [a, ball, b, facet] = group.front();
+  const std::array<Vector<3>, 2> c = {under.ball(a, ball, false), under.ball(a, ball, true)};
+  std::vector<HardCorners> start, end;
+  for (const Pair& pair : group) {
+    start.push_back(under.corners(b, pair.facet, false));
+    end.push_back(under.corners(b, pair.facet, true));
+  }
+  const HardNearest n0 = nearest_of(start, c[0]), n1 = nearest_of(end, c[1]);
+  if (n0.facet < 0 || n1.facet < 0) return false;
+  const auto known = memories.find({a, ball, b});
+  const bool is_known = known != memories.end();
+  const double rounding = entry * size_of(group.front());
+  if (!is_known && n0.gap < -rounding) return false;
+  const HardNearest& nearest = n0.gap < 0 ? n0 : n1;
+  place.pair = group[nearest.facet];
+  place.foot = nearest.foot;
+  place.g0 = n0.gap;
+  place.g1 = n1.gap;
+  place.x = 0.5 * (c[0] + c[1]);
+  const Vector<3> normal = mean_normal(nearest, start[nearest.facet], end[nearest.facet], c);
+  const Vector<3> way = under.relative_way(place);
+  // A gap that changes by more than the way is that of a point that goes round a free border.
+  if (!is_known && n0.gap - n1.gap > (1 + entry) * way.norm() + rounding) return false;
+  place.direction = normal.normalized();
+  place.normal = along_way(normal, way, place.g1 - place.g0, place.x.norm() + size_of(place.pair));
+  if (is_known) place.known = known->second.front();
+  return true;
+}
+
+bool HardContact::ball_place(const Pair& pair, const Under& under, Place& place) const {
+  return locate(pair, under, place) && std::max(place.g0, place.g1) > -deepest * size_of(pair);
+}
+
+bool HardContact::locate(const Pair& pair, const Under& under, Place& place) const {
+  place.pair = pair;
+  const Vector<3> c0 = under.ball(pair.a, pair.ball, false);
+  const Vector<3> c1 = under.ball(pair.a, pair.ball, true);
+  const double radius = under.ball_radius(pair.a);
+  HardGap gap;
+  if (pair.facet < 0) {
+    gap = gap_of_points(c0 - under.s0[pair.b].x, c1 - under.s1[pair.b].x);
+    gap.g0 -= bodies_[pair.b].ball;
+    gap.g1 -= bodies_[pair.b].ball;
+    place.foot.support = 0;
+  } else {
+    const HardCorners f0 = under.corners(pair.b, pair.facet, false);
+    const HardCorners f1 = under.corners(pair.b, pair.facet, true);
+    place.foot = foot_of(middle(f0, f1), 0.5 * (c0 + c1));
+    if (!gap_of_facet(place.foot, f0, f1, {c0, c1}, gap)) return false;
+  }
+  place.g0 = gap.g0 - radius;
+  place.g1 = gap.g1 - radius;
+  place.normal = gap.normal;
+  place.direction = gap.normal.normalized();
+  place.x = 0.5 * (c0 + c1) - radius * place.direction;
+  return true;
+}
+
+// A ball touches faces, then edges and corners that belong to none of them.
+std::vector<HardContact::Place> HardContact::ball_places(std::span<const Pair> group,
+                                                         const Under& under) const {
+  std::vector<Place> places, edges;
+  FootVertices taken;
+  for (const Pair& pair : group) {
+    Place place;
+    if (!ball_place(pair, under, place) || !place.touches()) continue;
+    if (pair.facet >= 0 && (!place.foot.is_face() || place.foot.on_border)) {
+      edges.push_back(place);
+      continue;
+    }
+    if (pair.facet >= 0) taken.add(under.facets(pair.b)[pair.facet], place.foot);
+    places.push_back(place);
+  }
+  std::ranges::stable_sort(
+      edges, [](const Place& p, const Place& q) { return p.foot.support > q.foot.support; });
+  for (const Place& edge : edges) {
+    const HardFacet& facet = under.facets(edge.pair.b)[edge.pair.facet];
+    if (taken.has(facet, edge.foot)) continue;
+    places.push_back(edge);
+    taken.add(facet, edge.foot);
+  }
+  return places;
+}
+
+// A place goes on from the gap that it had, whatever of the surface is nearest now. One that is
+// seen first where the ball is inside begins there without a force.
+void HardContact::recall(const Under& under, const std::vector<HardMemory>& known,
+                         std::vector<Place>& places) const {
+  std::vector<char> used(known.size(), 0), done(places.size(), 0);
+  for (;;) {
+    double best = same_normal;
+    std::size_t p = places.size(), m = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (std::size_t k = 0; k < known.size(); ++k) {
+        const double cosine = known[k].normal.dot(places[i].direction);
+        if (done[i] != 0 || used[k] != 0 || cosine < best) continue;
+        const double gap = known[k].gap + known[k].offset;
+        const double way = under.relative_way(places[i]).norm();
+        if (std::abs(places[i].g0 - gap) > way + same_gap * std::abs(gap)) continue;
+        best = cosine;
+        p = i;
+        m = k;
+      }
+    }
+    if (p == places.size()) break;
+    done[p] = used[m] = 1;
+    places[p].known = known[m];
+    places[p].offset = known[m].offset;
+    places[p].g0 = known[m].gap + known[m].offset;
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Place& place = places[i];
+    const double size = size_of(place.pair);
+    if (done[i] == 0 && place.g0 < -entry * size) place.offset = place.g0;
+    place.g0 -= place.offset;
+    place.g1 -= place.offset;
+    place.normal = along_way(place.normal, under.relative_way(place), place.g1 - place.g0,
+                             place.x.norm() + size);
+  }
+}
+
+// Whether they touch or not, on no way.
+std::vector<HardContact::Place> HardContact::places_before(std::span<const Pair> group,
+                                                           const Under& under,
+                                                           const HardMemories& memories) const {
+  std::vector<Place> places;
+  Place place;
+  if (is_point(group.front(), under)) {
+    if (point_place(group, under, memories, place)) places.push_back(place);
+    return places;
+  }
+  for (const Pair& pair : group) {
+    if (ball_place(pair, under, place)) places.push_back(place);
+  }
+  return places;
+}
+
+std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> group,
+                                                       const Under& under,
+                                                       const HardMemories& memories) const {
+  if (is_point(group.front(), under)) {
+    Place place;
+    if (!point_place(group, under, memories, place) || !place.touches()) return {};
+    return {place};
+  }
+  std::vector<Place> places = ball_places(group, under);
+  const auto found = memories.find({group.front().a, group.front().ball, group.front().b});
+  recall(under, found == memories.end() ? std::vector<HardMemory>() : found->second, places);
+  return places;
+}
+
+}  // namespace gabion::mpm

@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A boulder against a wall of finite elements, soil far from both."""
+
+import math
+
+import launch
+from launch import IntegrationCase, meeting, read_table
+
+RADIUS, DENSITY, SPEED, GRAVITY = 0.032, 2650, 0.5, 9.81
+
+
+def stone_meets_wall(scheme: str) -> dict[str, dict]:
+    files = meeting()
+    files["coupler"]["time"].update(end=0.035, dt=2.5e-4)
+    soil = files["mpm"]
+    soil["time_integration"] = {"scheme": scheme}
+    soil["bodies"][0]["mesh"]["box"].update(low=[0, 0], high=[0.04, 0.04], cells=[2, 2])
+    soil["bodies"][0]["velocity"] = [0, 0]
+    soil["walls"].append({"group": "right", "condition": "slip"})
+    del soil["interfaces"][0]["method"], soil["interfaces"][0]["penalty"]
+    soil["boulders"] = [{"name": "stone", "shape": {"radius": RADIUS}, "density": DENSITY, "friction": 0.3,
+                         "stiffness": 1e8, "centre": [0.25 - RADIUS - 0.004, 0.035], "velocity": [SPEED, 0]}]
+    return files
+
+
+class StoneMeetsWall(IntegrationCase):
+    """What the wall is told is what the stone loses; the stone never gains."""
+
+    def run_with(self, scheme: str) -> None:
+        self.write_scene(stone_meets_wall(scheme))
+        self.run_launch(code=0)
+        steps, probes = (read_table(self.out / f"{name}.csv") for name in ("steps", "probes"))
+        mass = math.pi * RADIUS**2 * DENSITY
+        before = {name: float(value) for name, value in probes[0].items()}
+        energy = [float(row["soil.stone.kinetic_energy"]) + mass * GRAVITY * float(row["soil.stone.y"])
+                  for row in probes]
+        work = impulse = 0.0
+        for row, after, now, last in zip(steps, probes[1:], energy[1:], energy[:-1], strict=True):
+            force = [float(row["fx"]), float(row["fy"])]
+            for axis, weight, own in (("x", 0, force[0]), ("y", mass * GRAVITY, force[1])):
+                change = float(after[f"soil.stone.v{axis}"]) - before[f"soil.stone.v{axis}"]
+                self.assertAlmostEqual(mass * change, -float(row["dt"]) * (weight + own), delta=1e-9 * mass * SPEED)
+            before = {name: float(value) for name, value in after.items()}
+            impulse += float(row["dt"]) * force[0]
+            work += float(row["structure_work"])
+            self.assertLess(now - last, -float(row["structure_work"]) + 0.01 * energy[0])
+        self.assertGreater(impulse, 0.4 * mass * SPEED)  # the wall still moves
+        self.assertGreater(work, 0)
+        self.assertLess(energy[-1] + work, energy[0] * (1 + 1e-9))
+        self.assertGreater(sum(row["status"] == "converged" for row in steps), 5)
+
+    def test_explicit_steps(self) -> None:
+        self.run_with("explicit")
+
+    def test_implicit_steps(self) -> None:
+        self.run_with("newmark")
+
+
+if __name__ == "__main__":
+    launch.main()

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/boulder_shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "common/base/error.hpp"
+
+namespace gabion::mpm {
+namespace {
+
+template <int dim>
+void expect_same_mass(const BoulderShape<dim>& shape, double density, double tolerance) {
+  const BodyMass meshed = mass_within(shape.surface, density);
+  EXPECT_NEAR(meshed.mass / shape.mass.mass, 1, 1e-12);
+  EXPECT_LT(meshed.centre.norm(), 1e-12 * shape.radius);
+  EXPECT_LT((meshed.inertia - shape.mass.inertia).norm(), tolerance * shape.mass.inertia.norm());
+}
+
+TEST(BoulderShape, balls_have_the_mass_of_their_radius) {
+  const auto sphere = ball_shape<3>(0.5, 2650);
+  EXPECT_NEAR(sphere.mass.mass, 1387.537, 1e-3);
+  EXPECT_NEAR(sphere.mass.inertia(0, 0), 0.4 * sphere.mass.mass * 0.25, 1e-9);
+  EXPECT_EQ(sphere.surface.facets.size(), 3u * 1280);
+  expect_same_mass(sphere, 2650, 1e-3);
+  const auto disc = ball_shape<2>(0.5, 1000);
+  EXPECT_NEAR(disc.mass.mass, 250 * std::numbers::pi, 1e-9);
+  EXPECT_NEAR(disc.mass.inertia(2, 2), 0.5 * disc.mass.mass * 0.25, 1e-9);
+  expect_same_mass(disc, 1000, 1e-3);
+}
+
+TEST(BoulderShape, facets_of_boxes_hold_their_mass) {
+  const auto box = box_shape<3>({1, 2, 0.5}, 2000);
+  EXPECT_NEAR(box.mass.mass, 2000, 1e-9);
+  EXPECT_NEAR(box.mass.inertia(0, 0), 2000 * (4 + 0.25) / 12, 1e-9);
+  EXPECT_EQ(box.thickness, 0.5);
+  expect_same_mass(box, 2000, 1e-12);
+  const auto sides = box_shape<2>({1, 2}, 2000);
+  EXPECT_NEAR(sides.mass.inertia(2, 2), 4000 * 5 / 12., 1e-9);
+  expect_same_mass(sides, 2000, 1e-12);
+}
+
+ContactSurface<3> tetrahedron() {
+  return {.vertices = {{1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}},
+          .facet_type = CellType::tri3,
+          .facets = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}};
+}
+
+TEST(BoulderShape, a_surface_is_moved_to_its_centre) {
+  const auto shape = surface_shape<3>(tetrahedron(), 600);
+  EXPECT_NEAR(shape.mass.mass, 100, 1e-10);
+  EXPECT_LT((shape.mass.centre - Vector<3>(1.25, 1.25, 1.25)).norm(), 1e-14);
+  EXPECT_NEAR(shape.mass.inertia(0, 0), 100 * 2 * 3. / 80, 1e-10);
+  EXPECT_NEAR(shape.mass.inertia(0, 1), 100 / 80., 1e-10);
+  expect_same_mass(shape, 600, 1e-12);
+}
+
+TEST(BoulderShape, open_and_inward_surfaces_are_refused_with_the_place) {
+  auto open = tetrahedron();
+  open.facets.resize(9);
+  auto inward = tetrahedron();
+  for (std::size_t f = 0; f < inward.facets.size(); f += 3) {
+    std::swap(inward.facets[f], inward.facets[f + 1]);
+  }
+  const auto text_of = [](const ContactSurface<3>& surface) {
+    try {
+      surface_shape<3>(surface, 1);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(text_of(open).find("found an edge at ("), std::string::npos);
+  EXPECT_NE(text_of(inward).find("found a volume of -0.166667"), std::string::npos);
+}
+
+TEST(BoulderShape, a_polygon_that_crosses_itself_is_refused) {
+  ContactSurface<2> bow{.vertices = {{0, 0}, {1, 1}, {1, 0}, {0, 1}},
+                        .facets = {0, 1, 1, 2, 2, 3, 3, 0}};
+  std::string text;
+  try {
+    surface_shape<2>(bow, 1);
+  } catch (const ConfigError& error) {
+    text = error.what();
+  }
+  EXPECT_NE(text.find("found sides 0 and 2 that meet"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace gabion::mpm
