@@ -252,11 +252,7 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   LockingCure cure = default_locking_cure(settings.bodies);
   const bool given = in.has("method");
   const bool fbar = in.choice_or("method", cure.average_volumes ? "fbar" : "none") == "fbar";
-  const auto wet = std::find_if(settings.bodies.begin(), settings.bodies.end(),
-                                [](const Body<dim>& body) {
-                                  return body.water && !body.water->drains();
-                                });
-  if (!fbar && wet != settings.bodies.end()) {
+  if (const Body<dim>* wet = fbar ? nullptr : undrained_body(settings.bodies)) {
     in.fail("method",
             fmt::format("found \"none\" with the pore water of \"{}\", allowed: fbar", wet->name));
   }

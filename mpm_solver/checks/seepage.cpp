@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "mpm_solver/grid/basis.hpp"
@@ -43,10 +44,11 @@ template <int dim>
 void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   const auto& stress = settings.initial_stress[b];
   if (!stress || !stress->water_table || *stress->water_table == stress->surface) return;
-  in.fail(fmt::format("bodies/{}/initial_stress/water_table", b),
-          fmt::format("found {:g} with \"permeability\", allowed: \"surface\", {:g}; soil above the "
-                      "table is another body, without \"water\"",
-                      *stress->water_table, stress->surface));
+  in.fail(
+      fmt::format("bodies/{}/initial_stress/water_table", b),
+      fmt::format("found {:g} with \"permeability\", allowed: \"surface\", {:g}; soil above the "
+                  "table is another body, without \"water\"",
+                  *stress->water_table, stress->surface));
 }
 
 template <int dim>
@@ -102,13 +104,21 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
   }
 }
 
-void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where) {
-  if (num_ranks == 1) return;
-  throw ConfigError(
-      fmt::format("{}: found \"water\" with \"permeability\" on {} ranks, allowed: 1", bodies_where,
-                  num_ranks));
+template <int dim>
+const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies) {
+  const auto body = std::ranges::find_if(
+      bodies, [](const Body<dim>& each) { return each.water && !each.water->drains(); });
+  return body == bodies.end() ? nullptr : &*body;
 }
 
+void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where) {
+  if (num_ranks == 1) return;
+  throw ConfigError(fmt::format("{}: found \"water\" with \"permeability\" on {} ranks, allowed: 1",
+                                bodies_where, num_ranks));
+}
+
+template const Body<2>* undrained_body<2>(const std::vector<Body<2>>&);
+template const Body<3>* undrained_body<3>(const std::vector<Body<3>>&);
 template void check_seepage<2>(const ConfigReader&, const MpmSettings<2>&);
 template void check_seepage<3>(const ConfigReader&, const MpmSettings<3>&);
 

@@ -11,7 +11,12 @@ namespace gabion::mpm {
 template <int dim>
 void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings);
 
-/// The same of ranks: such soil is on one.
+/// The first body whose water does not drain; null: there is none.
+template <int dim>
+const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies);
+
+/// Refuse soil whose pore water drains on several ranks.
+/// @throws ConfigError
 void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where);
 
 }  // namespace gabion::mpm

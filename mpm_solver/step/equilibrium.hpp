@@ -49,7 +49,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     bool repeats = true;                  ///< several solutions, as in a coupled step
     bool nearly_linear = false;           ///< one Newton iteration likely suffices
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
-    std::span<const double> f_body_start = {};   ///< the same at the start of the step
+    std::span<const double> f_body_start = {};  ///< the same at the start of the step
     /// Forces of pore water that drains on the skeleton [N], num_nodes x dim; empty: none. It may
     /// change between evaluations.
     std::span<const double> f_pore = {};

@@ -19,7 +19,7 @@ SeepageBalance<dim>::SeepageBalance(Equilibrium<dim>& equilibrium, SeepageForces
       K_uu_(K_uu),
       scale_(water.modulus() / equilibrium.increment_scale()),
       q_start_(water.start_heads()) {
-  // Nodes of dry soil have no pressure.
+  // Nodes of dry soil have no pressure, those with next to no water one of their own.
   for (const char wet : water_.wet()) held_.push_back(wet ? 0 : 1);
   for (std::size_t k = 0; k < drained.nodes.size(); ++k) {
     const std::int32_t i = drained.nodes[k];
@@ -59,8 +59,8 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   if (K) K->set_zero();
   if (!water_.evaluate({.du = du, .q = q_}, K, worst)) {
     result.admissible = false;
-    result.reason = fmt::format("{} {}", equilibrium_.describe_point(worst.point),
-                                refusal_text(worst.refusal));
+    result.reason =
+        fmt::format("{} {}", equilibrium_.describe_point(worst.point), refusal_text(worst.refusal));
     return result;
   }
   r_u_.resize(du.size());
@@ -71,7 +71,7 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   outflow_ = 0;
   for (std::size_t i = 0; i < q_.size(); ++i) {
     const double missing = water_.volumes()[i];
-    if (held_[i] == 2) outflow_ -= missing;
+    if (held_[i] != 0) outflow_ -= missing;
     r[i * block_size + dim] = held_[i] != 0 ? 0 : scale_ * missing;
   }
   result.residual_norm = norm_of(std::span<const double>(r.data(), r.size()));

@@ -44,8 +44,7 @@ void SeepageStep<dim>::make_water(const StepStart& start, const Vector<dim>& gra
                      .gravity = gravity,
                      .dt = start.dt,
                      .cell_size = model.cell_size,
-                     .inertia_slope =
-                         start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
+                     .inertia_slope = start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
                      .averages = model.settings.locking.average_volumes});
   this->f_pore_ = water_->forces();
 }
@@ -113,8 +112,7 @@ std::vector<double> SeepageStep<dim>::first_displacement() {
   parts.walls.impose(du, 1);
   const auto residual = [&](const std::vector<double>& guess) {
     const Evaluation at_guess = balance_->evaluate(balance_->guess(guess), r, nullptr);
-    return at_guess.admissible ? *at_guess.residual_norm
-                               : std::numeric_limits<double>::infinity();
+    return at_guess.admissible ? *at_guess.residual_norm : std::numeric_limits<double>::infinity();
   };
   return residual(still) < residual(du) ? still : du;
 }
@@ -140,7 +138,7 @@ StepEnd<dim> SeepageStep<dim>::end() {
   std::vector<double> r(x_.size());
   balance_->evaluate(x_, r, nullptr);
   StepEnd<dim> end = ImplicitStep<dim>::end();
-  water_->finish();
+  end.plastic_work += water_->finish(this->du_);
   return end;
 }
 
@@ -166,8 +164,7 @@ void SeepageStep<dim>::release() {
 }
 
 template <int dim>
-std::vector<double> SeepageStep<dim>::settlement(const StepStart& start,
-                                                 const Vector<dim>& gravity,
+std::vector<double> SeepageStep<dim>::settlement(const StepStart& start, const Vector<dim>& gravity,
                                                  const std::string& where) {
   make_water(start, gravity);
   water_->find_start_forces();

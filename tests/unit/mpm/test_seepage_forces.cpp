@@ -92,7 +92,8 @@ struct WetBalance {
     return r;
   }
   Eigen::VectorXd random_unknowns(double size) {
-    const auto values = soil.random.values(static_cast<std::size_t>(soil.nodes.size()) * block, size);
+    const auto values =
+        soil.random.values(static_cast<std::size_t>(soil.nodes.size()) * block, size);
     return Eigen::Map<const Eigen::VectorXd>(values.data(),
                                              static_cast<Eigen::Index>(values.size()));
   }
@@ -171,15 +172,13 @@ TEST(SeepageForces, water_at_rest_has_no_flux) {
       const double pressure = plane.water->at_rest(0, points.x[p]) + 10;
       points.water[p] = plane.soil.bodies[0].water->content_at(pressure, points.J[p]);
     }
-    mpm::SeepageForces<2> water({.bodies = plane.soil.bodies,
-                                 .points = points,
-                                 .weights = plane.soil.weights,
-                                 .nodes = plane.soil.nodes,
-                                 .trial = plane.trial},
-                                {.gravity = Vector<2>::Constant(-3.0),
-                                 .dt = 0.1,
-                                 .cell_size = 0.5,
-                                 .averages = averages});
+    mpm::SeepageForces<2> water(
+        {.bodies = plane.soil.bodies,
+         .points = points,
+         .weights = plane.soil.weights,
+         .nodes = plane.soil.nodes,
+         .trial = plane.trial},
+        {.gravity = Vector<2>::Constant(-3.0), .dt = 0.1, .cell_size = 0.5, .averages = averages});
     const std::vector<double> du(plane.soil.num_dofs(), 0.0);
     const std::vector<double> q = water.start_heads();
     for (const double head : q) EXPECT_NEAR(head, 10, 1e-9);
