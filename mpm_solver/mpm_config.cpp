@@ -13,6 +13,7 @@
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
@@ -161,7 +162,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     settings.initial_stress.emplace_back();
     if (auto water = item.optional_object("water")) {
       body.water =
-          read_pore_water(std::move(*water), body.material.density, skeleton_modulus(body));
+          read_body_water(std::move(*water), body.material.density, skeleton_modulus(body));
     }
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
@@ -252,9 +253,7 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   LockingCure cure = default_locking_cure(settings.bodies);
   const bool given = in.has("method");
   const bool fbar = in.choice_or("method", cure.average_volumes ? "fbar" : "none") == "fbar";
-  const auto wet = std::find_if(settings.bodies.begin(), settings.bodies.end(),
-                                [](const Body<dim>& body) { return body.water.has_value(); });
-  if (!fbar && wet != settings.bodies.end()) {
+  if (const Body<dim>* wet = fbar ? nullptr : undrained_body(settings.bodies)) {
     in.fail("method",
             fmt::format("found \"none\" with the pore water of \"{}\", allowed: fbar", wet->name));
   }
@@ -368,6 +367,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
   check_explicit(in, settings);
+  check_seepage(in, settings);
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
   resolve_rigid_walls(in, walls, settings.phases);

@@ -25,8 +25,7 @@ KeyTable body_keys() {
            key::vector("velocity", "m/s", "At the start; zero where the run starts quasi-static.")
                .or_else(0),
            key::object("material", material_keys(material_laws), "Law and constants."),
-           key::object("water", pore_water_keys(), "Pore water without drainage; none: dry.")
-               .or_none(),
+           key::object("water", body_water_keys(), "Pore water; none: dry.").or_none(),
            key::object("initial_stress", initial_stress_keys(),
                        "Geostatic stress at the start; none: free of stress.")
                .or_none()}};

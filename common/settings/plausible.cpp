@@ -125,6 +125,13 @@ const std::vector<PlausibleRange> of_soil = {
     {"water/density", 900, 1300, "kg/m^3", "lighter than water", "heavier than brine", densities},
     {"water/grain_density", 2200, 3300, "kg/m^3", "lighter than most grains",
      "heavier than most grains", densities},
+    {"water/permeability",
+     1e-11,
+     1,
+     "m/s",
+     "less than clay has",
+     "more than gravel has",
+     {{"m^2", 1e7}}},
     {"water/cavitation_pressure", 100, 1e6, "Pa", "next to none", "more than pore water bears",
      pressures},
 };

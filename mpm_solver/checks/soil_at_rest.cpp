@@ -139,7 +139,7 @@ void warn_of_weight_on_water(const MpmSettings<dim>& settings) {
   if (settings.gravity.isZero(0)) return;
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     const Body<dim>& body = settings.bodies[b];
-    if (!body.water || settings.initial_stress[b]) continue;
+    if (!body.water || body.water->drains() || settings.initial_stress[b]) continue;
     const double Q = body.water->modulus(), M = skeleton_modulus(body);
     log::warn(
         "{}/{}: found \"water\" without \"initial_stress\": the weight comes onto undrained soil, "

@@ -17,7 +17,9 @@ namespace {
 constexpr double same_time = 1e-9;
 
 OutflowSide read_outflow(const ConfigReader& item, const std::string& group) {
-  if (item.has("motion")) item.fail("motion", "allowed only with a wall that holds soil");
+  for (const char* key : {"motion", "drained"}) {
+    if (item.has(key)) item.fail(key, "allowed only with a wall that holds soil");
+  }
   return {group, item.where("group")};
 }
 
@@ -41,6 +43,7 @@ void read_walls(ConfigReader& in, int dim, Phase& phase) {
     }
     wall.fixed = condition == "fixed";
     wall.where = item.where("group");
+    wall.drained = item.boolean("drained");
     if (auto motion = item.optional_object("motion")) {
       wall.motion = read_wall_motion(*motion, dim);
     }
@@ -80,7 +83,12 @@ KeyTable wall_keys() {
                    "`fixed` holds all components, `slip` the normal one, in tension too, with one "
                    "mean normal a node where its group bends by less than 20 degrees; `outflow` "
                    "holds nothing, and points that leave there are taken out."),
-       key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none()}};
+       key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none(),
+       key::boolean("drained",
+                    "Whether pore water passes it: its pressure there is that of water at rest "
+                    "below the `water_table` of the body, 0 without one. Only with soil that has "
+                    "a `permeability`.")
+           .or_else(false)}};
 }
 
 Key walls_key(const std::string& sentence) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/base/log.hpp"
 
@@ -100,6 +102,35 @@ KeyTable pore_water_keys() {
                    "grain_density + porosity density.")
            .in(positive())
            .or_none()}};
+}
+
+KeyTable body_water_keys() {
+  KeyTable table = pore_water_keys();
+  table.sentence =
+      "Pore water: `density` of the material is then that of the saturated soil, its law that of "
+      "the effective stress. Water without `permeability` has no time to drain, and needs "
+      "`locking` `fbar`.";
+  table.keys.push_back(
+      key::number("permeability", "m/s",
+                  "Hydraulic conductivity k: the water drains (implicit steps on a `box` grid with "
+                  "`gimp` or `bspline`, one rank), and leaves through walls that are `drained`; "
+                  "none: it has no time to. Intrinsic permeability [m^2] times 1e7 1/(m s).")
+          .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
+          .or_none());
+  return table;
+}
+
+PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus) {
+  const std::optional<double> permeability = in.optional_number("permeability");
+  if (permeability && in.has("cavitation_pressure")) {
+    in.fail("cavitation_pressure",
+            "allowed only without \"permeability\": water that drains bears any suction");
+  }
+  PoreWater water = read_pore_water(std::move(in), saturated_density, skeleton_modulus);
+  if (!permeability) return water;
+  water.permeability = *permeability;
+  water.cavitation = std::numeric_limits<double>::infinity();
+  return water;
 }
 
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus) {

@@ -28,6 +28,7 @@ struct PoreWater {
   double density = 0;           ///< rho_w [kg/m^3]
   double cavitation = 0;        ///< p_cav, the suction that the water bears [Pa], >= 0
   double specific_weight = 0;   ///< rho_w g [N/m^3]
+  double permeability = 0;      ///< hydraulic conductivity k [m/s]; 0: the water does not drain
   std::optional<double> table;  ///< height of the water table at the start; none: no pressure [m]
 
   /// Volume of the pores over V0.
@@ -40,6 +41,9 @@ struct PoreWater {
   PorePressure at(double content, double J) const;
   /// Pressure of water at rest at a height, 0 above the table [Pa].
   double hydrostatic(double height) const;
+  bool drains() const { return permeability > 0; }
+  /// k / (rho_w g) with the gravity of the earth, in which k is measured [m^2/(Pa s)].
+  double mobility() const { return permeability / (density * standard_gravity); }
   /// K_w / n in the stress-free state [Pa].
   double modulus() const { return bulk_modulus / porosity; }
   /// Density without water of soil whose density is that of the saturated one [kg/m^3].
@@ -51,6 +55,7 @@ struct PoreWater {
 
   /// A state with a smaller share of pores is inadmissible.
   static constexpr double least_pores = 0.02;
+  static constexpr double standard_gravity = 9.81;  ///< [m/s^2]
 };
 
 /// Modulus over that of the skeleton's P waves below which the compressibility of the water shows:
@@ -58,6 +63,8 @@ struct PoreWater {
 inline constexpr double least_water_stiffness = 20;
 
 KeyTable pore_water_keys();
+/// The same of a body of mpm.json, whose water may drain.
+KeyTable body_water_keys();
 
 /// Read {"porosity", "bulk_modulus", "density", "cavitation_pressure", "grain_density"}.
 /// Warns of water that is not stiff beside the skeleton, and of grains unlike those of soil.
@@ -65,5 +72,7 @@ KeyTable pore_water_keys();
 /// @param skeleton_modulus   of P waves [Pa]
 /// @throws ConfigError
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus);
+/// The same with "permeability". Water that drains bears any suction.
+PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus);
 
 }  // namespace gabion::mpm

@@ -21,6 +21,16 @@ bool any_has_water(const std::vector<Body<dim>>& bodies) {
                      [](const Body<dim>& body) { return body.water.has_value(); });
 }
 
+template <int dim>
+bool drains(const Body<dim>& body) {
+  return body.water && body.water->drains();
+}
+
+template <int dim>
+bool any_drains(const std::vector<Body<dim>>& bodies) {
+  return std::ranges::any_of(bodies, drains<dim>);
+}
+
 /// Cauchy stresses of a point and of its water [Pa].
 template <int dim>
 struct PointStressParts {
@@ -92,6 +102,7 @@ std::vector<std::string> water_probe_names(const MpmSettings<dim>& settings) {
       }
     }
   }
+  if (any_drains(settings.bodies)) names.push_back("water_out");
   return names;
 }
 
@@ -121,6 +132,10 @@ std::vector<double> water_probe_values(const SoilModel<dim>& model, const SoilSt
     if (!std::isfinite(state.probe_ends[k / columns])) continue;
     values[k] = std::numeric_limits<double>::quiet_NaN();
   }
+  if (model.drains) {
+    const auto body = std::ranges::find_if(bodies, drains<dim>);
+    values.push_back(state.water_out * body->water->density);
+  }
   return values;
 }
 
@@ -136,6 +151,9 @@ Json water_summary(const SoilModel<dim>& model) {
                           {"grain_density", dry / (1 - body.water->porosity)},
                           {"stiffness_over_skeleton", body.water->modulus() / model.moduli[b]},
                           {"wave_speed", model.wave_speeds[b]}};
+    if (!drains(body)) continue;
+    summary[body.name]["permeability"] = body.water->permeability;
+    summary[body.name]["consolidation"] = body.water->mobility() * model.moduli[b];
   }
   return summary;
 }
@@ -145,10 +163,16 @@ void log_water(const SoilModel<dim>& model) {
   const Json summary = water_summary(model);
   for (const auto& [name, body] : summary.items()) {
     log::info(
-        "pore water of \"{}\", without drainage: density {:.4g} saturated, {:.4g} dry, grains "
+        "pore water of \"{}\", {}: density {:.4g} saturated, {:.4g} dry, grains "
         "{:.4g} kg/m^3; water {:.3g} times as stiff as the skeleton, undrained wave speed {:.4g} "
         "m/s",
-        name, body["saturated_density"].template get<double>(),
+        name,
+        body.contains("permeability")
+            ? fmt::format("permeability {:.3g} m/s, coefficient of consolidation {:.3g} m^2/s",
+                          body["permeability"].template get<double>(),
+                          body["consolidation"].template get<double>())
+            : "without drainage",
+        body["saturated_density"].template get<double>(),
         body["dry_density"].template get<double>(), body["grain_density"].template get<double>(),
         body["stiffness_over_skeleton"].template get<double>(),
         body["wave_speed"].template get<double>());

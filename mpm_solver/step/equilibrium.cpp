@@ -169,6 +169,7 @@ template <int dim>
 void Equilibrium<dim>::sum_forces(std::span<const double> du, std::span<double> r,
                                   BlockMatrix<dim>* K) {
   f_sum_ = internal_.forces();
+  for (std::size_t k = 0; k < parts_.f_pore.size(); ++k) f_sum_[k] -= parts_.f_pore[k];
   std::fill(r.begin(), r.end(), 0.0);
   for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);

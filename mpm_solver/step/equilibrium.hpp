@@ -49,7 +49,10 @@ class Equilibrium final : public NewtonProblem<dim> {
     bool repeats = true;                  ///< several solutions, as in a coupled step
     bool nearly_linear = false;           ///< one Newton iteration likely suffices
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
-    std::span<const double> f_body_start = {};   ///< the same at the start of the step
+    std::span<const double> f_body_start = {};  ///< the same at the start of the step
+    /// Forces of pore water that drains on the skeleton [N], num_nodes x dim; empty: none. It may
+    /// change between evaluations.
+    std::span<const double> f_pore = {};
     bool average_volumes = false;                ///< F-bar, see AveragedForces
     const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
   };
@@ -71,6 +74,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Number, body, position, strain increment, volume ratio and yield region of the material point
   /// with the largest |E| (point_motion.hpp).
   std::string describe_worst_point(std::span<const double> du) const override;
+  /// Number, body and place of a material point, for messages.
+  std::string describe_point(std::int32_t p) const;
 
   /// A new solution with other interface values begins.
   void begin_solution() {
@@ -99,7 +104,6 @@ class Equilibrium final : public NewtonProblem<dim> {
 
  private:
   void remember_start_forces();
-  std::string describe_point(std::int32_t p) const;
   void subtract_wall_step(const BlockMatrix<dim>& K, std::span<double> r) const;
   /// Squares over the nodes that this rank owns, then over all nodes.
   struct Sums {

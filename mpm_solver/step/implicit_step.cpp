@@ -69,6 +69,7 @@ void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
       .nearly_linear = state.nearly_linear,
       .f_body = f_body_,
       .f_body_start = f_body_start_,
+      .f_pore = f_pore_,
       .average_volumes = model.settings.locking.average_volumes,
       .ghost = parts_.soil.ghost()});
   system_.begin(*equilibrium_, regime(), state.pause);
@@ -86,13 +87,6 @@ LinearRegime ImplicitStep<dim>::regime() const {
 template <int dim>
 NewtonReport ImplicitStep<dim>::solve_balance(const StepRequest& request) {
   const bool first = request.iteration == 0;
-  if (first) {
-    equilibrium_->internal_forces().forget();
-    FirstGuess guess = first_guess(*equilibrium_, system_, parts_.model.wave_speed, parts_.times);
-    du_ = std::move(guess.du);
-    linear_iterations_ += guess.linear_iterations;
-  }
-  equilibrium_->begin_solution();
   NewtonSettings settings = parts_.model.settings.newton;
   if (!start_.with_inertia) {
     settings.max_iterations = parts_.model.settings.iterations_without_inertia;
@@ -100,13 +94,25 @@ NewtonReport ImplicitStep<dim>::solve_balance(const StepRequest& request) {
   double& tolerance = settings.residual_tolerance;
   if (!first)
     tolerance = std::min(tolerance, std::max(coupled_share * tolerance, likely_round_off));
-  const NewtonReport newton = system_.solve_newton(*equilibrium_, settings, du_, parts_.times);
+  const NewtonReport newton = iterate(first, settings);
   linear_iterations_ += newton.linear_iterations;
   if (first) first_iterations_ = newton.iterations;
   parts_.sizes.add_solution(newton.iterations);
   log::debug("step {} iteration {}: |r|/scale {:.1e}, {} linear iterations", request.step,
              request.iteration, fmt::join(newton.residuals, " "), newton.linear_iterations);
   return newton;
+}
+
+template <int dim>
+NewtonReport ImplicitStep<dim>::iterate(bool first, const NewtonSettings& settings) {
+  if (first) {
+    equilibrium_->internal_forces().forget();
+    FirstGuess guess = first_guess(*equilibrium_, system_, parts_.model.wave_speed, parts_.times);
+    du_ = std::move(guess.du);
+    linear_iterations_ += guess.linear_iterations;
+  }
+  equilibrium_->begin_solution();
+  return system_.solve_newton(*equilibrium_, settings, du_, parts_.times);
 }
 
 template <int dim>

@@ -15,7 +15,7 @@ namespace gabion::mpm {
 /// Steps of implicit phases: the balance of momentum at the end of the step, solved by Newton's
 /// method.
 template <int dim>
-class ImplicitStep final : public StepMethod<dim> {
+class ImplicitStep : public StepMethod<dim> {
  public:
   using Parts = typename StepMethod<dim>::Parts;
   explicit ImplicitStep(const Parts& parts);
@@ -36,15 +36,15 @@ class ImplicitStep final : public StepMethod<dim> {
   /// @param start  of a quasi-static step
   /// @param where  of the initial stress, file and pointer, for the message
   /// @throws ConfigError  there is none: some of the soil is held nowhere
-  std::vector<double> settlement(const StepStart& start, const Vector<dim>& gravity,
-                                 const std::string& where);
+  virtual std::vector<double> settlement(const StepStart& start, const Vector<dim>& gravity,
+                                         const std::string& where);
 
   const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
   const BlockMatrix<dim>& stiffness() const { return system_.K(); }
   /// Iterations of the linear solver in all solutions so far.
   std::int64_t linear_iterations() const { return linear_iterations_; }
 
- private:
+ protected:
   /// Gravity at both ends of a step [m/s^2].
   struct Gravity {
     Vector<dim> start, end;
@@ -52,6 +52,8 @@ class ImplicitStep final : public StepMethod<dim> {
   void make_equilibrium(const Gravity& gravity);
   LinearRegime regime() const;
   NewtonReport solve_balance(const StepRequest& request);
+  /// Newton's method from the start of a step (`first`), or from the last solution.
+  virtual NewtonReport iterate(bool first, const NewtonSettings& settings);
 
   Parts parts_;
   LinearSystem<dim> system_;
@@ -62,6 +64,7 @@ class ImplicitStep final : public StepMethod<dim> {
   int first_iterations_ = 0;                   // of Newton's method, of the first solution
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   std::optional<Equilibrium<dim>> equilibrium_;
+  std::span<const double> f_pore_;  // Equilibrium::Parts::f_pore
   std::vector<double> du_;
 };
 

@@ -75,8 +75,8 @@ void SoilStep<dim>::check_initial_stress() {
   refuse_jump_on_water(model_.settings, gravity, strictest->where);
   begin_at_rest(gravity);
   begin_surfaces();
-  const std::vector<double> du = implicit_.settlement(start_, gravity, strictest->where);
-  state_.wall_forces = forces_on_walls(implicit_);
+  const std::vector<double> du = implicit_->settlement(start_, gravity, strictest->where);
+  state_.wall_forces = forces_on_walls(*implicit_);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   const double largest = max_over_ranks(
       model_.comm,

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
 
 namespace gabion::mpm {
@@ -50,11 +52,13 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
     moduli.push_back(modulus);
+    drains |= settings.bodies[b].water && settings.bodies[b].water->drains();
     wave_speeds.push_back(std::sqrt(undrained_modulus(settings.bodies[b]) / material.density));
     wave_speed = std::max(wave_speed, wave_speeds.back());
     symmetric_laws &=
         std::visit([](const auto& law) { return law.symmetric_tangent(); }, material.law);
   }
+  if (drains) require_one_rank_for_seepage(num_ranks(comm), settings.bodies_where);
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });
   exit_sides = find_exit_sides(settings, grid.facet_groups);

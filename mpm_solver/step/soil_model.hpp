@@ -33,6 +33,7 @@ struct SoilModel {
   bool remembers_internal = false;       ///< a body has a law with internal variables
   std::vector<double> moduli;            ///< of P waves of the skeleton, of each body [Pa]
   std::vector<double> weights;           ///< pressure under each body by its own weight [Pa]
+  bool drains = false;                   ///< a body has pore water that drains
   bool stressed = false;                 ///< a body has initial stress
   std::vector<std::string> wall_groups;  ///< of all phases, each once
   /// Facet groups through which soil may leave: all with `outside` `remove`, else those of

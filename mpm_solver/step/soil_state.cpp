@@ -277,6 +277,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.real("soil_end", soil_end);
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
+  if (!points.water.empty()) visitor.real("water_out", water_out);
   visitor.flag("nearly_linear", nearly_linear);
   visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);

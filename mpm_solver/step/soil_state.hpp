@@ -60,6 +60,7 @@ struct SoilState {
   double soil_end = std::numeric_limits<double>::infinity();  ///< when the last point left [s]
   std::int64_t removed_points = 0;                            ///< of all ranks
   std::vector<double> removed_masses;  ///< through SoilModel::exit_sides [kg]
+  double water_out = 0;        ///< volume, free of pressure, of the pore water that left [m^3]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]
   KrylovPause pause;           ///< LinearSolver::pause() after the last step

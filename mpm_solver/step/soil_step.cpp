@@ -11,6 +11,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
+#include "mpm_solver/step/seepage_step.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 #include "mpm_solver/stress/shared_volumes.hpp"
 
@@ -31,6 +32,12 @@ double mean_point_size(MPI_Comm comm, const MaterialPoints<dim>& points) {
 }
 
 template <int dim>
+std::unique_ptr<ImplicitStep<dim>> make_implicit(const typename StepMethod<dim>::Parts& parts) {
+  if (parts.model.drains) return std::make_unique<SeepageStep<dim>>(parts);
+  return std::make_unique<ImplicitStep<dim>>(parts);
+}
+
+template <int dim>
 bool takes_weight(const Vector<dim>& gravity, const Phase& phase, double time) {
   if (gravity.isZero(0)) return false;
   return !phase.dynamic || phase.gravity_ramp.runs(time);
@@ -46,7 +53,7 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
       soil_(model, state, times),
       sizes_(state.control),
       rotations_(model.comm, model.settings.bodies),
-      implicit_({model, state, soil_, trial_, sizes_, times}),
+      implicit_(make_implicit<dim>({model, state, soil_, trial_, sizes_, times})),
       explicit_({model, state, soil_, trial_, sizes_, times}) {
   if (!state_.surfaces.contacts().empty()) {
     reach_ = 0.5 * mean_point_size(model_.comm, state_.points);
@@ -57,7 +64,7 @@ SoilStep<dim>::SoilStep(const SoilModel<dim>& model, SoilState<dim>& state, Phas
 template <int dim>
 StepMethod<dim>& SoilStep<dim>::method_of(const Phase& phase) {
   if (phase.is_explicit()) return explicit_;
-  return implicit_;
+  return *implicit_;
 }
 
 // Which phase it is, and how its step goes.
@@ -261,7 +268,7 @@ void SoilStep<dim>::reject() {
 template <int dim>
 void SoilStep<dim>::release() {
   if (under_way_) return;
-  implicit_.release();
+  implicit_->release();
   explicit_.release();
   trial_ = {};
   soil_.release();

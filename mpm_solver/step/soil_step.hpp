@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -59,7 +60,7 @@ class SoilStep {
   const SoilOnGrid<dim>& soil() const { return soil_; }
   const Phase& phase() const { return model_.settings.phases[start_.phase]; }
   const NewtonCounts& newton_counts() const { return sizes_.newton_counts(); }
-  const ImplicitStep<dim>& implicit_steps() const { return implicit_; }
+  const ImplicitStep<dim>& implicit_steps() const { return *implicit_; }
   const ExplicitStep<dim>& explicit_steps() const { return explicit_; }
   /// gimp: points whose domain was capped, of this rank, added up over the accepted steps.
   std::int64_t capped_domains() const { return capped_domains_; }
@@ -99,7 +100,7 @@ class SoilStep {
   SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
   SurplusWays<dim> surplus_;
   TrialPoints<dim> trial_;
-  ImplicitStep<dim> implicit_;
+  std::unique_ptr<ImplicitStep<dim>> implicit_;
   ExplicitStep<dim> explicit_;
   StepMethod<dim>* method_ = nullptr;  // of the phase; null before the first step
 };

@@ -141,7 +141,7 @@ class PointStresses {
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
     const std::optional<PoreWater>& water = parts.bodies[body_].water;
-    return !water || add_water(parts, *water, with_A, worst);
+    return !water || water->drains() || add_water(parts, *water, with_A, worst);
   }
 
  private:

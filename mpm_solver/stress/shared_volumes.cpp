@@ -217,13 +217,16 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   return lost;
 }
 
-// The same where the law is given with what the pore water bears. The water cavitates.
+// The same where the law is given with what the pore water bears. Water that drains keeps its
+// pressure; other water cavitates.
 template <class Law, int dim>
 double change_volume(const Law& law, const PoreWater& water, double d, std::int32_t p,
                      MaterialPoints<dim>& points) {
   const double before = points.energy[p];
+  const double pressure = water.at(points.water[p], points.J[p]).p;
   change_volume(law, d, p, points);
   require(water.admits(points.J[p]), "mpm_solver: a shared volume closes the pores");
+  if (water.drains()) points.water[p] = water.content_at(pressure, points.J[p]);
   const PorePressure pore = water.at(points.water[p], points.J[p]);
   points.tau[p].template head<3>().array() -= points.J[p] * pore.p;
   points.energy[p] += pore.energy;
@@ -247,7 +250,8 @@ double change_pores(const PoreWater& water, double d, std::int32_t p, MaterialPo
   return points.V0[p] * (before.energy - after.energy);
 }
 
-/// Points with pore water: those of a group share its pressure, unless it cavitates.
+/// Points with pore water that does not drain: those of a group share its pressure, unless it
+/// cavitates.
 template <int dim>
 class SharedWater {
  public:
@@ -287,7 +291,7 @@ class SharedWater {
   template <class Act>
   void for_each_wet(const Act& act) {
     for (std::int32_t b = 0; b < points_.num_bodies(); ++b) {
-      if (!bodies_[b].water) continue;
+      if (!bodies_[b].water || bodies_[b].water->drains()) continue;
       for (std::int32_t p = points_.body_starts[b]; p < points_.body_starts[b + 1]; ++p) {
         if (points_.cell[p] >= 0 && points_.is_wet(p)) act(*bodies_[b].water, b, p);
       }

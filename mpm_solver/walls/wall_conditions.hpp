@@ -15,10 +15,11 @@ namespace gabion::mpm {
 
 /// A rigid wall along facets of the background grid.
 struct WallSettings {
-  std::string group;  ///< facet group of the grid
-  bool fixed = true;  ///< all components; otherwise slip: the normal one of each smooth piece
-  std::string where;  ///< file and pointer, for messages
-  WallMotion motion;  ///< prescribed; the facets stay where the grid has them
+  std::string group;     ///< facet group of the grid
+  bool fixed = true;     ///< all components; otherwise slip: the normal one of each smooth piece
+  std::string where;     ///< file and pointer, for messages
+  WallMotion motion;     ///< prescribed; the facets stay where the grid has them
+  bool drained = false;  ///< pore water passes it, with the pressure of water at rest outside
 };
 
 /// What walls do to a grid node: the directions in which it may move, the range of the projector Q,

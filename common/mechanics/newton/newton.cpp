@@ -374,5 +374,7 @@ template NewtonReport solve_newton<2>(NewtonProblem<2>&, NewtonMatrix<2>&, const
                                       std::span<double>, PhaseTimes&);
 template NewtonReport solve_newton<3>(NewtonProblem<3>&, NewtonMatrix<3>&, const NewtonSettings&,
                                       std::span<double>, PhaseTimes&);
+template NewtonReport solve_newton<4>(NewtonProblem<4>&, NewtonMatrix<4>&, const NewtonSettings&,
+                                      std::span<double>, PhaseTimes&);
 
 }  // namespace gabion

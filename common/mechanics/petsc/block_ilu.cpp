@@ -66,5 +66,6 @@ void BlockIlu<block_size>::solve(std::span<double> x) const {
 
 template class BlockIlu<2>;
 template class BlockIlu<3>;
+template class BlockIlu<4>;
 
 }  // namespace gabion

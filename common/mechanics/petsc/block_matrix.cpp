@@ -266,5 +266,6 @@ void BlockMatrix<block_size>::multiply(std::span<const double> x, std::span<doub
 
 template class BlockMatrix<2>;
 template class BlockMatrix<3>;
+template class BlockMatrix<4>;
 
 }  // namespace gabion

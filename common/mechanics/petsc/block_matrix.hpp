@@ -40,7 +40,7 @@ class CellBlocks {
 /// Sparse matrix of blocks between nodes (block compressed rows; blocks column-major, as PETSc's
 /// BAIJ wants them). On several ranks each rank adds the cells it owns; the sum over the ranks is
 /// the matrix.
-/// @tparam block_size  number of unknowns of a node, whatever they are: 1, 2, 3 or 6
+/// @tparam block_size  number of unknowns of a node, whatever they are: 2, 3 or 4
 template <int block_size>
 class BlockMatrix {
  public:

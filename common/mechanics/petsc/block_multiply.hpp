@@ -71,6 +71,24 @@ inline void multiply_row<3>(const BlockRows& A, std::int32_t begin, std::int32_t
   for (int r = 0; r < 3; ++r) y[r] = sum[r] + sums[2][r + 1];
 }
 
+/// A column a vector.
+template <>
+inline void multiply_row<4>(const BlockRows& A, std::int32_t begin, std::int32_t end,
+                            const double* x, double* y) {
+  using Four = double __attribute__((vector_size(32)));
+  Four even{}, odd{};
+  for (std::int32_t s = begin; s < end; ++s) {
+    const double* a = A.values + static_cast<std::ptrdiff_t>(s) * 16;
+    const double* x_j = x + static_cast<std::ptrdiff_t>(A.columns[s]) * 4;
+    Four columns[4];
+    std::memcpy(columns, a, sizeof columns);
+    even += columns[0] * x_j[0] + columns[2] * x_j[2];
+    odd += columns[1] * x_j[1] + columns[3] * x_j[3];
+  }
+  even += odd;
+  std::memcpy(y, &even, sizeof even);
+}
+
 /// y = A x
 template <int block_size>
 inline void multiply_blocks(const BlockRows& A, std::int32_t num_rows, const double* x, double* y) {

@@ -280,5 +280,6 @@ double LinearSolver<block_size>::preconditioner_bytes() const {
 
 template class LinearSolver<2>;
 template class LinearSolver<3>;
+template class LinearSolver<4>;
 
 }  // namespace gabion

@@ -238,5 +238,6 @@ std::unique_ptr<PartsPreconditioner> MatrixParts<block_size>::make_ilu(bool over
 
 template class MatrixParts<2>;
 template class MatrixParts<3>;
+template class MatrixParts<4>;
 
 }  // namespace gabion

@@ -319,5 +319,6 @@ void PetscMatrix<block_size>::take_solution(std::span<double> x) const {
 
 template class PetscMatrix<2>;
 template class PetscMatrix<3>;
+template class PetscMatrix<4>;
 
 }  // namespace gabion

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/checks/seepage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "mpm_solver/grid/basis.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+template <int dim>
+bool drains(const Body<dim>& body) {
+  return body.water && body.water->drains();
+}
+
+std::string key_of(std::size_t body) {
+  return fmt::format("bodies/{}/water/permeability", body);
+}
+
+// Basis and points: pressures need a stabilisation that points of one cell tell apart.
+template <int dim>
+void check_layout(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  if (!settings.grid.box || settings.grid.basis == Basis::linear) {
+    in.fail(key_of(b), fmt::format("found on a grid with {}, allowed: a \"box\" of {} with "
+                                   "\"basis\": \"gimp\" or \"bspline\"",
+                                   settings.grid.box ? "\"basis\": \"linear\"" : "a mesh",
+                                   dim == 2 ? "quad4" : "hex8"));
+  }
+  constexpr int fewest = 1 << dim;
+  if (settings.layouts[b].points_per_cell < fewest) {
+    in.fail(fmt::format("bodies/{}/points_per_cell", b),
+            fmt::format("found {} with \"permeability\", allowed: at least {}; the pressure of the "
+                        "water would alternate from cell to cell",
+                        settings.layouts[b].points_per_cell, fewest));
+  }
+}
+
+// All pores are full: the table is the surface.
+template <int dim>
+void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  const auto& stress = settings.initial_stress[b];
+  if (!stress || !stress->water_table || *stress->water_table == stress->surface) return;
+  in.fail(
+      fmt::format("bodies/{}/initial_stress/water_table", b),
+      fmt::format("found {:g} with \"permeability\", allowed: \"surface\", {:g}; soil above the "
+                  "table is another body, without \"water\"",
+                  *stress->water_table, stress->surface));
+}
+
+template <int dim>
+void check_density(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t first,
+                   std::size_t b) {
+  const double expected = settings.bodies[first].water->density;
+  const double found = settings.bodies[b].water->density;
+  if (found == expected) return;
+  in.fail(fmt::format("bodies/{}/water/density", b),
+          fmt::format("found {:g} where the water of \"{}\" has {:g}, allowed with "
+                      "\"permeability\": one density",
+                      found, settings.bodies[first].name, expected));
+}
+
+void check_phases(const ConfigReader& in, const std::vector<Phase>& phases, std::size_t first) {
+  for (const Phase& phase : phases) {
+    if (phase.is_explicit()) {
+      in.fail(key_of(first),
+              "found with explicit steps, allowed: implicit ones; in explicit steps pore water has "
+              "no time to drain (leave \"permeability\" out)");
+    }
+    if (phase.dynamic && phase.scheme.force_memory() != 0) {
+      in.fail(key_of(first),
+              "found with a scheme that averages forces (alpha_f), allowed: newmark, bossak");
+    }
+  }
+}
+
+}  // namespace
+
+template <int dim>
+void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  std::optional<std::size_t> first;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    if (!drains(settings.bodies[b])) continue;
+    if (!first) first = b;
+    check_layout(in, settings, b);
+    check_start(in, settings, b);
+    check_density(in, settings, *first, b);
+  }
+  if (first) {
+    check_phases(in, settings.phases, *first);
+    return;
+  }
+  for (const Phase& phase : settings.phases) {
+    for (const WallSettings& wall : phase.walls) {
+      if (!wall.drained) continue;
+      throw ConfigError(
+          fmt::format("{}: found a wall that is \"drained\" without soil whose water drains, "
+                      "allowed: with a body that has \"water\" with \"permeability\"",
+                      wall.where));
+    }
+  }
+}
+
+template <int dim>
+const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies) {
+  const auto body = std::ranges::find_if(
+      bodies, [](const Body<dim>& each) { return each.water && !each.water->drains(); });
+  return body == bodies.end() ? nullptr : &*body;
+}
+
+void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where) {
+  if (num_ranks == 1) return;
+  throw ConfigError(fmt::format("{}: found \"water\" with \"permeability\" on {} ranks, allowed: 1",
+                                bodies_where, num_ranks));
+}
+
+template const Body<2>* undrained_body<2>(const std::vector<Body<2>>&);
+template const Body<3>* undrained_body<3>(const std::vector<Body<3>>&);
+template void check_seepage<2>(const ConfigReader&, const MpmSettings<2>&);
+template void check_seepage<3>(const ConfigReader&, const MpmSettings<3>&);
+
+}  // namespace gabion::mpm

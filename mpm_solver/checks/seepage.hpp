@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mpm_solver/mpm_config.hpp"
+
+namespace gabion::mpm {
+
+/// Refuse what soil whose pore water drains cannot do as yet, and walls that are drained without
+/// such soil.
+/// @throws ConfigError
+template <int dim>
+void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings);
+
+/// The first body whose water does not drain; null: there is none.
+template <int dim>
+const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies);
+
+/// Refuse soil whose pore water drains on several ranks.
+/// @throws ConfigError
+void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/seepage_step.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace gabion::mpm {
+
+namespace {
+
+// A step changes the volume of water by much less than the stresses could, and a residual that is
+// small beside them would let slow seepage stand still.
+constexpr double water_tolerance = 1e-9;
+
+// The matrix is indefinite: no Krylov method with the preconditioners at hand solves it.
+LinearSolverSettings direct(LinearSolverSettings settings) {
+  settings.preconditioner = "auto";
+  if (settings.method != "mumps") settings.method = "lu";
+  return settings;
+}
+
+}  // namespace
+
+template <int dim>
+SeepageStep<dim>::SeepageStep(const Parts& parts)
+    : ImplicitStep<dim>(parts),
+      solver_(parts.model.comm, dim, direct(parts.model.settings.linear_solver)) {}
+
+template <int dim>
+StressParts<dim> SeepageStep<dim>::stress_parts() const {
+  return {.bodies = this->parts_.model.settings.bodies,
+          .points = this->parts_.state.points,
+          .weights = this->parts_.soil.weights(),
+          .nodes = this->parts_.soil.nodes(),
+          .trial = this->parts_.trial};
+}
+
+template <int dim>
+void SeepageStep<dim>::make_water(const StepStart& start, const Vector<dim>& gravity) {
+  const auto& model = this->parts_.model;
+  water_.emplace(stress_parts(),
+                 SeepageStepData<dim>{
+                     .gravity = gravity,
+                     .dt = start.dt,
+                     .cell_size = model.cell_size,
+                     .inertia_slope = start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
+                     .averages = model.settings.locking.average_volumes});
+  this->f_pore_ = water_->forces();
+}
+
+template <int dim>
+void SeepageStep<dim>::begin(const StepStart& start) {
+  const auto& model = this->parts_.model;
+  balance_.reset();
+  const LoadRamp& ramp = model.settings.phases[start.phase].gravity_ramp;
+  make_water(start, ramp.at(start.time + start.dt) * model.settings.gravity);
+  ImplicitStep<dim>::begin(start);
+  Equilibrium<dim>& equilibrium = *this->equilibrium_;
+  if (!K_) {
+    K_.emplace([this](const BlockMatrix<dim + 1>& K) { return solver_.make_room(K); });
+  }
+  std::vector<std::int32_t> offsets, cell_nodes;
+  equilibrium.pattern(offsets, cell_nodes);
+  const auto& nodes = this->parts_.soil.nodes();
+  solver_.begin_step({});
+  K_->set_pattern(nodes.size(), offsets, cell_nodes);
+  solver_.set_regime({.symmetric = false, .courant = std::numeric_limits<double>::infinity()},
+                     nodes.num_of_all());
+  balance_.emplace(equilibrium, *water_, this->system_.K(), drained_nodes());
+}
+
+// Water at rest outside, below the table of the body that drains.
+template <int dim>
+DrainedNodes SeepageStep<dim>::drained_nodes() const {
+  const auto& model = this->parts_.model;
+  const auto& nodes = this->parts_.soil.nodes();
+  const auto& bodies = model.settings.bodies;
+  const auto drains = [](const Body<dim>& body) { return body.water && body.water->drains(); };
+  const auto soil = std::ranges::find_if(bodies, drains);
+  std::map<std::int32_t, double> q;
+  for (const WallSettings& wall : model.settings.phases[this->start_.phase].walls) {
+    if (!wall.drained) continue;
+    for (const std::int32_t node :
+         find_group_nodes(model.grid.facet_groups, wall.group, wall.where)) {
+      const std::int32_t i = nodes.active[node];
+      if (i < 0) continue;
+      const Vector<dim>& x = nodes.x[i];
+      q[i] = soil->water->hydrostatic(x[dim - 1]) -
+             water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
+    }
+  }
+  DrainedNodes drained;
+  for (const auto& [node, value] : q) {
+    drained.nodes.push_back(node);
+    drained.q.push_back(value);
+  }
+  return drained;
+}
+
+// Flight or rest with the pressures of the start, whichever is nearer to balance.
+template <int dim>
+std::vector<double> SeepageStep<dim>::first_displacement() {
+  Equilibrium<dim>& equilibrium = *this->equilibrium_;
+  const auto& parts = equilibrium.parts();
+  const auto &v = equilibrium.start_velocity(), &a = equilibrium.start_acceleration();
+  std::vector<double> still(v.size(), 0.0);
+  parts.walls.impose(still, 1);
+  if (!parts.with_inertia) return still;
+  std::vector<double> du(still), r(v.size() / dim * (dim + 1));
+  for (std::size_t k = 0; k < du.size(); ++k) du[k] = parts.dt * (v[k] + 0.5 * parts.dt * a[k]);
+  parts.walls.impose(du, 1);
+  const auto residual = [&](const std::vector<double>& guess) {
+    const Evaluation at_guess = balance_->evaluate(balance_->guess(guess), r, nullptr);
+    return at_guess.admissible ? *at_guess.residual_norm : std::numeric_limits<double>::infinity();
+  };
+  return residual(still) < residual(du) ? still : du;
+}
+
+template <int dim>
+NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& settings) {
+  if (first) {
+    this->equilibrium_->internal_forces().forget();
+    x_ = balance_->guess(first_displacement());
+  }
+  this->equilibrium_->begin_solution();
+  NewtonSettings tight = settings;
+  tight.residual_tolerance = std::min(settings.residual_tolerance, water_tolerance);
+  NewtonMatrix<dim + 1> matrix{*K_, solver_};
+  const NewtonReport report =
+      solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
+  this->du_ = balance_->displacement(x_);
+  return report;
+}
+
+template <int dim>
+StepEnd<dim> SeepageStep<dim>::end() {
+  std::vector<double> r(x_.size());
+  balance_->evaluate(x_, r, nullptr);
+  StepEnd<dim> end = ImplicitStep<dim>::end();
+  end.plastic_work += water_->finish(this->du_);
+  return end;
+}
+
+template <int dim>
+void SeepageStep<dim>::finish_points(MaterialPoints<dim>& points) const {
+  water_->store(points);
+}
+
+template <int dim>
+void SeepageStep<dim>::remember(SoilState<dim>& state) const {
+  ImplicitStep<dim>::remember(state);
+  state.water_out += balance_->outflow();
+}
+
+template <int dim>
+void SeepageStep<dim>::release() {
+  balance_.reset();
+  this->f_pore_ = {};
+  ImplicitStep<dim>::release();
+  water_.reset();
+  solver_.release();
+  K_.reset();
+}
+
+template <int dim>
+std::vector<double> SeepageStep<dim>::settlement(const StepStart& start, const Vector<dim>& gravity,
+                                                 const std::string& where) {
+  make_water(start, gravity);
+  water_->find_start_forces();
+  return ImplicitStep<dim>::settlement(start, gravity, where);
+}
+
+template class SeepageStep<2>;
+template class SeepageStep<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/stress/seepage_forces.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/mechanics/norm.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Share of the exact variance of a linear pressure over a cell that its points see: two points a
+// direction under gimp have 3/4 of it, splines less. The inverse goes to the stabilisation.
+constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
+
+// Nodes with a smaller share of the water of the fullest node keep the pressure of what is around
+// them: its equation would be lost in rounding.
+constexpr double least_share = 1e-9;
+
+}  // namespace
+
+/// One point of a group in the step.
+template <int dim>
+struct SeepageForces<dim>::Work {
+  std::int32_t entry = 0;
+  double V = 0, V0 = 0, j = 1, m = 0;  // at the start, free of stress; volume ratio; pores over V0
+  double p = 0, p_n = 0;
+  double density = 1;                        // of the water under p_n, by that free of pressure
+  Vector<dim> grad_p = Vector<dim>::Zero();  // at the end of the step
+  Vector<dim> w = Vector<dim>::Zero();       // flux of Darcy [m/s]
+  std::array<Vector<dim>, max_group_nodes<dim>> g;  // of each of its nodes
+};
+
+/// The points of a group and their sums.
+template <int dim>
+struct SeepageForces<dim>::Group {
+  std::array<double, max_group_nodes<dim> * dim> du;
+  std::array<double, max_group_nodes<dim>> q;
+  std::vector<Work> points;
+  double V = 0, Vj = 0, pV = 0, p_nV = 0;
+  double density = 0;                                    // mean
+  std::array<double, max_group_nodes<dim>> N;            // mean of each node
+  std::array<Vector<dim>, max_group_nodes<dim>> change;  // d(sum V j) / du of each node
+  std::array<double, max_group_nodes<dim>> compressed;   // V (exp(dp / K_w) - 1) at each node
+  std::array<std::int32_t, max_group_nodes<dim>> active;
+  std::vector<double> K;  // row by row
+};
+
+template <int dim>
+SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step)
+    : parts_(parts), step_(step) {
+  const std::size_t n = static_cast<std::size_t>(parts_.nodes.size());
+  f_.assign(n * dim, 0.0);
+  for (auto* values : {&r_, &squeezed_, &seeped_}) values->assign(n, 0.0);
+  const auto& weights = parts_.weights;
+  p_n_.assign(weights.point.size(), 0.0);
+  for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
+    const Body<dim>& body = parts_.bodies[b];
+    const bool drains = body.water && body.water->drains();
+    tau_st_.push_back(drains ? stabilisation(static_cast<std::int32_t>(b)) : 0);
+    if (drains) modulus_ = std::max(modulus_, skeleton_modulus(body));
+  }
+  for (const CellGroup& group : weights.groups) {
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = weights.point[e];
+      p_n_[e] = water->at(parts_.points.water[p], parts_.points.J[p]).p;
+    }
+  }
+  p_ = p_n_;
+  J_.assign(p_.size(), 1.0);
+  list_wet();
+}
+
+template <int dim>
+void SeepageForces<dim>::list_wet() {
+  std::vector<double> volumes(r_.size(), 0.0);
+  const auto& weights = parts_.weights;
+  for (const CellGroup& group : weights.groups) {
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        volumes[active[weights.local_of(e)[i]]] += weights.volume[e] * weights.N_of(e)[i];
+      }
+    }
+  }
+  const double most = volumes.empty() ? 0 : *std::ranges::max_element(volumes);
+  wet_.assign(volumes.size(), 0);
+  for (std::size_t i = 0; i < volumes.size(); ++i) wet_[i] = volumes[i] > least_share * most;
+}
+
+template <int dim>
+double SeepageForces<dim>::stabilisation(std::int32_t body) const {
+  const Body<dim>& soil = parts_.bodies[body];
+  const double h = step_.cell_size;
+  const double M = skeleton_modulus(soil) + step_.inertia_slope * soil.material.density * h * h;
+  const double drained = 4 * soil.water->mobility() * M * step_.dt / (h * h);
+  const double alpha =
+      parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
+  return alpha * 3 / M * std::max(0.0, 1 - drained);
+}
+
+template <int dim>
+double SeepageForces<dim>::at_rest(std::int32_t body, const Vector<dim>& x) const {
+  return parts_.bodies[body].water->density * step_.gravity.dot(x);
+}
+
+template <int dim>
+std::vector<double> SeepageForces<dim>::start_heads() const {
+  std::vector<double> q(r_.size(), 0.0), sum(r_.size(), 0.0);
+  const auto& weights = parts_.weights;
+  for (const CellGroup& group : weights.groups) {
+    if (tau_st_.empty() || !parts_.bodies[group.body].water ||
+        !parts_.bodies[group.body].water->drains())
+      continue;
+    const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const double head = p_n_[e] - at_rest(group.body, parts_.points.x[weights.point[e]]);
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        const double share = weights.volume[e] * weights.N_of(e)[i];
+        const std::int32_t node = active[weights.local_of(e)[i]];
+        q[node] += share * head;
+        sum[node] += share;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = sum[i] > 0 ? q[i] / sum[i] : 0;
+  return q;
+}
+
+template <int dim>
+void SeepageForces<dim>::gather(const CellGroup& group, const Trial& trial, Group& work) const {
+  const auto nodes = parts_.weights.nodes_of(group);
+  parts_.nodes.gather(nodes, trial.du, work.du.data());
+  parts_.nodes.list_active(nodes, work.active.data());
+  for (int i = 0; i < group.num_nodes; ++i) work.q[i] = trial.q[work.active[i]];
+}
+
+// Points of a group and their sums.
+template <int dim>
+bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const {
+  const auto& weights = parts_.weights;
+  const PoreWater& water = *parts_.bodies[group.body].water;
+  work.points.resize(group.last - group.first);
+  work.V = work.Vj = work.pV = work.p_nV = work.density = 0;
+  std::fill_n(work.N.begin(), group.num_nodes, 0.0);
+  std::fill_n(work.change.begin(), group.num_nodes, Vector<dim>::Zero());
+  for (std::int32_t e = group.first; e < group.last; ++e) {
+    Work& point = work.points[e - group.first];
+    const std::int32_t p = weights.point[e];
+    point.entry = e;
+    point.V0 = weights.volume[e];
+    point.V = point.V0 * parts_.points.J[p];
+    const Matrix<dim> F =
+        Matrix<dim>::Identity() + displacement_gradient<dim>(weights, e, work.du.data());
+    point.j = F.determinant();
+    if (!(point.j > min_J_ratio)) {
+      worst = {p, Refusal::squeezed};
+      return false;
+    }
+    const Matrix<dim> G = F.inverse().transpose();
+    const Vector<dim> weight = water.density * step_.gravity;
+    point.p = at_rest(group.body, parts_.points.x[p]);
+    point.p_n = p_n_[e];
+    point.density = std::exp(point.p_n / water.bulk_modulus);
+    point.grad_p = G * weight;
+    for (int i = 0; i < weights.num_nodes(e); ++i) {
+      const int k = weights.local_of(e)[i];
+      point.g[i] = G * weights.grad_of(e)[i];
+      point.p += weights.N_of(e)[i] * work.q[k];
+      point.grad_p += work.q[k] * point.g[i];
+      work.N[k] += point.V * weights.N_of(e)[i];
+      work.change[k] += point.V * point.j * point.g[i];
+    }
+    point.w = water.mobility() * (weight - point.grad_p);
+    work.V += point.V;
+    work.Vj += point.V * point.j;
+    work.pV += point.V * point.p;
+    work.p_nV += point.V * point.p_n;
+    work.density += point.V * point.density;
+  }
+  work.density /= work.V;
+  for (int k = 0; k < group.num_nodes; ++k) work.N[k] /= work.V;
+  for (Work& point : work.points) {
+    const std::int32_t p = weights.point[point.entry];
+    const double J = parts_.points.J[p] * (step_.averages ? work.Vj / work.V : point.j);
+    if (!water.admits(J)) {
+      worst = {p, Refusal::pores_closed};
+      return false;
+    }
+    point.m = water.pores(J);
+  }
+  return true;
+}
+
+template <int dim>
+void SeepageForces<dim>::add_forces(const CellGroup&, Group& work) {
+  const auto& weights = parts_.weights;
+  for (const Work& point : work.points) {
+    const double p = step_.averages ? work.pV / work.V : point.p;
+    for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
+      const std::ptrdiff_t node = work.active[weights.local_of(point.entry)[i]];
+      for (int d = 0; d < dim; ++d) f_[node * dim + d] += point.V * point.j * p * point.g[i][d];
+    }
+  }
+}
+
+template <int dim>
+void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
+  const auto& weights = parts_.weights;
+  const PoreWater& water = *parts_.bodies[group.body].water;
+  const double tau = tau_st_[group.body];
+  double unstable = 0;
+  for (const Work& point : work.points) {
+    const double squeezed = point.density * point.V * (point.j - 1);
+    const double stored =
+        point.density * point.V0 * point.m * std::expm1((point.p - point.p_n) / water.bulk_modulus);
+    const double jump = (point.p - work.pV / work.V) - (point.p_n - work.p_nV / work.V);
+    const double stable = point.V * tau * jump;
+    unstable += stable;
+    for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
+      const std::int32_t node = work.active[weights.local_of(point.entry)[i]];
+      const double N = weights.N_of(point.entry)[i];
+      const double seeped = step_.dt * point.V * point.j * point.g[i].dot(point.w);
+      if (!step_.averages) {
+        squeezed_[node] += squeezed * N;
+        r_[node] += squeezed * N;
+      }
+      seeped_[node] += seeped;
+      r_[node] += (stored + stable) * N - seeped;
+    }
+  }
+  for (int k = 0; k < group.num_nodes; ++k) {
+    const double squeezed = step_.averages ? work.density * (work.Vj - work.V) * work.N[k] : 0;
+    squeezed_[work.active[k]] += squeezed;
+    r_[work.active[k]] += squeezed - unstable * work.N[k];
+  }
+}
+
+// What one point adds. The pressure of a group, and its volume, are left to add_group_stiffness.
+template <int dim>
+void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work& point,
+                                             Group& work) const {
+  const auto& weights = parts_.weights;
+  const PoreWater& water = *parts_.bodies[group.body].water;
+  const double kappa = water.mobility(), Vj = point.V * point.j;
+  const double p = step_.averages ? work.pV / work.V : point.p;
+  const double change = (point.p - point.p_n) / water.bulk_modulus;
+  const double storage =
+      point.density * point.V0 * point.m * std::exp(change) / water.bulk_modulus +
+      point.V * tau_st_[group.body];
+  const double by_volume = step_.averages ? 0 : point.density * Vj * std::exp(change);
+  const int num = weights.num_nodes(point.entry), rows = group.num_nodes * block_size;
+  const std::uint8_t* local = weights.local_of(point.entry);
+  const double* N = weights.N_of(point.entry);
+  for (int i = 0; i < num; ++i) {
+    const Vector<dim>& g_i = point.g[i];
+    const double g_w = g_i.dot(point.w);
+    for (int k = 0; k < num; ++k) {
+      const Vector<dim>& g_k = point.g[k];
+      const double gg = kappa * g_i.dot(g_k), gw_k = g_k.dot(point.w);
+      double* block = &work.K[static_cast<std::size_t>(local[i]) * block_size * rows +
+                              static_cast<std::size_t>(local[k]) * block_size];
+      double* volumes = block + static_cast<std::ptrdiff_t>(dim) * rows;
+      for (int d = 0; d < dim; ++d) {
+        for (int c = 0; c < dim; ++c) {
+          block[d * rows + c] -= Vj * p * (g_i[d] * g_k[c] - g_k[d] * g_i[c]);
+        }
+        if (!step_.averages) block[d * rows + dim] -= Vj * N[k] * g_i[d];
+        volumes[d] += step_.dt * Vj * (g_w * g_k[d] - gw_k * g_i[d] + gg * point.grad_p[d]) -
+                      by_volume * N[i] * g_k[d];
+      }
+      volumes[dim] -= storage * N[i] * N[k] + step_.dt * Vj * gg;
+    }
+  }
+}
+
+// What the points of a group have in common: K_up, K_pu under F-bar and the mean pressure of the
+// stabilisation.
+template <int dim>
+void SeepageForces<dim>::add_group_stiffness(const CellGroup& group, Group& work) const {
+  const int n = group.num_nodes, rows = n * block_size;
+  const double tau = tau_st_[group.body] * work.V;
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      double* block = &work.K[static_cast<std::size_t>(i) * block_size * rows +
+                              static_cast<std::size_t>(k) * block_size];
+      double* volumes = block + static_cast<std::ptrdiff_t>(dim) * rows;
+      volumes[dim] += tau * work.N[i] * work.N[k];
+      if (!step_.averages) continue;
+      const double share = work.density * work.N[i] + work.compressed[i] / work.V;
+      for (int d = 0; d < dim; ++d) {
+        block[d * rows + dim] -= work.change[i][d] * work.N[k];
+        volumes[d] -= share * work.change[k][d];
+      }
+    }
+  }
+}
+
+template <int dim>
+void SeepageForces<dim>::add_stiffness(const CellGroup& group, Group& work) const {
+  const std::size_t rows = static_cast<std::size_t>(group.num_nodes) * block_size;
+  const auto& weights = parts_.weights;
+  work.K.assign(rows * rows, 0.0);
+  std::fill_n(work.compressed.begin(), group.num_nodes, 0.0);
+  const double K_w = parts_.bodies[group.body].water->bulk_modulus;
+  for (const Work& point : work.points) {
+    add_point_stiffness(group, point, work);
+    const double by_change = point.density * point.V * std::expm1((point.p - point.p_n) / K_w);
+    for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
+      work.compressed[weights.local_of(point.entry)[i]] += by_change * weights.N_of(point.entry)[i];
+    }
+  }
+  add_group_stiffness(group, work);
+}
+
+template <int dim>
+bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K,
+                                  RefusedPoint& worst) {
+  for (auto* values : {&f_, &r_, &squeezed_, &seeped_}) {
+    std::fill(values->begin(), values->end(), 0.0);
+  }
+  Group work;
+  for (std::size_t g = 0; g < parts_.weights.groups.size(); ++g) {
+    const CellGroup& group = parts_.weights.groups[g];
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    gather(group, trial, work);
+    if (!sum_up(group, work, worst)) return false;
+    add_forces(group, work);
+    add_volumes(group, work);
+    for (const Work& point : work.points) {
+      p_[point.entry] = point.p;
+      J_[point.entry] = point.m + (1 - water->porosity);
+    }
+    if (!K) continue;
+    add_stiffness(group, work);
+    K->add_cell(static_cast<std::int32_t>(g), work.K.data());
+  }
+  return true;
+}
+
+template <int dim>
+void SeepageForces<dim>::find_start_forces() {
+  std::fill(f_.begin(), f_.end(), 0.0);
+  const std::vector<double> still(f_.size(), 0.0), none(r_.size(), 0.0);
+  Group work;
+  RefusedPoint worst;
+  for (const CellGroup& group : parts_.weights.groups) {
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    gather(group, {.du = still, .q = none}, work);
+    sum_up(group, work, worst);
+    work.pV = work.p_nV;
+    for (Work& point : work.points) point.p = point.p_n;
+    add_forces(group, work);
+  }
+}
+
+template <int dim>
+double SeepageForces<dim>::volume_scale() const {
+  return std::max(norm_of(std::span<const double>(squeezed_)),
+                  norm_of(std::span<const double>(seeped_)));
+}
+
+template class SeepageForces<2>;
+template class SeepageForces<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/stress/stress_parts.hpp"
+
+namespace gabion::mpm {
+
+/// What the water of a step depends on besides the points.
+template <int dim>
+struct SeepageStepData {
+  Vector<dim> gravity = Vector<dim>::Zero();  ///< at the end of the step [m/s^2]
+  double dt = 0;                              ///< [s]
+  double cell_size = 0;                       ///< [m]
+  double inertia_slope = 0;  ///< NewmarkBossak::inertia_slope; 0: quasi-static [1/s^2]
+  bool averages = false;     ///< volumes are those of groups (F-bar), as in AveragedForces
+};
+
+/// Pore water of bodies that drain, between the grains of the points and with its pressure on the
+/// nodes. The unknown of a node is q, the pressure above that of water at rest,
+///
+///     p(x) = sum_k N_k q_k + rho_w g . x ,
+///
+/// and a step balances the volume of water (W13) while the pressure adds to the forces (W12) of
+/// docs/theory/water.md. Refers to its parts; valid for one step of one rank.
+template <int dim>
+class SeepageForces {
+ public:
+  static constexpr int block_size = dim + 1;
+
+  SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
+
+  /// Unknowns of a trial state.
+  struct Trial {
+    std::span<const double> du;  ///< num_nodes x dim [m]
+    std::span<const double> q;   ///< num_nodes [Pa]
+  };
+  /// Find forces and volumes of a trial state.
+  /// @param K  null, or gets what the water adds to -dr/d(du, q): node blocks of dim rows of forces
+  ///           and one of volumes
+  /// @returns false when pores would be closed; `worst` is that point
+  bool evaluate(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
+  /// Forces of the accepted pressures, those of du = 0. Replaces forces().
+  void find_start_forces();
+
+  /// Force of the pressure on the skeleton, num_nodes x dim [N].
+  const std::vector<double>& forces() const { return f_; }
+  /// Volume that is missing at each node: r of the balance of water, num_nodes [m^3].
+  const std::vector<double>& volumes() const { return r_; }
+  /// Norm of what the balance of water consists of [m^3].
+  double volume_scale() const;
+
+  /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
+  std::vector<double> start_heads() const;
+  /// 1 for nodes that act on points whose water drains by more than rounding, num_nodes.
+  const std::vector<char>& wet() const { return wet_; }
+  /// p of water at rest that q leaves out, at a place [Pa].
+  double at_rest(std::int32_t body, const Vector<dim>& x) const;
+  /// Modulus of P waves of the stiffest body that drains: it scales pressures [Pa].
+  double modulus() const { return modulus_; }
+
+  /// Give the trial state of the points, so far that of the skeleton, the pressures of the last
+  /// evaluation.
+  /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
+  ///          does not become energy of the water in the points [J]
+  double finish(std::span<const double> du);
+  /// Put pressures and masses of the last evaluation into the points.
+  /// @pre their volume ratios are still those of the start
+  void store(MaterialPoints<dim>& points) const;
+
+ private:
+  struct Work;
+  struct Group;
+  void list_wet();
+  double stabilisation(std::int32_t body) const;
+  void gather(const CellGroup& group, const Trial& trial, Group& work) const;
+  bool sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const;
+  void add_forces(const CellGroup& group, Group& work);
+  void add_volumes(const CellGroup& group, Group& work);
+  void add_stiffness(const CellGroup& group, Group& work) const;
+  void add_point_stiffness(const CellGroup& group, const Work& point, Group& work) const;
+  void add_group_stiffness(const CellGroup& group, Group& work) const;
+
+  StressParts<dim> parts_;
+  SeepageStepData<dim> step_;
+  double modulus_ = 0;
+  std::vector<double> tau_st_;  // of each body [1/Pa]
+  std::vector<double> p_n_;     // accepted pressure of each entry [Pa]
+  std::vector<double> p_;       // of each entry in the last evaluation [Pa]
+  std::vector<double> J_;       // volume ratio of each entry since it was free of stress
+  std::vector<char> wet_;
+  std::vector<double> f_, r_, squeezed_, seeped_;
+};
+
+}  // namespace gabion::mpm

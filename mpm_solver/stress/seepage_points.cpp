@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the points get of a solution with pore water that drains.
+#include "mpm_solver/stress/seepage_forces.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+double SeepageForces<dim>::finish(std::span<const double> du) {
+  double lost = 0;
+  for (std::size_t k = 0; k < f_.size(); ++k) lost -= f_[k] * du[k];
+  TrialPoints<dim>& trial = parts_.trial;
+  trial.pore_tau.resize(trial.tau.size(), 0.0);
+  for (const CellGroup& group : parts_.weights.groups) {
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      trial.pore_tau[e] = J_[e] * p_[e];
+      trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
+      const std::int32_t p = parts_.weights.point[e];
+      const double before = water->at(parts_.points.water[p], parts_.points.J[p]).energy;
+      const double after = water->at(water->content_at(p_[e], J_[e]), J_[e]).energy;
+      trial.energy[e] += after;
+      lost -= parts_.weights.volume[e] * (after - before);
+    }
+  }
+  return lost;
+}
+
+template <int dim>
+void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
+  for (const CellGroup& group : parts_.weights.groups) {
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const std::int32_t p = parts_.weights.point[e];
+      const double content = water->content_at(p_[e], J_[e]);
+      points.m[p] += water->density * points.V0[p] * (content - points.water[p]);
+      points.water[p] = content;
+    }
+  }
+}
+
+template double SeepageForces<2>::finish(std::span<const double>);
+template double SeepageForces<3>::finish(std::span<const double>);
+template void SeepageForces<2>::store(MaterialPoints<2>&) const;
+template void SeepageForces<3>::store(MaterialPoints<3>&) const;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "mpm_solver/step/seepage_balance.hpp"
+#include "tests/support/check_tangent.hpp"
+#include "tests/unit/mpm/soil_patch.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr int seepage_cells = 2;
+
+/// Soil with water that drains, under random pressures, and one balance of it.
+template <int dim>
+struct WetBalance {
+  static constexpr int block = dim + 1;
+  SoilPatch<dim> soil;
+  mpm::Contacts<dim> contacts;
+  mpm::TrialPoints<dim> trial;
+  NewmarkBossak scheme = NewmarkBossak::bossak(-0.1);
+  std::optional<mpm::WallConditions<dim>> walls;
+  std::optional<mpm::SeepageForces<dim>> water;
+  std::optional<mpm::Equilibrium<dim>> equilibrium;
+  std::optional<mpm::SeepageBalance<dim>> balance;
+  BlockMatrix<dim> K_uu;
+  BlockMatrix<block> K;
+  mpm::DrainedNodes drained;
+
+  WetBalance(mpm::Basis basis, bool averages, bool with_inertia)
+      : soil(dim == 2 ? CellType::quad4 : CellType::hex8, seepage_cells, basis) {
+    soil.grid.splits_border = averages && basis == mpm::Basis::bspline;
+    soil.fill(1 << dim, 1.5);
+    mpm::PoreWater pores;
+    pores.porosity = 0.4;
+    pores.bulk_modulus = 5e4;
+    pores.density = 1;
+    pores.cavitation = 1e9;
+    pores.permeability = 0.02;
+    soil.bodies = {{"soil", {"", 1.5, NeoHookean<dim>{4e3, 3e3}}, pores}};
+    for (std::int32_t p = 0; p < soil.points.size(); ++p) {
+      soil.points.x[p] += 0.1 / seepage_cells * soil.random.template vector<dim>();
+      soil.points.J[p] = 1 + 0.03 * soil.random();
+      soil.points.water.push_back(pores.content_at(2e3 * soil.random(), soil.points.J[p]));
+    }
+    soil.to_grid();
+    walls.emplace(soil.grid, std::vector<mpm::WallSettings>{});
+    walls->select(soil.nodes);
+    const Vector<dim> gravity = Vector<dim>::Constant(-3.0);
+    const double dt = 0.1, h = 1.0 / seepage_cells;
+    water.emplace(
+        mpm::StressParts<dim>{.bodies = soil.bodies,
+                              .points = soil.points,
+                              .weights = soil.weights,
+                              .nodes = soil.nodes,
+                              .trial = trial},
+        mpm::SeepageStepData<dim>{.gravity = gravity,
+                                  .dt = dt,
+                                  .cell_size = h,
+                                  .inertia_slope = with_inertia ? scheme.inertia_slope(dt) : 0,
+                                  .averages = averages});
+    equilibrium.emplace(typename mpm::Equilibrium<dim>::Parts{.comm = comm(),
+                                                              .grid = soil.grid,
+                                                              .bodies = soil.bodies,
+                                                              .points = soil.points,
+                                                              .weights = soil.weights,
+                                                              .nodes = soil.nodes,
+                                                              .walls = *walls,
+                                                              .contacts = contacts,
+                                                              .trial = trial,
+                                                              .scheme = scheme,
+                                                              .gravity = gravity,
+                                                              .gravity_start = gravity,
+                                                              .cell_size = h,
+                                                              .same_strain = 0,
+                                                              .dt = dt,
+                                                              .with_inertia = with_inertia,
+                                                              .f_pore = water->forces(),
+                                                              .average_volumes = averages});
+    std::vector<std::int32_t> offsets, nodes;
+    equilibrium->pattern(offsets, nodes);
+    K_uu.set_pattern(soil.nodes.size(), offsets, nodes);
+    K.set_pattern(soil.nodes.size(), offsets, nodes);
+    balance.emplace(*equilibrium, *water, K_uu, drained);
+  }
+  Eigen::VectorXd residual(const Eigen::VectorXd& x, BlockMatrix<block>* matrix = nullptr) {
+    const auto n = static_cast<std::size_t>(x.size());
+    Eigen::VectorXd r(x.size());
+    const Evaluation result = balance->evaluate({x.data(), n}, {r.data(), n}, matrix);
+    EXPECT_TRUE(result.admissible) << result.reason;
+    return r;
+  }
+  Eigen::VectorXd random_unknowns(double size) {
+    const auto values =
+        soil.random.values(static_cast<std::size_t>(soil.nodes.size()) * block, size);
+    return Eigen::Map<const Eigen::VectorXd>(values.data(),
+                                             static_cast<Eigen::Index>(values.size()));
+  }
+  double error(const Eigen::VectorXd& x, double step) {
+    residual(x, &K);
+    const Eigen::Index n = x.size();
+    Eigen::MatrixXd tangent(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, k);
+      Eigen::VectorXd column(n);
+      K.multiply({unit.data(), static_cast<std::size_t>(n)},
+                 {column.data(), static_cast<std::size_t>(n)});
+      tangent.col(k) = column;
+    }
+    return tangent_error([&](const Eigen::VectorXd& at) { return Eigen::VectorXd(-residual(at)); },
+                         x, tangent, step);
+  }
+};
+
+template <class Act>
+void for_each_form(const Act& act) {
+  for (const mpm::Basis basis : {mpm::Basis::gimp, mpm::Basis::bspline}) {
+    for (const bool averages : {false, true}) {
+      for (const bool inertia : {false, true}) {
+        SCOPED_TRACE(std::string(basis_name(basis)) + (averages ? " fbar" : " none") +
+                     (inertia ? " dynamic" : " quasi-static"));
+        act(basis, averages, inertia);
+      }
+    }
+  }
+}
+
+TEST(SeepageTangent, agrees_with_differences) {
+  for_each_form([](mpm::Basis basis, bool averages, bool inertia) {
+    WetBalance<2> plane(basis, averages, inertia);
+    EXPECT_LT(plane.error(plane.random_unknowns(0.02), 1e-4), 1e-7);
+  });
+}
+
+TEST(SeepageTangent, agrees_with_differences_in_space) {
+  for (const bool averages : {false, true}) {
+    WetBalance<3> space(mpm::Basis::gimp, averages, false);
+    EXPECT_LT(space.error(space.random_unknowns(0.01), 1e-4), 1e-7) << averages;
+  }
+}
+
+/// What one place loses another gets: the rows of all nodes add up to what the points hold more,
+/// whatever seeps and whatever stabilises.
+TEST(SeepageForces, the_rows_add_up_to_the_change_of_the_content) {
+  for_each_form([](mpm::Basis basis, bool averages, bool inertia) {
+    WetBalance<2> plane(basis, averages, inertia);
+    plane.residual(plane.random_unknowns(0.02));
+    double sum = 0;
+    for (const double volume : plane.water->volumes()) sum += volume;
+    mpm::MaterialPoints<2> after = plane.soil.points;
+    plane.water->store(after);
+    double change = 0, size = 0, mass = 0;
+    for (std::int32_t p = 0; p < after.size(); ++p) {
+      const double of_point = after.V0[p] * (after.water[p] - plane.soil.points.water[p]);
+      change += of_point;
+      size += std::abs(of_point);
+      mass += after.m[p] - plane.soil.points.m[p];
+    }
+    EXPECT_GT(std::abs(change), 1e-3 * size);
+    EXPECT_NEAR(sum, change, 1e-12 * size);
+    EXPECT_NEAR(mass, change, 1e-12 * size);
+  });
+}
+
+/// Water at rest has the same unknown at all nodes, and does not flow.
+TEST(SeepageForces, water_at_rest_has_no_flux) {
+  for (const bool averages : {false, true}) {
+    WetBalance<2> plane(mpm::Basis::gimp, averages, false);
+    mpm::MaterialPoints<2> points = plane.soil.points;
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      const double pressure = plane.water->at_rest(0, points.x[p]) + 10;
+      points.water[p] = plane.soil.bodies[0].water->content_at(pressure, points.J[p]);
+    }
+    mpm::SeepageForces<2> water(
+        {.bodies = plane.soil.bodies,
+         .points = points,
+         .weights = plane.soil.weights,
+         .nodes = plane.soil.nodes,
+         .trial = plane.trial},
+        {.gravity = Vector<2>::Constant(-3.0), .dt = 0.1, .cell_size = 0.5, .averages = averages});
+    const std::vector<double> du(plane.soil.num_dofs(), 0.0);
+    const std::vector<double> q = water.start_heads();
+    for (const double head : q) EXPECT_NEAR(head, 10, 1e-9);
+    mpm::RefusedPoint worst;
+    ASSERT_TRUE(water.evaluate({.du = du, .q = q}, nullptr, worst));
+    for (const double volume : water.volumes()) EXPECT_NEAR(volume, 0, 1e-13);
+  }
+}
+
+}  // namespace
+}  // namespace gabion::test
