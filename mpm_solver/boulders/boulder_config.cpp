@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/log.hpp"
 #include "common/mechanics/mesh/triangle_surface.hpp"
 #include "mpm_solver/boulders/boulders.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -215,6 +216,22 @@ void check_overlaps(const ConfigReader& in, const BoulderScene<dim>& settings) {
                       overlap.place[0], overlap.place[1], overlap.place[2]));
 }
 
+// Places of contact are vertices: two edges that cross have none.
+template <int dim>
+void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
+  if (dim == 2) return;
+  std::vector<std::string> names;
+  for (const auto& boulder : settings.boulders) {
+    if (boulder.shape.ball == 0) names.push_back(boulder.name);
+  }
+  if (names.empty()) return;
+  log::warn(
+      "{}: {} touch what is hard with vertices, theirs and those of the other surface; "
+      "edges that cross between vertices are not seen: facets smaller than the boulder, on "
+      "both sides, keep them from passing through each other",
+      in.where("boulders"), fmt::join(names, ", "));
+}
+
 }  // namespace
 
 KeyTable boulder_keys() {
@@ -272,6 +289,7 @@ void read_boulders(const Scene& scene, ConfigReader& in, const BoulderScene<dim>
   }
   if (boulders.empty()) return;
   check_overlaps(in, among);
+  warn_of_edges(in, among);
   walls.insert(walls.end(), own.begin(), own.end());
 }
 
