@@ -148,6 +148,7 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     step.time_damping += du[k] * lead[k];
     forces[k] += mean;
   }
+  for (std::size_t k = 0; k < parts.f_pore.size(); ++k) forces[k] -= parts.f_pore[k];
   if (parts.ghost != nullptr) {
     std::vector<double> f_ghost(du.size(), 0.0);
     parts.ghost->add_forces(du, f_ghost, nullptr);

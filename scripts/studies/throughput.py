@@ -13,13 +13,13 @@ from studies.size import read
 
 REPEATS = 3  # the median counts
 #: Steps of the shorter and of the longer run, by dimension: their difference has no start in it.
-STEPS = {"explicit": {2: (20, 220), 3: (10, 50)}, "implicit": {2: (5, 65), 3: (2, 10)}}
+STEPS = {"explicit": {2: (20, 220), 3: (10, 50)}, "implicit": {2: (5, 105), 3: (2, 22)}}
 BED = 2  # cells below the soil, where it lies on facets
 FRICTION = 0.5
 ALL_FORMS = {**FORMS, "quad4, bspline, F-bar": ("bspline", "fbar", "quad4"), "hex8, gimp": ("gimp", "none", "hex8"),
              "hex8, bspline, F-bar": ("bspline", "fbar", "hex8")}
 SLIDE = ROOT / "configs" / "slide_on_terrain"
-SLIDE_STEPS = {"explicit": (5, 25), "implicit": (1, 3)}
+SLIDE_STEPS = {"explicit": (5, 25), "implicit": (1, 5)}
 HEAD = ["soil", "points", "explicit, free", "explicit, on facets", "implicit, free", "implicit, on facets"]
 # Wyser et al. (2021), Geosci. Model Dev. 14, 7749-7774, ep2-3De v1.0: explicit steps in space of an elastoplastic soil.
 PUBLISHED = [["ep2-3De v1.0, one core of an i9-10900K", 0.152], ["ep2-3De v1.0, one V100", 58.0]]
