@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 
 #include "common/base/require.hpp"
 
@@ -80,7 +79,8 @@ void shuffle_values(const unsigned char* from, std::size_t n, unsigned char* to)
 
 void shuffle(std::span<const unsigned char> from, std::size_t value_size,
              std::span<unsigned char> to) {
-  assert(value_size == 4 || value_size == 8);
+  require(value_size == 4 || value_size == 8, "found values of {} bytes, allowed: 4, 8",
+          value_size);
   const std::size_t n = from.size() / value_size;
   (value_size == 4 ? shuffle_values<4> : shuffle_values<8>)(from.data(), n, to.data());
 }

@@ -14,7 +14,7 @@ namespace gabion::fem {
 
 /// Force and moment that the part of a structure in front of a plane exerts on the part behind it:
 /// sums of the nodal forces of the cells and lines behind, at the nodes that both parts have. They
-/// balance loads, reactions and inertia of the part behind to rounding. A cell or line is behind
+/// balance loads, reactions, inertia and damping of the part behind to rounding. A cell or line is behind
 /// when its centre is, before loading: the cut follows cell sides.
 template <int dim>
 class SectionForces {

@@ -2,9 +2,9 @@
 #include "fem_solver/step/damping.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <vector>
 
+#include "common/base/require.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
@@ -68,7 +68,7 @@ template <int dim>
 void Damping<dim>::add(double scale, BlockMatrix<dim>& K) const {
   const std::span<const double> from = C_.values();
   const std::span<double> to = K.values();
-  assert(from.size() == to.size());
+  require(from.size() == to.size(), "fem_solver: found two patterns, of stiffness and damping");
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += scale * from[i];
 }
 

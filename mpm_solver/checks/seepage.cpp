@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "mpm_solver/grid/basis.hpp"
@@ -11,6 +13,9 @@
 namespace gabion::mpm {
 
 namespace {
+
+// Relative error of equal lengths.
+constexpr double rounding = 1e-9;
 
 template <int dim>
 bool drains(const Body<dim>& body) {
@@ -39,16 +44,42 @@ void check_layout(const ConfigReader& in, const MpmSettings<dim>& settings, std:
   }
 }
 
-// All pores are full: the table is the surface.
+// All pores are full: the table is not below the top of the body. There is one table.
 template <int dim>
 void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   const auto& stress = settings.initial_stress[b];
-  if (!stress || !stress->water_table || *stress->water_table == stress->surface) return;
-  in.fail(
-      fmt::format("bodies/{}/initial_stress/water_table", b),
-      fmt::format("found {:g} with \"permeability\", allowed: \"surface\", {:g}; soil above the "
-                  "table is another body, without \"water\"",
-                  *stress->water_table, stress->surface));
+  if (!stress || !stress->water_table) return;
+  const double table = *stress->water_table;
+  const std::string where = fmt::format("bodies/{}/initial_stress/water_table", b);
+  double top = -std::numeric_limits<double>::infinity(), size = 0;
+  for (const auto& x : settings.layouts[b].mesh.nodes) {
+    top = std::max(top, x[dim - 1]);
+    size = std::max(size, (x - settings.layouts[b].mesh.nodes.front()).norm());
+  }
+  if (table < top - rounding * size) {
+    in.fail(where,
+            fmt::format("found {:g} with \"permeability\", allowed: at least {:g}, the top of "
+                        "the body; soil above the table is another body, without \"water\"",
+                        table, top));
+  }
+  for (std::size_t other = 0; other < b; ++other) {
+    const auto& own = settings.initial_stress[other];
+    if (!drains(settings.bodies[other]) || !own || !own->water_table) continue;
+    if (std::abs(*own->water_table - table) <= rounding * size) continue;
+    in.fail(where,
+            fmt::format("found {:g} where \"{}\" has {:g}, allowed with \"permeability\": one "
+                        "water table",
+                        table, settings.bodies[other].name, *own->water_table));
+  }
+}
+
+// Its matrix is indefinite: none of the iterative methods solves it.
+template <int dim>
+void check_linear_solver(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  const std::string& method = settings.linear_solver.method;
+  if (method == "auto" || method == "lu" || method == "mumps") return;
+  in.fail("linear_solver/method",
+          fmt::format("found \"{}\" with \"permeability\", allowed: auto, lu, mumps", method));
 }
 
 template <int dim>
@@ -91,6 +122,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
   }
   if (first) {
     check_phases(in, settings.phases, *first);
+    check_linear_solver(in, settings);
     return;
   }
   for (const Phase& phase : settings.phases) {

@@ -22,8 +22,7 @@ namespace {
 // Soil within this many cells of a surface is near it.
 constexpr double near_cells = 2;
 
-// A ball may lie in the surface by this share of its radius: soil that is laid against a curved
-// surface meets it to within the bulge of its facets.
+// Share of its radius by which a contact sphere may lie in facets, which bulge where they curve.
 constexpr double allowed_overlap = 0.05;
 
 // Distances that differ by less than this share are equal.
@@ -249,7 +248,8 @@ std::vector<StartSurface<dim>> surfaces_at_start(
   for (const auto& own : interfaces) surfaces.push_back({own, own.surface.vertices, false});
   for (const auto& wall : walls) {
     const bool moves = wall.is_boulder || wall.motion.moves();
-    surfaces.push_back({wall.boundary, wall.boundary.surface.vertices, true, moves});
+    surfaces.push_back(
+        {wall.boundary, wall.boundary.surface.vertices, true, moves, wall.is_boulder});
     auto& vertices = surfaces.back().vertices;
     const auto moved = wall.motion.displacement(vertices, 0);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -355,18 +355,19 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
     require<ConfigError>(!problem || surface.moves, problem.value_or(""));
     if (problem) log::warn("{}", *problem);
   }
-  const double farthest = grid.diagonal().norm();
   const auto found = soil_at_start(surfaces, points, cell_size);
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const ContactSettings<dim>& settings = surfaces[k].settings;
     refuse<dim>(settings, verdict_of<dim>(comm, found[k]));
-    const double gap = smallest_gap<dim>(comm, surfaces[k], points, cell_size, farthest);
+    const double gap =
+        smallest_gap<dim>(comm, surfaces[k], points, cell_size, grid.diagonal().norm());
     if (std::isfinite(gap)) {
       log::info("{}: smallest gap to the soil {:.3g} m, {:.3g} cells", settings.name, gap,
                 gap / cell_size);
     } else {
       log::info("{}: no soil in front of it", settings.name);
     }
+    if (surfaces[k].is_boulder) continue;
     if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
   }
 }

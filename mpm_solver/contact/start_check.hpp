@@ -21,7 +21,8 @@ struct StartSurface {
   const ContactSettings<dim>& settings;
   std::vector<Vector<dim>> vertices;  ///< [m]
   bool rigid = false;
-  bool moves = false;  ///< rigid, but moves as given
+  bool moves = false;       ///< rigid, but moves as given
+  bool is_boulder = false;  ///< its facets are its shape, not pieces of a curved one
 };
 
 /// The interfaces, then the rigid walls. Refers to their settings.

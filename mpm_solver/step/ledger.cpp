@@ -139,7 +139,8 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
   add_nodal_terms(equilibrium, du, motion, step, forces);
   add_contact_terms(equilibrium, du, step, forces, constant);
 
-  const std::vector<double>& f_int = equilibrium.internal_forces().forces();
+  std::vector<double> f_int = equilibrium.internal_forces().forces();
+  for (std::size_t k = 0; k < parts.f_pore.size(); ++k) f_int[k] -= parts.f_pore[k];
   const std::vector<double> f_int_start = equilibrium.internal_forces().start_forces();
   std::vector<double> lead(du.size());  // of the balance's internal force over its mean in the step
   for (std::size_t k = 0; k < du.size(); ++k) {
@@ -148,7 +149,6 @@ StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<con
     step.time_damping += du[k] * lead[k];
     forces[k] += mean;
   }
-  for (std::size_t k = 0; k < parts.f_pore.size(); ++k) forces[k] -= parts.f_pore[k];
   if (parts.ghost != nullptr) {
     std::vector<double> f_ghost(du.size(), 0.0);
     parts.ghost->add_forces(du, f_ghost, nullptr);

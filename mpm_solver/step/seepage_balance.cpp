@@ -71,7 +71,7 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   outflow_ = 0;
   for (std::size_t i = 0; i < q_.size(); ++i) {
     const double missing = water_.volumes()[i];
-    if (held_[i] != 0) outflow_ -= missing;
+    if (held_[i] == 2) outflow_ -= missing;
     r[i * block_size + dim] = held_[i] != 0 ? 0 : scale_ * missing;
   }
   result.residual_norm = norm_of(std::span<const double>(r.data(), r.size()));
@@ -87,7 +87,8 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   return result;
 }
 
-// Rows of water get M / h, pressures h / M; then the part of the skeleton is added.
+// The part of the skeleton comes on top of that of the water, whose rows get M / h and pressures h
+// / M.
 template <int dim>
 void SeepageBalance<dim>::add_equilibrium(BlockMatrix<block_size>& K) const {
   require(std::ranges::equal(K.columns(), K_uu_.columns()), "mpm_solver: two patterns of a step");

@@ -46,14 +46,13 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
  private:
   void add_equilibrium(BlockMatrix<block_size>& K) const;
   void constrain(BlockMatrix<block_size>& K) const;
-  bool is_held(std::int32_t i) const { return held_[i] != 0; }
 
   Equilibrium<dim>& equilibrium_;
   SeepageForces<dim>& water_;
   BlockMatrix<dim>& K_uu_;
   double scale_;                 // M / h [Pa/m]
   std::vector<double> q_start_;  // of each node [Pa]
-  std::vector<char> held_;       // 1 for nodes whose pressure is given
+  std::vector<char> held_;       // by node: 1 where it has no water of its own, 2 where it is drained
   std::vector<double> q_, r_u_;
   double outflow_ = 0;
 };

@@ -70,24 +70,31 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   balance_.emplace(equilibrium, *water_, this->system_.K(), drained_nodes());
 }
 
-// Water at rest outside, below the table of the body that drains.
+// The water beyond the walls is at rest, below the table of the soil.
 template <int dim>
 DrainedNodes SeepageStep<dim>::drained_nodes() const {
   const auto& model = this->parts_.model;
   const auto& nodes = this->parts_.soil.nodes();
   const auto& bodies = model.settings.bodies;
   const auto drains = [](const Body<dim>& body) { return body.water && body.water->drains(); };
-  const auto soil = std::ranges::find_if(bodies, drains);
+  auto soil = std::ranges::find_if(
+      bodies, [&](const Body<dim>& body) { return drains(body) && body.water->table; });
+  if (soil == bodies.end()) soil = std::ranges::find_if(bodies, drains);
+  const Phase& phase = model.settings.phases[this->start_.phase];
+  const double share = phase.gravity_ramp.at(this->start_.time + this->start_.dt);
   std::map<std::int32_t, double> q;
-  for (const WallSettings& wall : model.settings.phases[this->start_.phase].walls) {
+  const auto drain = [&](std::int32_t node) {
+    const std::int32_t i = nodes.active[node];
+    if (i < 0) return;
+    const Vector<dim>& x = nodes.x[i];
+    q[i] = share * soil->water->hydrostatic(x[dim - 1]) -
+           water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
+  };
+  for (const WallSettings& wall : phase.walls) {
     if (!wall.drained) continue;
     for (const std::int32_t node :
          find_group_nodes(model.grid.facet_groups, wall.group, wall.where)) {
-      const std::int32_t i = nodes.active[node];
-      if (i < 0) continue;
-      const Vector<dim>& x = nodes.x[i];
-      q[i] = soil->water->hydrostatic(x[dim - 1]) -
-             water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
+      for (std::int32_t f = 0; f < nodes.num_fields; ++f) drain(node + f * nodes.num_places);
     }
   }
   DrainedNodes drained;
@@ -98,7 +105,7 @@ DrainedNodes SeepageStep<dim>::drained_nodes() const {
   return drained;
 }
 
-// Flight or rest with the pressures of the start, whichever is nearer to balance.
+// The guess is flight or rest under the pressures of the start, whichever is nearer to balance.
 template <int dim>
 std::vector<double> SeepageStep<dim>::first_displacement() {
   Equilibrium<dim>& equilibrium = *this->equilibrium_;
@@ -138,7 +145,8 @@ StepEnd<dim> SeepageStep<dim>::end() {
   std::vector<double> r(x_.size());
   balance_->evaluate(x_, r, nullptr);
   StepEnd<dim> end = ImplicitStep<dim>::end();
-  end.plastic_work += water_->finish(this->du_);
+  end.plastic_work += water_->finish(this->du_) + water_->weight_work();
+  end.balance.body_work += water_->weight_work();
   return end;
 }
 

@@ -19,7 +19,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of a cell: soil sees boulders this near to where they are.
+// Share of a cell: how near soil sees boulders to where they are.
 constexpr double boulder_tolerance = 1e-5;
 
 // Side of a cube with the mean volume of the points of all ranks [m].

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
 
 namespace gabion::mpm {
@@ -115,9 +116,8 @@ std::vector<double> SeepageForces<dim>::start_heads() const {
   std::vector<double> q(r_.size(), 0.0), sum(r_.size(), 0.0);
   const auto& weights = parts_.weights;
   for (const CellGroup& group : weights.groups) {
-    if (tau_st_.empty() || !parts_.bodies[group.body].water ||
-        !parts_.bodies[group.body].water->drains())
-      continue;
+    const auto& water = parts_.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const double head = p_n_[e] - at_rest(group.body, parts_.points.x[weights.point[e]]);
@@ -223,6 +223,7 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
     const double jump = (point.p - work.pV / work.V) - (point.p_n - work.p_nV / work.V);
     const double stable = point.V * tau * jump;
     unstable += stable;
+    weight_work_ += step_.dt * point.V * point.j * water.density * step_.gravity.dot(point.w);
     for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
       const std::int32_t node = work.active[weights.local_of(point.entry)[i]];
       const double N = weights.N_of(point.entry)[i];
@@ -325,6 +326,7 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
   for (auto* values : {&f_, &r_, &squeezed_, &seeped_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
+  weight_work_ = 0;
   Group work;
   for (std::size_t g = 0; g < parts_.weights.groups.size(); ++g) {
     const CellGroup& group = parts_.weights.groups[g];
@@ -355,7 +357,7 @@ void SeepageForces<dim>::find_start_forces() {
     const auto& water = parts_.bodies[group.body].water;
     if (!water || !water->drains()) continue;
     gather(group, {.du = still, .q = none}, work);
-    sum_up(group, work, worst);
+    require(sum_up(group, work, worst), "mpm_solver: pores of the accepted state are closed");
     work.pV = work.p_nV;
     for (Work& point : work.points) point.p = point.p_n;
     add_forces(group, work);

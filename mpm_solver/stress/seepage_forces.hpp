@@ -50,6 +50,8 @@ class SeepageForces {
   const std::vector<double>& forces() const { return f_; }
   /// Volume that is missing at each node: r of the balance of water, num_nodes [m^3].
   const std::vector<double>& volumes() const { return r_; }
+  /// Work of gravity on the water that seeps through the skeleton, in the last evaluation [J].
+  double weight_work() const { return weight_work_; }
   /// Norm of what the balance of water consists of [m^3].
   double volume_scale() const;
 
@@ -68,7 +70,6 @@ class SeepageForces {
   ///          does not become energy of the water in the points [J]
   double finish(std::span<const double> du);
   /// Put pressures and masses of the last evaluation into the points.
-  /// @pre their volume ratios are still those of the start
   void store(MaterialPoints<dim>& points) const;
 
  private:
@@ -87,6 +88,7 @@ class SeepageForces {
   StressParts<dim> parts_;
   SeepageStepData<dim> step_;
   double modulus_ = 0;
+  double weight_work_ = 0;
   std::vector<double> tau_st_;  // of each body [1/Pa]
   std::vector<double> p_n_;     // accepted pressure of each entry [Pa]
   std::vector<double> p_;       // of each entry in the last evaluation [Pa]

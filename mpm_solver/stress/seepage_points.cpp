@@ -7,16 +7,20 @@ namespace gabion::mpm {
 template <int dim>
 double SeepageForces<dim>::finish(std::span<const double> du) {
   double lost = 0;
-  for (std::size_t k = 0; k < f_.size(); ++k) lost -= f_[k] * du[k];
+  for (std::size_t k = 0; k < f_.size(); ++k) lost -= 0.5 * f_[k] * du[k];
   TrialPoints<dim>& trial = parts_.trial;
   trial.pore_tau.resize(trial.tau.size(), 0.0);
+  std::array<double, max_group_nodes<dim> * dim> moves;
   for (const CellGroup& group : parts_.weights.groups) {
     const auto& water = parts_.bodies[group.body].water;
     if (!water || !water->drains()) continue;
+    parts_.nodes.gather(parts_.weights.nodes_of(group), du, moves.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       trial.pore_tau[e] = J_[e] * p_[e];
       trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
       const std::int32_t p = parts_.weights.point[e];
+      lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
+              displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
       const double before = water->at(parts_.points.water[p], parts_.points.J[p]).energy;
       const double after = water->at(water->content_at(p_[e], J_[e]), J_[e]).energy;
       trial.energy[e] += after;

@@ -211,6 +211,11 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   const double lost = points.V0[p] * (points.energy[p] - stress.energy);
   points.history[p] = stress.state;
   if constexpr (RemembersInternal<Law>) points.internal[p] = stress.internal;
+  if constexpr (requires { law.law.viscosity(); }) {  // a fluid keeps its viscous stress
+    Symmetric<dim> shear = points.tau[p];
+    shear.template head<3>().array() -= points.tau[p].template head<3>().mean();
+    stress.tau += shear;
+  }
   points.tau[p] = stress.tau;
   points.energy[p] = stress.energy;
   points.J[p] *= std::exp(d);
@@ -226,7 +231,11 @@ double change_volume(const Law& law, const PoreWater& water, double d, std::int3
   const double pressure = water.at(points.water[p], points.J[p]).p;
   change_volume(law, d, p, points);
   require(water.admits(points.J[p]), "mpm_solver: a shared volume closes the pores");
-  if (water.drains()) points.water[p] = water.content_at(pressure, points.J[p]);
+  if (water.drains()) {
+    const double content = water.content_at(pressure, points.J[p]);
+    points.m[p] += water.density * points.V0[p] * (content - points.water[p]);
+    points.water[p] = content;
+  }
   const PorePressure pore = water.at(points.water[p], points.J[p]);
   points.tau[p].template head<3>().array() -= points.J[p] * pore.p;
   points.energy[p] += pore.energy;

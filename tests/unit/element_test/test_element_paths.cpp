@@ -177,7 +177,8 @@ TEST(ElementPaths, fluid_has_its_viscosity_and_no_strength) {
                               {"stages", {steady_shear("strain", 0.5, 0.5 / 10.0), rest}}});
   EXPECT_NEAR(states[200].stress()[3], 10 * 20, 1e-4 * 200);
   EXPECT_NEAR(states.back().stress().norm(), 0, 1e-3);
-  EXPECT_NEAR(states.back().strain[3], states[200].strain[3], 1e-6);
+  const double flow = 0.5 * (1 - 1.0 / 200) * 200 / 20;  // the stress falls in 200 increments
+  EXPECT_NEAR(states.back().strain[3] - states[200].strain[3], flow, 1e-3 * flow);
 }
 
 TEST(ElementPaths, cycles_of_an_elastic_soil_close) {

@@ -78,9 +78,11 @@ mpm::PoreWater column_water(const Column& column) {
 }
 
 struct Isochrone {
-  double pressure_error = 0;  ///< largest difference of p / q
-  double degree = 0;          ///< settlement by its final value
-  double lost = 0;            ///< water of the points and out of them, by what went out
+  double pressure_error = 0;   ///< largest difference of p / q
+  double degree = 0;           ///< settlement by its final value
+  double lost = 0;             ///< water of the points and out of them, by what went out
+  double energy_missing = 0;   ///< of the energy balance, by the work of gravity
+  double impulse_missing = 0;  ///< of the balance of momentum, by the impulse of the load
 };
 
 Isochrone consolidate(const Column& column) {
@@ -108,6 +110,9 @@ Isochrone consolidate(const Column& column) {
   result.degree = strain / height * column_M / column.load;
   const double out = probe(*solver, "water_out") / water_density;
   result.lost = (before - water() - out) / out;
+  result.energy_missing = probe(*solver, "energy_balance") / probe(*solver, "gravity_work");
+  result.impulse_missing =
+      probe(*solver, "momentum_error_y") / (column.load / column.cells * column.T / column_cv);
   return result;
 }
 
@@ -120,6 +125,8 @@ TEST(Seepage, column_under_a_load_consolidates_as_terzaghi_has_it) {
       EXPECT_LT(at.pressure_error, 0.01);
       EXPECT_NEAR(at.degree, terzaghi_degree(column.T), 0.01);
       EXPECT_NEAR(at.lost, 0, 1e-9);
+      EXPECT_NEAR(at.energy_missing, 0, 1e-3);
+      EXPECT_NEAR(at.impulse_missing, 0, 1e-9);
     }
   }
 }

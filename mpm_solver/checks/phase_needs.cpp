@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/checks/phase_needs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <variant>
+
+namespace gabion::mpm {
+
+namespace {
+
+// What explicit steps cannot do.
+template <int dim>
+void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  for (const Phase& phase : settings.phases) {
+    if (!phase.is_explicit()) continue;
+    if (method_in(settings.small_cuts, settings.grid.basis, true) == SmallCutMethod::ghost) {
+      in.fail("small_cuts", "found \"ghost\", allowed with explicit steps: none, mass_cutoff");
+    }
+    if (settings.tpic) {
+      in.fail("transfer", "found \"tpic\", allowed with explicit steps: flip");
+    }
+    const auto require_facets = [&](const std::string& key, const ContactSettings<dim>& surface) {
+      if (std::holds_alternative<FacetSettings>(surface.method)) return;
+      in.fail(key, "found \"boundary_points\", allowed with explicit steps: facets");
+    };
+    for (std::size_t k = 0; k < settings.interfaces.size(); ++k) {
+      require_facets(fmt::format("interfaces/{}/method", k), settings.interfaces[k]);
+    }
+    for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
+      require_facets(fmt::format("rigid_walls/{}/method", k), settings.rigid_walls[k].boundary);
+    }
+  }
+}
+
+template <int dim>
+void check_fluids(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const Body<dim>& body = settings.bodies[b];
+    if (!std::holds_alternative<Newtonian<dim>>(body.material.law)) continue;
+    const std::string where = fmt::format("bodies/{}/material/law", b);
+    if (body.water) {
+      in.fail(where, "found \"newtonian\" with \"water\", allowed: without; a fluid has no pores");
+    }
+    for (std::size_t k = 0; k < settings.phases.size(); ++k) {
+      if (settings.phases[k].dynamic) continue;
+      in.fail(where, fmt::format("found \"newtonian\" with phase {}, quasi-static, allowed: phases "
+                                 "with inertia; nothing but inertia holds the shape of a fluid",
+                                 k));
+    }
+    if (settings.small_cuts.method == SmallCutMethod::ghost) {
+      in.fail("small_cuts/method",
+              fmt::format("found \"ghost\" with the fluid \"{}\", allowed: auto, none, mass_cutoff",
+                          body.name));
+    }
+  }
+}
+
+}  // namespace
+
+template <int dim>
+void check_phase_needs(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  check_explicit(in, settings);
+  check_fluids(in, settings);
+}
+
+template void check_phase_needs<2>(const ConfigReader&, const MpmSettings<2>&);
+template void check_phase_needs<3>(const ConfigReader&, const MpmSettings<3>&);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/settings/config_reader.hpp"
+#include "mpm_solver/mpm_config.hpp"
+
+namespace gabion::mpm {
+
+/// What the kinds of phases can do: explicit steps have no ghost stiffness, `tpic` or
+/// `boundary_points`, fluids have no quasi-static state, ghost stiffness or pore water.
+/// @throws ConfigError
+template <int dim>
+void check_phase_needs(const ConfigReader& in, const MpmSettings<dim>& settings);
+
+}  // namespace gabion::mpm
