@@ -192,13 +192,13 @@ TEST(Fluid, falls_between_walls_with_the_speed_of_its_viscosity) {
 TEST(Fluid, film_starts_down_a_slope) {
   constexpr double depth = 0.1, slope = 10 * std::numbers::pi / 180, density = 1500, mu = 5;
   constexpr double u_ref = g * 0.17364817766693033 * depth * depth / (2 * mu / density);
-  constexpr double length = 1.6, h = 0.01, time = 0.3, dt = 2e-3;
+  constexpr double length = 1.6, h = depth / 15, time = 0.3, dt = 2e-3;
   Json layer =
-      body("film", box({0, 0}, {length, depth}, {160, 10}, "quad4"), 4, fluid(density, 15, mu));
+      body("film", box({0, 0}, {length, depth}, {240, 15}, "quad4"), 4, fluid(density, 15, mu));
   layer["initial_stress"] = {{"k0", 1}, {"surface", depth}, {"max_displacement", 0.1}};
   auto settings = mpm_settings<2>(
       {{"dimension", 2},
-       {"grid", box({0, 0}, {length, 2 * depth}, {160, 20}, "quad4")},
+       {"grid", box({0, 0}, {length, 2 * depth}, {240, 30}, "quad4")},
        {"walls", {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")}},
        {"gravity", {0, -g * std::cos(slope)}},
        {"time_integration", {{"scheme", "explicit"}}},
@@ -220,7 +220,7 @@ TEST(Fluid, film_starts_down_a_slope) {
     return sum / count;
   };
   verify({.id = "fluid",
-          .what = "film down a slope, 10 cells, explicit steps: speed at the surface",
+          .what = "film down a slope, 15 cells, explicit steps: speed at the surface",
           .exact = 0.197746 * u_ref,
           .computed = mean_speed(depth - h, depth + h),
           .bound = 0.02,
