@@ -83,7 +83,8 @@ class HardContact {
         {};  ///< mean, on the vertices of obstacles [N]
     int substeps = 0;
   };
-  /// @throws ConvergenceError  a body moves farther than was looked ahead
+  /// @throws ConvergenceError  a body moves farther than was looked ahead, contacts do not converge
+  ///                           or ask for more than 1e5 substeps
   End solve(const Start& start, const Step& step) const;
 
   /// Of each obstacle: whether a body may touch it in the step.
@@ -109,6 +110,7 @@ class HardContact {
   struct Sums;
   struct Under;
   struct Watched;
+  End solve_here(const Start& start, const Step& step) const;
   bool solve_within(double reach, const Start& start, const Step& step, End& end) const;
   bool solve_substep(double h, const HardMemories& memories, const std::vector<Pair>& pairs,
                      Under& under, Sums& sums) const;

@@ -19,7 +19,8 @@ constexpr double far = 20;
 // Of the way in a substep by the speeds at its start.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
-// Of a radius and a distance from the origin, where rounding ends the convergence before that:
+// Of a radius and a distance from the origin of solve(), where rounding ends the convergence before
+// that:
 constexpr double same_at_worst = 1e-13;
 constexpr double same_place = 1e-17;
 
@@ -31,7 +32,7 @@ std::vector<double> HardContact::ways(const Under& under) const {
   for (std::size_t c = 0; c < bodies_.size() + under.step.obstacles.size(); ++c) {
     const auto number = static_cast<std::int32_t>(c);
     if (under.is_body(number)) {
-      const BodyMove move = move_of(under.s0[c], under.s1[c], under.h);
+      const BodyMove move = under.move(number);
       result.push_back(move.shift.norm() + bodies_[c].radius * move.turn.norm());
     } else {
       result.push_back(under.speed(number) * under.h);
@@ -68,13 +69,18 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
   const auto look_at = [&](const Place& place) {
     nearest = std::min(nearest, place.g0);
     for (const std::int32_t c : {place.pair.a, place.pair.b}) {
-      if (!under.is_body(c) || under.step.held[c] != 0) continue;
+      if (!under.is_free(c)) continue;
       double now = 0;
       fastest = std::max(fastest, stiffness_over_mass(place, c, closing, now));
       rates[c] += now;
     }
   };
   for (Watched& w : watched) {
+    const Pair& pair = w.pairs.front();
+    if (!under.is_free(pair.a) && !under.is_free(pair.b)) {
+      w.apart = 0;
+      continue;
+    }
     if (w.apart > far * closing * under.h) {
       nearest = std::min(nearest, w.apart);
       continue;
@@ -120,7 +126,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
   sums = no_sums(under);
   AitkenRelaxation relaxation;
   double least = infinity;
-  int stalls = 0;
+  int stalls = 0;  // since the least change
   for (int k = 0; k < most_iterations; ++k) {
     for (std::size_t c = 0; c < bodies_.size(); ++c) {
       if (under.step.held[c] != 0) continue;
@@ -136,7 +142,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
     double change = 0;
     for (const double value : difference) change = std::max(change, std::abs(value));
     stalls = change < least ? 0 : stalls + 1;
-    if (change <= same_place || (stalls >= most_stalls && least < same_at_worst)) {
+    if (change <= same_place || (stalls >= most_stalls && change < same_at_worst)) {
       sums.memories = std::move(now.memories);
       return true;
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/boulders/rigid_body.hpp"
 
+#include <limits>
+
 #include "common/base/error.hpp"
 
 namespace gabion::mpm {
