@@ -16,7 +16,7 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the way that the bodies' motion at the start leads to.
+// The look ahead is this many times the way that the bodies' motion at the start leads to.
 constexpr double ahead = 1.5;
 constexpr double least_ahead = 0.05;  // of the smallest radius
 // Scenes about the origin keep it; a power of two [m].

@@ -87,7 +87,7 @@ class HardContact {
   ///                           or ask for more than 1e5 substeps
   End solve(const Start& start, const Step& step) const;
 
-  /// Of each obstacle: whether a body may touch it in the step.
+  /// Whether a body may touch each obstacle in the step.
   std::vector<char> within_reach(const Start& start, const Step& step) const;
 
   /// The deepest place where a body is inside another one or an obstacle at the start.
@@ -99,7 +99,7 @@ class HardContact {
   Overlap deepest_overlap(const std::vector<BodyState>& states,
                           const std::vector<Obstacle>& obstacles) const;
 
-  /// Of the springs of the places that touch [J].
+  /// The springs of the places that touch store this energy [J].
   double stored_energy(const HardMemories& memories) const;
 
   const std::vector<HardBody>& bodies() const { return bodies_; }

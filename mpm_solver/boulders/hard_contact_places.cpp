@@ -11,11 +11,11 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the radius: a ball that is deeper is on the other side of a surface.
+// A ball that is deeper than this share of its radius is on the other side of a surface.
 constexpr double deepest = 0.25;
-// Of the radius: rounding of what comes to a surface from its front.
+// What comes to a surface from its front is behind it by rounding, a share of the radius.
 constexpr double entry = 1e-6;
-// Of a gap, besides the way in a substep: what differs by more is another place.
+// Gaps that differ by more than this share, besides the way in a substep, are of two places.
 constexpr double same_gap = 1e-3;
 
 }  // namespace

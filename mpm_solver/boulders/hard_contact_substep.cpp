@@ -12,15 +12,16 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the inverse of a contact's frequency: t_c / 30.
+// A substep is this share of the inverse of a contact's frequency: t_c / 30.
 constexpr double substep_share = 0.1;
-// Of the way in the last substep: what is farther is not looked at again until it may be nearer.
+// What is farther than this many times the way in the last substep is not looked at again until it
+// may be nearer.
 constexpr double far = 20;
-// Of the way in a substep by the speeds at its start.
+// What may be near is within this many times the way by the speeds at the start of a substep.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
-// Of a radius and a distance from the origin of solve(), where rounding ends the convergence before
-// that:
+// Changes of places, over a radius and the distance from the origin of solve(), that end a solution:
+// the larger one where rounding ends the convergence before the smaller one.
 constexpr double same_at_worst = 1e-13;
 constexpr double same_place = 1e-17;
 

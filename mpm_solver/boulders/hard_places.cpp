@@ -22,14 +22,14 @@ void take_edge(const HardCorners& c, int i, const Vector<3>& y, double& best, Ha
   foot.weights[j] = t;
 }
 
-// Of the size of a facet: feet this near to each other are one place.
+// Feet that are nearer to each other than this share of the size of a facet are one place.
 constexpr double same_place = 1e-9;
 // Slope between two facets that are one plane.
 constexpr double flat = 1e-6;
-// Of the coordinates that a gap is a difference of.
+// Gaps are differences of coordinates, with this share of them as rounding.
 constexpr double rounding = 1e-13;
 
-// Of a facet in the normal at a foot: its angle at a corner, its half of an edge.
+// The share of a facet in the normal at a foot: its angle at a corner, its half of an edge.
 double share_of(const HardFoot& foot, const HardCorners& c) {
   if (c.count == 2) return 1;
   const auto corner =

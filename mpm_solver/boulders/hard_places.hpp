@@ -84,7 +84,7 @@ class LeastDistances {
   std::map<std::array<std::int32_t, 2>, double> least_;  // a vertex has its number twice
 };
 
-/// Of each vertex: 1 where it sticks out of the facets around it, or is on a free border. Only
+/// For each vertex 1 where it sticks out of the facets around it, or is on a free border. Only
 /// those that are asked for are looked at.
 std::vector<char> sticking_out(std::span<const std::array<std::int32_t, 3>> facets, int count,
                                std::span<const Vector<3>> vertices, std::vector<char> asked);

@@ -10,7 +10,7 @@ namespace gabion::mpm {
 namespace {
 
 constexpr int most_iterations = 30;
-// Of the angular velocity: a change by less is rounding.
+// A change of the angular velocity by less than this share is rounding.
 constexpr double rounding = 1e-15;
 
 Matrix<3> hat(const Vector<3>& a) {
