@@ -127,7 +127,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
   sums = no_sums(under);
   AitkenRelaxation relaxation;
   double least = infinity;
-  int stalls = 0;  // since the least change
+  int stalls = 0;  // iterations in a row that brought no least change
   for (int k = 0; k < most_iterations; ++k) {
     for (std::size_t c = 0; c < bodies_.size(); ++c) {
       if (under.step.held[c] != 0) continue;
