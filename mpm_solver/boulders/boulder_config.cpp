@@ -15,13 +15,13 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of a cell: points of the soil do not see what is smaller.
+// The least radius is in cells: points of the soil do not see what is smaller.
 constexpr double least_radius = 1.5, rounding = 1e-9;
 // The default stiffness stops a ball of this speed within this share of its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
-// As of facets of rigid walls without a coefficient.
+// Facets of rigid walls without a coefficient have this one too.
 constexpr double sticking = 100;
-// Of a radius: rounding of places that touch.
+// Places that touch overlap by rounding, here as a share of the radius.
 constexpr double allowed_overlap = 1e-6;
 
 KeyTable shape_keys() {
@@ -239,9 +239,9 @@ KeyTable boulder_keys() {
       "boulder",
       "A rigid body that soil and boulders, interfaces and rigid walls push; grid walls do not.",
       {key::plain_name("Its own; columns of the tables start with it."),
-       key::object("shape", shape_keys(), "What it is."),
-       key::number("density", "kg/m^3", "Of the rock.").in(positive()),
-       key::vector("centre", "m", "Of mass, at the start."),
+       key::object("shape", shape_keys(), "Shape of the body."),
+       key::number("density", "kg/m^3", "Density of the rock.").in(positive()),
+       key::vector("centre", "m", "Place of the centre of mass at the start."),
        key::vector("orientation", "rad",
                    "In 2D [angle]; in 3D, without unit, the quaternion [w, x, y, z] that turns the "
                    "shape.")
@@ -251,7 +251,7 @@ KeyTable boulder_keys() {
        key::vector("spin", "rad/s", "At the start, along the axes of space, in 2D [w].")
            .wide(1, 3)
            .or_else(0),
-       key::number("friction", "", "On what is hard, Coulomb's coefficient.")
+       key::number("friction", "", "Coulomb's coefficient on hard surfaces.")
            .in(non_negative())
            .or_else(0.5),
        key::number("soil_friction", "", "Between soil and boulder; none: soil sticks.")
@@ -269,7 +269,7 @@ KeyTable boulder_keys() {
            .in(positive())
            .or_computed(
                fmt::format("stops {:g} m/s within {:g} of the radius", usual_speed, usual_depth)),
-       key::number("free_from", "s", "It is held before that time.")
+       key::number("free_from", "s", "It is held in steps that begin before that time.")
            .in(non_negative())
            .or_else(0)}};
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <map>
@@ -215,12 +216,14 @@ struct Moments {
   }
 };
 
+// Moments about a place; far from the body their differences cancel.
 template <int dim>
-Moments<dim> moments_of(const ContactSurface<dim>& surface) {
+Moments<dim> moments_of(const ContactSurface<dim>& surface,
+                        const Vector<dim>& about = Vector<dim>::Zero()) {
   Moments<dim> moments;
   for (std::size_t f = 0; f < surface.facets.size(); f += dim) {
     std::array<Vector<dim>, dim> corners;
-    for (int k = 0; k < dim; ++k) corners[k] = surface.vertices[surface.facets[f + k]];
+    for (int k = 0; k < dim; ++k) corners[k] = surface.vertices[surface.facets[f + k]] - about;
     moments.add(corners);
   }
   return moments;
@@ -232,6 +235,16 @@ Matrix<3> inertia_of(const Matrix<3>& second) {
 }
 Matrix<3> inertia_of(const Matrix<2>& second) {
   return second.trace() * Matrix<3>::Identity();
+}
+
+// Parts that are turned inward may leave a volume and take away more inertia than there is.
+void require_inertia(const Matrix<3>& inertia) {
+  const double least = Eigen::SelfAdjointEigenSolver<Matrix<3>>(inertia).eigenvalues()[0];
+  if (least > 0) return;
+  throw ConfigError(fmt::format(
+      "found a least moment of inertia of {:.6g} kg m^2, allowed: a surface whose normals point "
+      "out of the body everywhere and that does not cross itself",
+      least));
 }
 
 template <int dim>
@@ -246,11 +259,12 @@ BodyMass mass_of(double volume, const Vector<dim>& mean_squares, double density)
 
 template <int dim>
 BodyMass mass_within(const ContactSurface<dim>& surface, double density) {
-  const Moments<dim> moments = moments_of(surface);
+  const Vector<dim>& about = surface.vertices.front();
+  const Moments<dim> moments = moments_of(surface, about);
   BodyMass result;
   result.mass = density * moments.volume;
   const Vector<dim> centre = moments.first / moments.volume;
-  result.centre.template head<dim>() = centre;
+  result.centre.template head<dim>() = about + centre;
   result.inertia = inertia_of(
       Matrix<dim>(density * (moments.second - moments.volume * centre * centre.transpose())));
   return result;
@@ -290,6 +304,8 @@ BoulderShape<dim> box_shape(const Vector<dim>& size, double density) {
 template <int dim>
 BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density) {
   require_closed(surface);
+  const Vector<dim> first = surface.vertices.front();
+  for (Vector<dim>& X : surface.vertices) X -= first;
   const double volume = moments_of(surface).volume;
   if (!(volume > 0)) {
     throw ConfigError(
@@ -300,7 +316,9 @@ BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density) {
   BoulderShape<dim> shape;
   shape.mass = mass_within(surface, density);
   shape.surface = std::move(surface);
+  require_inertia(shape.mass.inertia);
   for (Vector<dim>& X : shape.surface.vertices) X -= shape.mass.centre.template head<dim>();
+  shape.mass.centre.template head<dim>() += first;
   close_extents(shape);
   for (int k = 0; k < most_divisions; ++k) {
     double longest = 0;

@@ -32,7 +32,8 @@ BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density);
 
 /// A body by its surface, moved to its centre of mass: facets of more than about a quarter of its
 /// radius are divided evenly.
-/// @throws ConfigError  the surface is open, turned inward or, in 2D, crosses itself: where
+/// @throws ConfigError  the surface is open, turned inward or, in 2D, crosses itself: where; or its
+///                      inertia is not positive
 template <int dim>
 BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density);
 

@@ -25,7 +25,7 @@ struct BoulderScene {
   const std::vector<BoulderSettings<dim>>& boulders;
 };
 
-/// Of MpmSettings, which may have given away its grid.
+/// What boulders meet by MpmSettings, which may have given away its grid.
 template <int dim, class Settings>
 BoulderScene<dim> boulder_scene(const Settings& settings, const BackgroundGrid<dim>& grid) {
   return {grid,

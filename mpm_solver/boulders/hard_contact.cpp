@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/boulders/hard_contact.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,10 +16,19 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the way that the bodies' motion at the start leads to.
+// The look ahead is this many times the way that the bodies' motion at the start leads to.
 constexpr double ahead = 1.5;
 constexpr double least_ahead = 0.05;  // of the smallest radius
-constexpr int most_halvings = 12, most_looks = 4;
+// Scenes about the origin keep it; a power of two [m].
+constexpr double origin_unit = 1024;
+constexpr int most_halvings = 12, most_looks = 4, most_substeps = 100000;
+
+// The mean place of bodies in whole units: a difference to it is exact.
+Vector<3> origin_near(const std::vector<BodyState>& states) {
+  Vector<3> mean = Vector<3>::Zero();
+  for (const BodyState& s : states) mean += s.x / static_cast<double>(states.size());
+  return origin_unit * (mean / origin_unit).array().round().matrix();
+}
 
 }  // namespace
 
@@ -43,7 +54,19 @@ void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, 
       static_cast<std::int32_t>(is_ball            ? 1
                                 : under.is_body(a) ? bodies_[a].vertices.size()
                                                    : under.obstacle(a).start.size());
+  std::vector<char> counts;  // vertices of an obstacle
+  if (!under.is_body(a)) {
+    const Obstacle& o = under.obstacle(a);
+    counts.resize(o.start.size());
+    for (std::int32_t k = 0; k < num_balls; ++k) {
+      const double distance = (under.ball(a, k, false) - under.s0[b].x).norm();
+      counts[k] = distance > bodies_[b].radius + reach ? 0 : 1;
+    }
+    // The shape's own vertices come first to what does not stick out.
+    counts = sticking_out(o.facets, dim_, o.start, std::move(counts));
+  }
   for (std::int32_t k = 0; k < num_balls; ++k) {
+    if (!counts.empty() && counts[k] == 0) continue;
     const Vector<3> c = under.ball(a, k, false);
     if (under.is_body(b) && (c - under.s0[b].x).norm() > bodies_[b].radius + radius + reach)
       continue;
@@ -121,6 +144,11 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
   }
   under.h = step.dt;
   for (double done = 0; done < step.dt; ++end.substeps) {
+    if (end.substeps >= most_substeps) {
+      throw ConvergenceError(
+          fmt::format("boulders need more than {:.0e} substeps in one step", 1. * most_substeps),
+          "boulders");
+    }
     const double remaining = step.dt - done;
     under.s1 = under.s0;
     under.share0 = under.share1 = done / step.dt;
@@ -147,8 +175,8 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
 }
 
 void HardContact::add_substep(const Under& under, double share, Sums& sums, End& end) const {
-  for (std::size_t c = 0; c < bodies_.size(); ++c) {
-    const BodyMove move = move_of(under.s0[c], under.s1[c], under.h);
+  for (std::int32_t c = 0; c < num_bodies(); ++c) {
+    const BodyMove move = under.move(c);
     end.works[c] += sums.loads[c].force.dot(move.shift) + sums.loads[c].moment.dot(move.turn);
     end.loads[c].force += share * sums.loads[c].force;
     end.loads[c].moment += share * sums.loads[c].moment;
@@ -161,8 +189,26 @@ void HardContact::add_substep(const Under& under, double share, Sums& sums, End&
   end.memories = std::move(sums.memories);
 }
 
-// What springs give back may be faster than what the step began with.
+// Far from the origin the rounding of places would be that of all they lead to.
 HardContact::End HardContact::solve(const Start& start, const Step& step) const {
+  const Vector<3> origin = origin_near(start.states);
+  if (!origin.isZero(0)) {
+    Start moved = start;
+    Step moved_step = step;
+    for (BodyState& s : moved.states) s.x -= origin;
+    for (Obstacle& o : moved_step.obstacles) {
+      for (Vector<3>& x : o.start) x -= origin;
+      for (Vector<3>& x : o.end) x -= origin;
+    }
+    End end = solve_here(moved, moved_step);
+    for (BodyState& s : end.states) s.x += origin;
+    return end;
+  }
+  return solve_here(start, step);
+}
+
+// What springs give back may be faster than what the step began with.
+HardContact::End HardContact::solve_here(const Start& start, const Step& step) const {
   double reach = look_ahead(start, step);
   End end;
   for (int k = 0; k < most_looks; ++k, reach *= 4) {

@@ -83,10 +83,11 @@ class HardContact {
         {};  ///< mean, on the vertices of obstacles [N]
     int substeps = 0;
   };
-  /// @throws ConvergenceError  a body moves farther than was looked ahead
+  /// @throws ConvergenceError  a body moves farther than was looked ahead, contacts do not converge
+  ///                           or ask for more than 1e5 substeps
   End solve(const Start& start, const Step& step) const;
 
-  /// Of each obstacle: whether a body may touch it in the step.
+  /// Whether a body may touch each obstacle in the step.
   std::vector<char> within_reach(const Start& start, const Step& step) const;
 
   /// The deepest place where a body is inside another one or an obstacle at the start.
@@ -98,7 +99,7 @@ class HardContact {
   Overlap deepest_overlap(const std::vector<BodyState>& states,
                           const std::vector<Obstacle>& obstacles) const;
 
-  /// Of the springs of the places that touch [J].
+  /// The springs of the places that touch store this energy [J].
   double stored_energy(const HardMemories& memories) const;
 
   const std::vector<HardBody>& bodies() const { return bodies_; }
@@ -109,6 +110,7 @@ class HardContact {
   struct Sums;
   struct Under;
   struct Watched;
+  End solve_here(const Start& start, const Step& step) const;
   bool solve_within(double reach, const Start& start, const Step& step, End& end) const;
   bool solve_substep(double h, const HardMemories& memories, const std::vector<Pair>& pairs,
                      Under& under, Sums& sums) const;

@@ -50,7 +50,7 @@ HardLaw HardContact::law_of(std::int32_t a, std::int32_t b) const {
           .rolling = std::min(p.rolling, q.rolling)};
 }
 
-// As stiff as the normal direction is under the weight.
+// The tangential direction is as stiff as the normal one is under the weight.
 double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const {
   double mass = infinity;
   for (const std::int32_t c : {a, b}) {

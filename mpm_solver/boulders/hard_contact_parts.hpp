@@ -29,6 +29,7 @@ struct HardContact::Place {
   Pair pair;
   HardFoot foot;
   double g0 = 0, g1 = 0, offset = 0;
+  double distance = 0;                      // of the middles of the ball and of the surface there
   Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
   Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative way) is g1 - g0
   Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
@@ -65,6 +66,7 @@ struct HardContact::Under {
   double share0 = 0, share1 = 0, h = 0;
 
   bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
+  bool is_free(std::int32_t c) const { return is_body(c) && step.held[c] == 0; }
   const Obstacle& obstacle(std::int32_t c) const { return step.obstacles[c - bodies.size()]; }
   // One ball and one surface have all their pairs next to each other.
   template <class Visit>
@@ -97,11 +99,14 @@ struct HardContact::Under {
     return result;
   }
   Vector<3> middle(std::int32_t c) const { return 0.5 * (s0[c].x + s1[c].x); }
+  BodyMove move(std::int32_t c) const {
+    return step.held[c] != 0 ? BodyMove{} : move_of(s0[c], s1[c], h);
+  }
   // Way of what is at x in the middle of the substep.
   Vector<3> way(std::int32_t c, const Vector<3>& x, const Place& place) const {
     if (is_body(c)) {
-      const BodyMove move = move_of(s0[c], s1[c], h);
-      return move.shift + move.turn.cross(x - middle(c));
+      const BodyMove moved = move(c);
+      return moved.shift + moved.turn.cross(x - middle(c));
     }
     if (c == place.pair.a) {
       return vertex(c, place.pair.ball, true) - vertex(c, place.pair.ball, false);
@@ -117,7 +122,7 @@ struct HardContact::Under {
     return way(place.pair.a, place.x, place) - way(place.pair.b, place.x, place);
   }
   Vector<3> turn(std::int32_t c) const {
-    return is_body(c) ? move_of(s0[c], s1[c], h).turn : Vector<3>(Vector<3>::Zero());
+    return is_body(c) ? move(c).turn : Vector<3>(Vector<3>::Zero());
   }
   // Largest speed of a point.
   double speed(std::int32_t c) const {

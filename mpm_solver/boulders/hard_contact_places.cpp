@@ -11,11 +11,11 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the radius: a ball that is deeper is on the other side of a surface.
+// A ball that is deeper than this share of its radius is on the other side of a surface.
 constexpr double deepest = 0.25;
-// Of the radius: rounding of what comes to a surface from its front.
+// What comes to a surface from its front is behind it by rounding, a share of the radius.
 constexpr double entry = 1e-6;
-// Of a gap, besides the way in a substep: what differs by more is another place.
+// Gaps that differ by more than this share, besides the way in a substep, are of two places.
 constexpr double same_gap = 1e-3;
 
 }  // namespace
@@ -79,7 +79,9 @@ bool HardContact::locate(const Pair& pair, const Under& under, Place& place) con
   } else {
     const HardCorners f0 = under.corners(pair.b, pair.facet, false);
     const HardCorners f1 = under.corners(pair.b, pair.facet, true);
-    place.foot = foot_of(middle(f0, f1), 0.5 * (c0 + c1));
+    const HardCorners half = middle(f0, f1);
+    place.foot = foot_of(half, 0.5 * (c0 + c1));
+    place.distance = (place_of(place.foot, half) - 0.5 * (c0 + c1)).norm();
     if (!gap_of_facet(place.foot, f0, f1, {c0, c1}, gap)) return false;
   }
   place.g0 = gap.g0 - radius;
@@ -90,16 +92,24 @@ bool HardContact::locate(const Pair& pair, const Under& under, Place& place) con
   return true;
 }
 
-// A ball touches faces, then edges and corners that belong to none of them.
+// A ball may touch faces, then edges and corners that are nearer than all facets around them and
+// belong to no face that it touches.
 std::vector<HardContact::Place> HardContact::ball_places(std::span<const Pair> group,
                                                          const Under& under) const {
-  std::vector<Place> places, edges;
-  FootVertices taken;
+  std::vector<Place> found, places, edges;
+  LeastDistances least;
   for (const Pair& pair : group) {
     Place place;
-    if (!ball_place(pair, under, place) || !place.touches()) continue;
+    if (!ball_place(pair, under, place)) continue;
+    if (pair.facet >= 0) least.add(under.facets(pair.b)[pair.facet], dim_, place.distance);
+    found.push_back(place);
+  }
+  FootVertices taken;
+  for (const Place& place : found) {
+    const Pair& pair = place.pair;
     if (pair.facet >= 0 && (!place.foot.is_face() || place.foot.on_border)) {
-      edges.push_back(place);
+      const HardFacet& facet = under.facets(pair.b)[pair.facet];
+      if (least.is_least(facet, place.foot, place.distance)) edges.push_back(place);
       continue;
     }
     if (pair.facet >= 0) taken.add(under.facets(pair.b)[pair.facet], place.foot);
@@ -163,10 +173,7 @@ std::vector<HardContact::Place> HardContact::places_before(std::span<const Pair>
     if (point_place(group, under, memories, place)) places.push_back(place);
     return places;
   }
-  for (const Pair& pair : group) {
-    if (ball_place(pair, under, place)) places.push_back(place);
-  }
-  return places;
+  return ball_places(group, under);
 }
 
 std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> group,
@@ -178,6 +185,7 @@ std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> gro
     return {place};
   }
   std::vector<Place> places = ball_places(group, under);
+  std::erase_if(places, [](const Place& place) { return !place.touches(); });
   const auto found = memories.find({group.front().a, group.front().ball, group.front().b});
   recall(under, found == memories.end() ? std::vector<HardMemory>() : found->second, places);
   return places;

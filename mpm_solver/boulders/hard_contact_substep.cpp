@@ -12,14 +12,16 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the inverse of a contact's frequency: t_c / 30.
+// A substep is this share of the inverse of a contact's frequency: t_c / 30.
 constexpr double substep_share = 0.1;
-// Of the way in the last substep: what is farther is not looked at again until it may be nearer.
+// What is farther than this many times the way in the last substep is not looked at again until it
+// may be nearer.
 constexpr double far = 20;
-// Of the way in a substep by the speeds at its start.
+// What may be near is within this many times the way by the speeds at the start of a substep.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
-// Of a radius and a distance from the origin, where rounding ends the convergence before that:
+// Changes of places, over a radius and the distance from the origin of solve(), that end a solution:
+// the larger one where rounding ends the convergence before the smaller one.
 constexpr double same_at_worst = 1e-13;
 constexpr double same_place = 1e-17;
 
@@ -31,7 +33,7 @@ std::vector<double> HardContact::ways(const Under& under) const {
   for (std::size_t c = 0; c < bodies_.size() + under.step.obstacles.size(); ++c) {
     const auto number = static_cast<std::int32_t>(c);
     if (under.is_body(number)) {
-      const BodyMove move = move_of(under.s0[c], under.s1[c], under.h);
+      const BodyMove move = under.move(number);
       result.push_back(move.shift.norm() + bodies_[c].radius * move.turn.norm());
     } else {
       result.push_back(under.speed(number) * under.h);
@@ -68,13 +70,18 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
   const auto look_at = [&](const Place& place) {
     nearest = std::min(nearest, place.g0);
     for (const std::int32_t c : {place.pair.a, place.pair.b}) {
-      if (!under.is_body(c) || under.step.held[c] != 0) continue;
+      if (!under.is_free(c)) continue;
       double now = 0;
       fastest = std::max(fastest, stiffness_over_mass(place, c, closing, now));
       rates[c] += now;
     }
   };
   for (Watched& w : watched) {
+    const Pair& pair = w.pairs.front();
+    if (!under.is_free(pair.a) && !under.is_free(pair.b)) {
+      w.apart = 0;
+      continue;
+    }
     if (w.apart > far * closing * under.h) {
       nearest = std::min(nearest, w.apart);
       continue;
@@ -120,7 +127,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
   sums = no_sums(under);
   AitkenRelaxation relaxation;
   double least = infinity;
-  int stalls = 0;
+  int stalls = 0;  // iterations in a row that brought no least change
   for (int k = 0; k < most_iterations; ++k) {
     for (std::size_t c = 0; c < bodies_.size(); ++c) {
       if (under.step.held[c] != 0) continue;
@@ -136,7 +143,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
     double change = 0;
     for (const double value : difference) change = std::max(change, std::abs(value));
     stalls = change < least ? 0 : stalls + 1;
-    if (change <= same_place || (stalls >= most_stalls && least < same_at_worst)) {
+    if (change <= same_place || (stalls >= most_stalls && change < same_at_worst)) {
       sums.memories = std::move(now.memories);
       return true;
     }

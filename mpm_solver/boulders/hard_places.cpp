@@ -22,18 +22,14 @@ void take_edge(const HardCorners& c, int i, const Vector<3>& y, double& best, Ha
   foot.weights[j] = t;
 }
 
-Vector<3> place(const HardFoot& foot, const HardCorners& corners) {
-  Vector<3> x = Vector<3>::Zero();
-  for (int k = 0; k < corners.count; ++k) x += foot.weights[k] * corners.x[k];
-  return x;
-}
-
-// Of the size of a facet: feet this near to each other are one place.
+// Feet that are nearer to each other than this share of the size of a facet are one place.
 constexpr double same_place = 1e-9;
-// Of the coordinates that a gap is a difference of.
+// Slope between two facets that are one plane.
+constexpr double flat = 1e-6;
+// Gaps are differences of coordinates, with this share of them as rounding.
 constexpr double rounding = 1e-13;
 
-// Of a facet in the normal at a foot: its angle at a corner, its half of an edge.
+// The share of a facet in the normal at a foot: its angle at a corner, its half of an edge.
 double share_of(const HardFoot& foot, const HardCorners& c) {
   if (c.count == 2) return 1;
   const auto corner =
@@ -97,6 +93,12 @@ HardFoot foot_of(const HardCorners& corners, const Vector<3>& y) {
   return foot;
 }
 
+Vector<3> place_of(const HardFoot& foot, const HardCorners& corners) {
+  Vector<3> x = Vector<3>::Zero();
+  for (int k = 0; k < corners.count; ++k) x += foot.weights[k] * corners.x[k];
+  return x;
+}
+
 double distance_at_least(const HardCorners& corners, const Vector<3>& y) {
   Vector<3> centre = Vector<3>::Zero();
   for (int k = 0; k < corners.count; ++k) centre += corners.x[k] / corners.count;
@@ -115,7 +117,7 @@ HardGap gap_of_points(const Vector<3>& d0, const Vector<3>& d1) {
 bool gap_of_facet(const HardFoot& foot, const HardCorners& start, const HardCorners& end,
                   const std::array<Vector<3>, 2>& y, HardGap& gap) {
   const Vector<3> n0 = start.normal(), n1 = end.normal();
-  Vector<3> d0 = y[0] - place(foot, start), d1 = y[1] - place(foot, end);
+  Vector<3> d0 = y[0] - place_of(foot, start), d1 = y[1] - place_of(foot, end);
   if (foot.is_face()) {
     gap = {.g0 = n0.dot(d0), .g1 = n1.dot(d1), .normal = 0.5 * (n0 + n1)};
     return true;
@@ -134,7 +136,7 @@ HardNearest nearest_of(std::span<const HardCorners> facets, const Vector<3>& y) 
   std::vector<HardFoot> feet;
   for (const HardCorners& c : facets) {
     feet.push_back(foot_of(c, y));
-    places.push_back(place(feet.back(), c));
+    places.push_back(place_of(feet.back(), c));
     const double distance = (y - places.back()).squaredNorm();
     if (distance >= best) continue;
     best = distance;
@@ -170,8 +172,8 @@ Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, cons
                       const std::array<Vector<3>, 2>& y) {
   const HardFoot& foot = nearest.foot;
   if (foot.is_face()) return 0.5 * (start.normal() + end.normal());
-  const Vector<3> d0 = across(foot, start, y[0] - place(foot, start));
-  const Vector<3> d1 = across(foot, end, y[1] - place(foot, end));
+  const Vector<3> d0 = across(foot, start, y[0] - place_of(foot, start));
+  const Vector<3> d1 = across(foot, end, y[1] - place_of(foot, end));
   const double both = d0.norm() + d1.norm();
   if (both == 0) return nearest.out;
   return (nearest.gap < 0 ? -1 : 1) / both * (d0 + d1);
@@ -181,6 +183,63 @@ Vector<3> along_way(const Vector<3>& normal, const Vector<3>& way, double change
   const double missing = change - normal.dot(way);
   if (std::abs(missing) <= rounding * scale) return normal;
   return normal + missing / way.squaredNorm() * way;
+}
+
+void LeastDistances::add(const std::array<std::int32_t, 3>& facet, int count, double distance) {
+  for (int i = 0; i < count; ++i) {
+    for (int j = i; j < count; ++j) {
+      const auto [entry, is_new] = least_.try_emplace(
+          {std::min(facet[i], facet[j]), std::max(facet[i], facet[j])}, distance);
+      if (!is_new) entry->second = std::min(entry->second, distance);
+    }
+  }
+}
+
+bool LeastDistances::is_least(const std::array<std::int32_t, 3>& facet, const HardFoot& foot,
+                              double distance) const {
+  std::array<std::int32_t, 2> shared = {-1, -1};
+  for (int k = 0; k < foot.count; ++k) {
+    if (foot.weights[k] > 0) shared = {shared[0] < 0 ? facet[k] : shared[0], facet[k]};
+  }
+  if (shared[0] > shared[1]) std::swap(shared[0], shared[1]);
+  return distance <= (1 + same_place) * least_.at(shared);
+}
+
+std::vector<char> sticking_out(std::span<const std::array<std::int32_t, 3>> facets, int count,
+                               std::span<const Vector<3>> vertices, std::vector<char> asked) {
+  struct Side {
+    Vector<3> normal, opposite;
+  };
+  // By the vertices that two facets share, in 2D one.
+  std::map<std::array<std::int32_t, 2>, std::vector<Side>> borders;
+  for (const auto& facet : facets) {
+    HardCorners corners{.count = count};
+    bool near = false;
+    for (int k = 0; k < count; ++k) {
+      corners.x[k] = vertices[facet[k]];
+      near = near || asked[facet[k]] != 0;
+    }
+    if (!near) continue;
+    const Vector<3> normal = corners.normal();
+    for (int k = 0; k < count; ++k) {
+      const std::int32_t i = facet[(k + 1) % count], j = facet[(k + count - 1) % count];
+      if (asked[i] == 0 && asked[j] == 0) continue;
+      borders[{std::min(i, j), std::max(i, j)}].push_back({normal, corners.x[k]});
+    }
+  }
+  std::vector<char> result(asked.size(), 0);
+  const auto behind = [](const Side& own, const Vector<3>& from, const Vector<3>& x) {
+    return own.normal.dot(x - from) < -flat * (x - from).norm();
+  };
+  for (const auto& [border, sides] : borders) {
+    const Vector<3>& from = vertices[border[0]];
+    if (sides.size() == 2 && !behind(sides[0], from, sides[1].opposite) &&
+        !behind(sides[1], from, sides[0].opposite)) {
+      continue;
+    }
+    for (const std::int32_t v : border) result[v] = asked[v];
+  }
+  return result;
 }
 
 void FootVertices::add(const std::array<std::int32_t, 3>& facet, const HardFoot& foot) {

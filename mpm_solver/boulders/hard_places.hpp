@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct HardFoot {
 };
 
 HardFoot foot_of(const HardCorners& corners, const Vector<3>& y);
+Vector<3> place_of(const HardFoot& foot, const HardCorners& corners);
 
 /// No point of the facet is nearer to y than this.
 double distance_at_least(const HardCorners& corners, const Vector<3>& y);
@@ -69,6 +71,23 @@ HardGap gap_of_points(const Vector<3>& d0, const Vector<3>& d1);
 /// @returns false: the point is behind an edge or corner
 bool gap_of_facet(const HardFoot& foot, const HardCorners& start, const HardCorners& end,
                   const std::array<Vector<3>, 2>& y, HardGap& gap);
+
+/// The least distances of a point to facets, by the vertices and edges that these share.
+class LeastDistances {
+ public:
+  void add(const std::array<std::int32_t, 3>& facet, int count, double distance);
+  /// Whether no facet with the edge or corner of the foot is nearer than this, but for rounding.
+  bool is_least(const std::array<std::int32_t, 3>& facet, const HardFoot& foot,
+                double distance) const;
+
+ private:
+  std::map<std::array<std::int32_t, 2>, double> least_;  // a vertex has its number twice
+};
+
+/// For each vertex 1 where it sticks out of the facets around it, or is on a free border. Only
+/// those that are asked for are looked at.
+std::vector<char> sticking_out(std::span<const std::array<std::int32_t, 3>> facets, int count,
+                               std::span<const Vector<3>> vertices, std::vector<char> asked);
 
 /// Vertices of the facets and edges that a ball touches already.
 class FootVertices {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/boulders/rigid_body.hpp"
 
+#include <limits>
+
 #include "common/base/error.hpp"
 
 namespace gabion::mpm {
@@ -8,7 +10,7 @@ namespace gabion::mpm {
 namespace {
 
 constexpr int most_iterations = 30;
-// Of the angular velocity: a change by less is rounding.
+// A change of the angular velocity by less than this share is rounding.
 constexpr double rounding = 1e-15;
 
 Matrix<3> hat(const Vector<3>& a) {

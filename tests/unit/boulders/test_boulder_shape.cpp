@@ -58,6 +58,40 @@ TEST(BoulderShape, a_surface_is_moved_to_its_centre) {
   expect_same_mass(shape, 600, 1e-12);
 }
 
+TEST(BoulderShape, a_surface_far_from_the_origin_has_the_same_mass) {
+  const auto near = surface_shape<3>(tetrahedron(), 600);
+  const Vector<3> far(5e5, 5e6, 300);
+  auto moved = tetrahedron();
+  for (Vector<3>& X : moved.vertices) X += far;
+  const auto shape = surface_shape<3>(moved, 600);
+  EXPECT_NEAR(shape.mass.mass, 100, 1e-10);
+  EXPECT_LT((shape.mass.inertia - near.mass.inertia).norm(), 1e-12 * near.mass.inertia.norm());
+  EXPECT_LT((shape.mass.centre - far - near.mass.centre).norm(), 2e-9);
+  for (std::size_t v = 0; v < near.surface.vertices.size(); ++v) {
+    EXPECT_LT((shape.surface.vertices[v] - near.surface.vertices[v]).norm(), 1e-14);
+  }
+  ContactSurface<2> square{
+      .vertices = {{5e5, 5e6}, {5e5 + 1, 5e6}, {5e5 + 1, 5e6 + 1}, {5e5, 5e6 + 1}},
+      .facets = {0, 1, 1, 2, 2, 3, 3, 0}};
+  EXPECT_NEAR(surface_shape<2>(square, 600).mass.inertia(2, 2), 100, 1e-10);
+}
+
+TEST(BoulderShape, an_inertia_that_is_not_positive_is_refused) {
+  auto surface = tetrahedron();
+  const auto hole = tetrahedron();
+  for (const Vector<3>& X : hole.vertices) surface.vertices.push_back(0.5 * X + Vector<3>(9, 0, 0));
+  for (std::size_t f = 0; f < hole.facets.size(); f += 3) {
+    for (const int k : {1, 0, 2}) surface.facets.push_back(4 + hole.facets[f + k]);
+  }
+  std::string text;
+  try {
+    surface_shape<3>(surface, 1);
+  } catch (const ConfigError& error) {
+    text = error.what();
+  }
+  EXPECT_NE(text.find("found a least moment of inertia of -"), std::string::npos) << text;
+}
+
 TEST(BoulderShape, open_and_inward_surfaces_are_refused_with_the_place) {
   auto open = tetrahedron();
   open.facets.resize(9);
