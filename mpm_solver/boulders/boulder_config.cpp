@@ -244,9 +244,9 @@ KeyTable boulder_keys() {
        key::vector("centre", "m", "Place of the centre of mass at the start."),
        key::vector("orientation", "rad",
                    "In 2D [angle]; in 3D, without unit, the quaternion [w, x, y, z] that turns the "
-                   "shape.")
+                   "shape; none: it is not turned.")
            .wide(1, 4)
-           .or_computed("not turned"),
+           .or_none(),
        key::vector("velocity", "m/s", "At the start.").or_else(0),
        key::vector("spin", "rad/s", "At the start, along the axes of space, in 2D [w].")
            .wide(1, 3)
