@@ -47,7 +47,7 @@ class Cell:
 def cells() -> list[Cell]:
     strikes = [Cell(kind, who, phase) for who in PROGRAM for phase in PHASES for kind in ("killed", "stopped", "late")]
     full = [Cell("disk", "soil", "frame", 6000), Cell("disk", "structure", "frame", 6000),
-            Cell("disk", "soil", "checkpoint", 100000), Cell("disk", "structure", "checkpoint", 40000),
+            Cell("disk", "soil", "checkpoint", 30000), Cell("disk", "structure", "checkpoint", 12000),
             Cell("disk", "coupler", "checkpoint", 20000), Cell("disk", "coupler", "table", 1500)]
     return strikes + full
 
