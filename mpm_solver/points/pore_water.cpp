@@ -110,6 +110,9 @@ KeyTable body_water_keys() {
       "Pore water: `density` of the material is then that of the saturated soil, its law that of "
       "the effective stress. Water without `permeability` has no time to drain, and needs "
       "`locking` `fbar`.";
+  for (Key& each : table.keys) {
+    if (each.name == "cavitation_pressure") each = each.without("permeability");
+  }
   table.keys.push_back(
       key::number("permeability", "m/s",
                   "Hydraulic conductivity k: the water drains (implicit steps on a `box` grid with "
@@ -120,29 +123,37 @@ KeyTable body_water_keys() {
   return table;
 }
 
+namespace {
+
+// Water that drains bears any suction.
+PoreWater read_water(ConfigReader in, double saturated_density, double skeleton_modulus,
+                     std::optional<double> permeability) {
+  PoreWater water;
+  water.porosity = in.number("porosity");
+  water.bulk_modulus = in.number("bulk_modulus");
+  water.density = in.number("density");
+  water.permeability = permeability.value_or(0);
+  water.cavitation =
+      permeability ? std::numeric_limits<double>::infinity() : in.number("cavitation_pressure");
+  check_grains(in, water, saturated_density);
+  warn_of_soft_water(in, water, skeleton_modulus);
+  in.finish();
+  return water;
+}
+
+}  // namespace
+
 PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus) {
   const std::optional<double> permeability = in.optional_number("permeability");
   if (permeability && in.has("cavitation_pressure")) {
     in.fail("cavitation_pressure",
             "allowed only without \"permeability\": water that drains bears any suction");
   }
-  PoreWater water = read_pore_water(std::move(in), saturated_density, skeleton_modulus);
-  if (!permeability) return water;
-  water.permeability = *permeability;
-  water.cavitation = std::numeric_limits<double>::infinity();
-  return water;
+  return read_water(std::move(in), saturated_density, skeleton_modulus, permeability);
 }
 
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus) {
-  PoreWater water;
-  water.porosity = in.number("porosity");
-  water.bulk_modulus = in.number("bulk_modulus");
-  water.density = in.number("density");
-  water.cavitation = in.number("cavitation_pressure");
-  check_grains(in, water, saturated_density);
-  warn_of_soft_water(in, water, skeleton_modulus);
-  in.finish();
-  return water;
+  return read_water(std::move(in), saturated_density, skeleton_modulus, std::nullopt);
 }
 
 }  // namespace gabion::mpm
