@@ -20,8 +20,8 @@ constexpr double far = 20;
 // What may be near is within this many times the way by the speeds at the start of a substep.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
-// Changes of places, over a radius and the distance from the origin of solve(), that end a solution:
-// the larger one where rounding ends the convergence before the smaller one.
+// Changes of places, over a radius and the distance from the origin of solve(), that end a
+// solution: the larger one where rounding ends the convergence before the smaller one.
 constexpr double same_at_worst = 1e-13;
 constexpr double same_place = 1e-17;
 

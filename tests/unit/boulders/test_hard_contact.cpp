@@ -203,7 +203,7 @@ TEST(HardContact, motion_far_from_the_origin_is_the_same) {
     scene.run(0.4);
     at[far] = scene.now.states[0].x - origin;
   }
-  EXPECT_LT((at[1] - at[0]).norm(), 1e-5);
+  EXPECT_LT((at[1] - at[0]).norm(), 2e-7);  // places have a rounding of 5e-10 m in each step
 }
 
 TEST(HardContact, the_deepest_overlap_is_named) {
