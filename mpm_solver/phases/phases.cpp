@@ -88,7 +88,8 @@ KeyTable wall_keys() {
                     "Whether pore water passes it: its pressure there is that of water at rest "
                     "below the `water_table` of the body, 0 without one. Only with soil that has "
                     "a `permeability`.")
-           .or_else(false)}};
+           .or_else(false)
+           .when("condition", {"fixed", "slip"})}};
 }
 
 Key walls_key(const std::string& sentence) {
