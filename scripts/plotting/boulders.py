@@ -1,15 +1,35 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Curves of the boulders over time: height, speed, spin, energy, force of the soil."""
+"""The boulders of a run: their surfaces, and curves of height, speed, spin, energy and force of the soil over time."""
 
 from pathlib import Path
 
 import numpy as np
 
-from plotting.results import Results, Table
+from plotting.contact import chain, contact_series
+from plotting.results import Results, Series, Table
 from plotting.style import COLOURS, legend_beside, new_figure, save
 
 TURN = ".qw"  # a column that boulders alone have
 AXES = "xyz"
+
+
+class Boulders:
+    """Where the surfaces of the boulders are."""
+
+    def __init__(self, results: Results):
+        names = [boulder["name"] for boulder in results.settings("mpm.json").get("boulders", [])]
+        series = contact_series(results) if names else {}
+        self._series: list[Series] = [series[name] for name in names if name in series]
+        self._plane = results.dim == 2
+
+    def at(self, time: float) -> list[np.ndarray]:
+        """Faces of each boulder at `time`, num_faces x num_corners x 3 [m]; in 2D one, its outline."""
+        found = []
+        for series in self._series:
+            frame = series.frame(series.nearest(time))
+            cells = frame.cells
+            found.append(frame.points[cells[chain(cells)][:, 0]][None] if self._plane else frame.points[cells])
+        return found
 
 
 def boulder_names(table: Table) -> list[str]:

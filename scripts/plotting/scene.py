@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
+from plotting.boulders import Boulders
 from plotting.ground import FLOOR, MOST, ground_of
 from plotting.results import Frame, Results, ResultsError, Series, evenly
 from plotting.style import STRUCTURE, new_figure, plt, save
@@ -29,6 +30,7 @@ UNITS = {
     "mass": "kg",
 }
 
+BOULDER = (0.55, 0.5, 0.46)  # colour of boulders
 TALL = 5.5  # height over which instants stand in pairs [inch]
 SAMPLES = 9  # frames of a series that window and colours are chosen by
 
@@ -61,6 +63,7 @@ class ScenePlot:
         self.soil = results.soil
         self.structures = results.structures
         self.rigid_walls = Walls(results)
+        self.boulders = Boulders(results)
         series = next((s for s in (self.soil, *self.structures) if s), None)
         if series is None:
             raise ResultsError(f"{results.folder}: neither mpm/soil.xdmf nor fem/structure.xdmf")
@@ -97,6 +100,8 @@ class ScenePlot:
         clouds = [f.points for f in self._sample(self.soil)] if self.soil else []
         for structure in self.structures:
             clouds += [f.points for f in self._sample(structure)]
+        times = self.times[evenly(len(self.times), SAMPLES)]
+        clouds += [faces.reshape(-1, 3) for time in times for faces in self.boulders.at(time)]
         every = np.vstack(clouds)
         if plane is None:
             self.view = view_of(results.dim, results.gravity, np.ptp(every, axis=0))
@@ -105,7 +110,6 @@ class ScenePlot:
         else:
             self.view = plane_view(results.dim, plane)
         every = self.view.project(every)
-        times = self.times[evenly(len(self.times), SAMPLES)]
         walls = [segments for time in times for segments in self.rigid_walls.at(time)]
         self.ground = self._ground(ground_of(results, self.most_ground))
         ground = self.ground[0].reshape(-1, 2)
@@ -172,6 +176,10 @@ class ScenePlot:
             axes.add_collection(LineCollection(segments, colors=STRUCTURE, linewidths=1.4, capstyle="round"))
             axes.add_collection(LineCollection(behind, colors=STRUCTURE, linewidths=0.6))
 
+    def _draw_boulders(self, axes: Axes, time: float) -> None:
+        for faces in self.boulders.at(time):
+            axes.add_collection(PolyCollection(self.view.project(faces), facecolor=BOULDER, edgecolor=STRUCTURE, linewidth=0.6))
+
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""
         instant = self.times[np.argmin(np.abs(self.times - time))]
@@ -181,6 +189,7 @@ class ScenePlot:
         for structure in self.structures:
             self._draw_structure(axes, structure, time)
         self._draw_walls(axes, instant)
+        self._draw_boulders(axes, instant)
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
         axes.set_ylim(*((self.high[1], self.low[1]) if self.view.inverted else (self.low[1], self.high[1])))
