@@ -87,7 +87,8 @@ def work_of(runner: Runner, folder: Path, settings: dict, steps: int) -> tuple[i
     summary, _ = read(folder / "out")
     soil = summary["solver"]
     explicit = settings["time_integration"]["scheme"] == "explicit"
-    return soil["points"], soil["explicit"]["substeps"] if explicit else soil["newton_iterations"], summary["cpu_seconds"]
+    repeats = soil["explicit"]["substeps"] if explicit else soil["newton_iterations"]
+    return soil["points"], repeats, summary["cpu_seconds"]
 
 
 def rate(runner: Runner, name: str, settings: dict, steps: tuple[int, int]) -> tuple[int, float]:
@@ -98,7 +99,8 @@ def rate(runner: Runner, name: str, settings: dict, steps: tuple[int, int]) -> t
         few, many = (work_of(runner, runner.folder / f"{folder_of(name)}_{count}_{repeat}", settings, count)
                      for count in steps)
         if not (many[1] > few[1] and many[2] > few[2]):
-            raise ResultsError(f"{name}: the longer run took no more work or time than the shorter one: machine too busy")
+            raise ResultsError(f"{name}: the longer run took no more work or time than the shorter one: machine too "
+                               "busy")
         rates.append(many[0] * (many[1] - few[1]) / (many[2] - few[2]) / 1e6)
     return many[0], statistics.median(rates)
 
@@ -128,7 +130,8 @@ def throughput(runner: Runner) -> None:
     rows = [column_row(runner, name, form) for name, form in ALL_FORMS.items()]
     runner.report(HEAD, [*rows, slide_row(runner)])
     runner.report(["code", "million point-substeps a second"], PUBLISHED, "published, explicit steps in space")
-    runner.remark("published figures: Wyser et al. (2021), Geosci. Model Dev. 14, 7749-7774; other machines and another soil")
+    runner.remark("published figures: Wyser et al. (2021), Geosci. Model Dev. 14, 7749-7774; other machines and "
+                  "another soil")
 
 
 STUDIES = {throughput.__name__: throughput}
