@@ -69,6 +69,11 @@ Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
   if (empty()) return;
   grid_ = bounding_box(settings.grid);
   for (const auto& boulder : settings.boulders) accepted_.states.push_back(boulder.start);
+  for (const auto& interface : settings.interfaces)
+    facets_.push_back(hard_facets(interface.surface));
+  for (const auto& wall : settings.rigid_walls) {
+    facets_.push_back(hard_facets(wall.boundary.surface));
+  }
   for (const auto& interface : settings.interfaces) {
     interface_places_.push_back(places<dim>(interface.surface.vertices, {}));
   }
@@ -77,18 +82,14 @@ Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
 // The interfaces, then the rigid walls that are no boulders.
 template <int dim>
 Obstacle Boulders<dim>::obstacle(std::size_t surface) const {
-  Obstacle result;
+  Obstacle result{.facets = facets_[surface]};
   if (surface < num_interfaces()) {
-    const auto& mesh = settings_.interfaces[surface].surface;
     result.start = result.end = interface_places_[surface];
-    result.facets = hard_facets(mesh);
     return result;
   }
   const auto& wall = settings_.rigid_walls[surface - num_interfaces()];
-  const auto& mesh = wall.boundary.surface;
-  result.start = result.end =
-      places<dim>(mesh.vertices, wall.motion.displacement(mesh.vertices, 0));
-  result.facets = hard_facets(mesh);
+  const auto& vertices = wall.boundary.surface.vertices;
+  result.start = result.end = places<dim>(vertices, wall.motion.displacement(vertices, 0));
   return result;
 }
 
@@ -195,6 +196,10 @@ bool Boulders<dim>::follow(std::span<const double> forces) {
                     largest, passes_, tolerance_, dt_),
         "boulders");
   }
+  const auto same = [](const BodyLoad& x, const BodyLoad& y) {
+    return x.force == y.force && x.moment == y.moment;
+  };
+  if (std::ranges::equal(loads, step_.loads, same)) return true;  // end_ is of these loads
   for (std::size_t b = 0; b < loads.size(); ++b) {
     const double share = agree ? 1 : relaxed;
     BodyLoad& own = step_.loads[b];

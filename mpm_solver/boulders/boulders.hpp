@@ -92,6 +92,7 @@ class Boulders {
   BoulderScene<dim> settings_;
   Eigen::AlignedBox<double, dim> grid_;  // around it [m]
   HardContact contact_;
+  std::vector<std::vector<HardFacet>> facets_;  // of the interfaces, then of the rigid walls
   std::vector<std::vector<Vector<3>>> interface_places_;  // of the accepted step
   HardContact::Start accepted_;
   std::vector<BodyLoad> last_loads_;  // of the soil, in the accepted step

@@ -181,10 +181,8 @@ void HardContact::add_substep(const Under& under, double share, Sums& sums, End&
     end.loads[c].force += share * sums.loads[c].force;
     end.loads[c].moment += share * sums.loads[c].moment;
   }
-  for (std::size_t o = 0; o < sums.nodal_forces.size(); ++o) {
-    for (std::size_t v = 0; v < sums.nodal_forces[o].size(); ++v) {
-      end.nodal_forces[o][v] += share * sums.nodal_forces[o][v];
-    }
+  for (const auto& [place, f] : sums.nodal_forces) {
+    end.nodal_forces[place[0]][place[1]] += share * f;
   }
   end.memories = std::move(sums.memories);
 }

@@ -114,7 +114,6 @@ class HardContact {
   bool solve_within(double reach, const Start& start, const Step& step, End& end) const;
   bool solve_substep(double h, const HardMemories& memories, const std::vector<Pair>& pairs,
                      Under& under, Sums& sums) const;
-  Sums no_sums(const Under& under) const;
   std::vector<double> effect(const Under& under, const Sums& from, const Sums& to) const;
   void add_substep(const Under& under, double share, Sums& sums, End& end) const;
   double look_ahead(const Start& start, const Step& step) const;
@@ -138,10 +137,10 @@ class HardContact {
               std::vector<Place>& places) const;
   std::vector<Place> places_of(std::span<const Pair> group, const Under& under,
                                const HardMemories& memories) const;
-  std::vector<Place> places_before(std::span<const Pair> group, const Under& under,
-                                   const HardMemories& memories) const;
+  std::vector<Place> near_places(std::span<const Pair> group, const Under& under,
+                                 const HardMemories& memories) const;
   double size_of(const Pair& pair) const;
-  /// @param sums  no_sums() at the start
+  /// @param sums  no forces at the start
   void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
                 Sums& sums) const;
   void add_place(const Under& under, const Place& place, Sums& sums) const;

@@ -102,13 +102,15 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
       sums.loads[c].moment += sign * (Vector<3>(place.x - under.middle(c)).cross(force) + moment);
       continue;
     }
-    auto& nodal = sums.nodal_forces[c - bodies_.size()];
+    const std::size_t obstacle = c - bodies_.size();
     if (c == a) {
-      nodal[ball] += force;
+      sums.nodal_force(obstacle, ball) += force;
       continue;
     }
     const HardFacet& vertices = under.facets(b)[facet];
-    for (int k = 0; k < dim_; ++k) nodal[vertices[k]] -= place.foot.weights[k] * force;
+    for (int k = 0; k < dim_; ++k) {
+      sums.nodal_force(obstacle, vertices[k]) -= place.foot.weights[k] * force;
+    }
   }
 }
 

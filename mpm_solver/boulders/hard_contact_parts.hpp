@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -40,8 +42,14 @@ struct HardContact::Place {
 
 struct HardContact::Sums {
   std::vector<BodyLoad> loads;
-  std::vector<std::vector<Vector<3>>> nodal_forces = {};
+  /// On vertices of obstacles that are touched, by obstacle and vertex.
+  std::map<std::array<std::int32_t, 2>, Vector<3>> nodal_forces = {};
   HardMemories memories = {};
+
+  Vector<3>& nodal_force(std::size_t obstacle, std::int32_t vertex) {
+    const auto o = static_cast<std::int32_t>(obstacle);
+    return nodal_forces.try_emplace({o, vertex}, Vector<3>::Zero()).first->second;
+  }
 
   // By a share of the difference.
   void approach(const Sums& other, double share) {
@@ -49,10 +57,11 @@ struct HardContact::Sums {
       loads[c].force += share * (other.loads[c].force - loads[c].force);
       loads[c].moment += share * (other.loads[c].moment - loads[c].moment);
     }
-    for (std::size_t o = 0; o < nodal_forces.size(); ++o) {
-      for (std::size_t v = 0; v < nodal_forces[o].size(); ++v) {
-        nodal_forces[o][v] += share * (other.nodal_forces[o][v] - nodal_forces[o][v]);
-      }
+    for (const auto& [place, f] : other.nodal_forces) nodal_force(place[0], place[1]);
+    for (auto& [place, f] : nodal_forces) {
+      const auto target = other.nodal_forces.find(place);
+      const bool is_none = target == other.nodal_forces.end();
+      f += share * ((is_none ? Vector<3>(Vector<3>::Zero()) : target->second) - f);
     }
   }
 };
@@ -64,6 +73,7 @@ struct HardContact::Under {
   const Step& step;
   std::vector<BodyState> s0, s1;
   double share0 = 0, share1 = 0, h = 0;
+  std::vector<double> obstacle_speeds = speeds_of(step);  // largest of a vertex [m/s]
 
   bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
   bool is_free(std::int32_t c) const { return is_body(c) && step.held[c] == 0; }
@@ -130,12 +140,18 @@ struct HardContact::Under {
       if (step.held[c] != 0) return 0;
       return s0[c].v.norm() + bodies[c].radius * s0[c].W.norm();
     }
-    double way = 0;
-    const Obstacle& o = obstacle(c);
-    for (std::size_t v = 0; v < o.start.size(); ++v) {
-      way = std::max(way, (o.end[v] - o.start[v]).norm());
+    return obstacle_speeds[c - bodies.size()];
+  }
+  static std::vector<double> speeds_of(const Step& step) {
+    std::vector<double> speeds;
+    for (const Obstacle& o : step.obstacles) {
+      double way = 0;
+      for (std::size_t v = 0; v < o.start.size(); ++v) {
+        way = std::max(way, (o.end[v] - o.start[v]).norm());
+      }
+      speeds.push_back(way / step.dt);
     }
-    return way / step.dt;
+    return speeds;
   }
 };
 

@@ -163,10 +163,10 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
   }
 }
 
-// Whether they touch or not, on no way.
-std::vector<HardContact::Place> HardContact::places_before(std::span<const Pair> group,
-                                                           const Under& under,
-                                                           const HardMemories& memories) const {
+// Those that touch and those that do not.
+std::vector<HardContact::Place> HardContact::near_places(std::span<const Pair> group,
+                                                         const Under& under,
+                                                         const HardMemories& memories) const {
   std::vector<Place> places;
   Place place;
   if (is_point(group.front(), under)) {
@@ -179,13 +179,9 @@ std::vector<HardContact::Place> HardContact::places_before(std::span<const Pair>
 std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> group,
                                                        const Under& under,
                                                        const HardMemories& memories) const {
-  if (is_point(group.front(), under)) {
-    Place place;
-    if (!point_place(group, under, memories, place) || !place.touches()) return {};
-    return {place};
-  }
-  std::vector<Place> places = ball_places(group, under);
+  std::vector<Place> places = near_places(group, under, memories);
   std::erase_if(places, [](const Place& place) { return !place.touches(); });
+  if (is_point(group.front(), under)) return places;
   const auto found = memories.find({group.front().a, group.front().ball, group.front().b});
   recall(under, found == memories.end() ? std::vector<HardMemory>() : found->second, places);
   return places;

@@ -87,7 +87,7 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
       continue;
     }
     w.apart = infinity;
-    for (const Place& place : places_before(w.pairs, under, memories)) {
+    for (const Place& place : near_places(w.pairs, under, memories)) {
       look_at(place);
       w.apart = std::min(w.apart, place.g0);
     }
@@ -124,7 +124,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
                                 const std::vector<Pair>& pairs, Under& under, Sums& sums) const {
   under.h = h;
   under.s1 = under.s0;
-  sums = no_sums(under);
+  sums = {.loads = std::vector<BodyLoad>(bodies_.size())};
   AitkenRelaxation relaxation;
   double least = infinity;
   int stalls = 0;  // iterations in a row that brought no least change
@@ -137,7 +137,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
           bodies_[c].mass, under.s0[c],
           {given.force + sums.loads[c].force + weight, given.moment + sums.loads[c].moment}, h);
     }
-    Sums now = no_sums(under);
+    Sums now{.loads = std::vector<BodyLoad>(bodies_.size())};
     evaluate(under, pairs, memories, now);
     const auto difference = effect(under, sums, now);
     double change = 0;
@@ -151,14 +151,6 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
     sums.approach(now, relaxation.next(difference));
   }
   return false;
-}
-
-HardContact::Sums HardContact::no_sums(const Under& under) const {
-  Sums sums{.loads = std::vector<BodyLoad>(bodies_.size())};
-  for (const Obstacle& o : under.step.obstacles) {
-    sums.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
-  }
-  return sums;
 }
 
 // A substep with the pairs that may touch in it; with all of them if the bodies go farther.
