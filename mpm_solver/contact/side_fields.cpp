@@ -78,10 +78,7 @@ void SideFields<dim>::follow(const Surfaces<dim>& surfaces) {
   for (const std::size_t k : surfaces_) {
     const auto x = surfaces.accepted_vertices(k);
     acts[k] = x.empty() ? 0 : 1;
-    const auto own = faces_.vertices.begin() + faces_.first_vertex[k];
-    if (std::equal(x.begin(), x.end(), own)) continue;
-    std::copy(x.begin(), x.end(), own);
-    same = false;
+    if (faces_.move(k, x)) same = false;
   }
   std::vector<Simplex<dim>> acting;
   std::vector<std::int32_t> place(faces_.simplices.size(), no_face);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mpm_solver/contact/start_check.hpp"
@@ -30,6 +32,13 @@ struct Faces {
   /// Whether both faces belong to surfaces of the method `facets`, which SideFields knows.
   /// @param surfaces  as the constructor got them
   bool can_have_fields(const FacePair& pair, const std::vector<StartSurface<dim>>& surfaces) const;
+  /// Put the vertices of a surface there. @returns whether they were elsewhere
+  bool move(std::size_t surface_number, std::span<const Vector<dim>> x) {
+    const auto own = vertices.begin() + first_vertex[surface_number];
+    if (std::equal(x.begin(), x.end(), own)) return false;
+    std::copy(x.begin(), x.end(), own);
+    return true;
+  }
   Vector<dim> closest(std::int32_t s, const Vector<dim>& x) const {
     return closest_place<dim>(corners_of<dim>(simplices[s], vertices), x).x;
   }

@@ -164,8 +164,9 @@ std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
                               GridNodes<dim>& nodes) {
   const auto reach = mass_within_reach(search.points, search.weights, nodes);
   const std::vector<char> is_weak =
-      search.sights ? find_weak_nodes(*search.sights, search.points, search.weights, nodes)
-                    : std::vector<char>(nodes.size(), 0);
+      search.sights
+          ? find_weak_nodes<dim>(*search.sights, search.points, search.weights, nodes, reach)
+          : std::vector<char>(nodes.size(), 0);
   Kinds kinds(std::size_t{1} * nodes.num_fields * search.grid.num_nodes_total(), inactive);
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {

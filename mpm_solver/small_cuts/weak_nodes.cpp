@@ -9,11 +9,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the mean share of a node in the mass of its cells.
+// A weak node has less than this part of its mean share in the mass of its points.
 constexpr double weak_share = 0.75;
 
-// Of the longest edge: a node that is no farther behind a facet lies on it. Sights begin so far
-// beside themselves (aside).
+// Share of the longest edge: a node that is no farther behind a facet lies on it, and sights begin
+// so far beside themselves (aside).
 constexpr double tiny_share = 1e-6;
 
 template <int dim>
@@ -55,17 +55,14 @@ bool FacetSights<dim>::follow(const Surfaces<dim>& surfaces) {
     if (faces_.num_simplices[k] == 0) continue;
     const auto x = surfaces.accepted_vertices(k);
     acts[k] = x.empty() ? 0 : 1;
-    const auto own = faces_.vertices.begin() + faces_.first_vertex[k];
-    if (std::equal(x.begin(), x.end(), own)) continue;
-    std::copy(x.begin(), x.end(), own);
-    same = false;
+    if (faces_.move(k, x)) same = false;
   }
-  std::vector<Simplex<dim>> acting;
+  if (same && acts == acts_) return !acting_.empty();
+  acts_ = std::move(acts);
+  acting_.clear();
   for (std::size_t s = 0; s < faces_.simplices.size(); ++s) {
-    if (acts[faces_.surface[s]] != 0) acting.push_back(faces_.simplices[s]);
+    if (acts_[faces_.surface[s]] != 0) acting_.push_back(faces_.simplices[s]);
   }
-  if (same && acting == acting_) return !acting_.empty();
-  acting_ = std::move(acting);
   normals_.clear();
   for (const auto& simplex : acting_) {
     normals_.push_back(simplex_normal<dim>(corners_of<dim>(simplex, faces_.vertices)));
@@ -87,27 +84,26 @@ bool FacetSights<dim>::is_behind(const Vector<dim>& x, const Vector<dim>& y) con
 
 template <int dim>
 std::vector<char> find_weak_nodes(const FacetSights<dim>& sights, const MaterialPoints<dim>& points,
-                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes) {
-  constexpr int width = dim + 1;  // mass of the points, moment of their shares
-  std::vector<double> sums(static_cast<std::size_t>(nodes.size()) * width, 0.0);
+                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                  std::span<const double> reach) {
+  std::vector<double> moments(static_cast<std::size_t>(nodes.size()) * dim, 0.0);
   for (const CellGroup& group : weights.groups) {
     const auto grid_nodes = weights.nodes_of(group);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       const std::uint8_t* local = weights.local_of(e);
       for (int i = 0; i < weights.num_nodes(e); ++i) {
-        double* sum = &sums[std::size_t{1} * width * nodes.active[grid_nodes[local[i]]]];
-        sum[dim] += points.m[p];
+        double* sum = &moments[std::size_t{dim} * nodes.active[grid_nodes[local[i]]]];
         for (int d = 0; d < dim; ++d) sum[d] += weights.N_of(e)[i] * points.m[p] * points.x[p][d];
       }
     }
   }
-  nodes.shared.sum(sums, width);
+  nodes.shared.sum(moments, dim);
   std::vector<char> weak(nodes.size(), 0);
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
-    const double* sum = &sums[std::size_t{1} * width * i];
-    if (!(nodes.m[i] > 0) || nodes.m[i] >= weak_share / (dim + 1) * sum[dim]) continue;
-    const Vector<dim> mean = Eigen::Map<const Vector<dim>>(sum) / nodes.m[i];
+    if (!(nodes.m[i] > 0) || nodes.m[i] >= weak_share / (dim + 1) * reach[i]) continue;
+    const Vector<dim> mean =
+        Eigen::Map<const Vector<dim>>(&moments[std::size_t{dim} * i]) / nodes.m[i];
     weak[i] = sights.is_behind(nodes.x[i], mean) ? 1 : 0;
   }
   return weak;
@@ -120,8 +116,10 @@ template bool may_have_weak_nodes<3>(const SmallCutSettings&, const BackgroundGr
 template class FacetSights<2>;
 template class FacetSights<3>;
 template std::vector<char> find_weak_nodes<2>(const FacetSights<2>&, const MaterialPoints<2>&,
-                                              const PointWeights<2>&, const GridNodes<2>&);
+                                              const PointWeights<2>&, const GridNodes<2>&,
+                                              std::span<const double>);
 template std::vector<char> find_weak_nodes<3>(const FacetSights<3>&, const MaterialPoints<3>&,
-                                              const PointWeights<3>&, const GridNodes<3>&);
+                                              const PointWeights<3>&, const GridNodes<3>&,
+                                              std::span<const double>);
 
 }  // namespace gabion::mpm

@@ -36,6 +36,7 @@ class FacetSights {
   Faces<dim> faces_;
   std::size_t num_surfaces_ = 0;
   double reach_ = 0, tiny_ = 0;         // longest edge of a cell, and a small part of it [m]
+  std::vector<char> acts_;              // of each surface
   std::vector<Simplex<dim>> acting_;    // of surfaces that were not dropped
   std::vector<Vector<dim>> normals_;    // of acting_
   std::optional<FacetHash<dim>> hash_;  // of acting_
@@ -52,10 +53,12 @@ class FacetSights {
 /// The nodes of a cell have m_p / (dim + 1) each in the mean, so a node of the surface of soil that
 /// fills its cells has its whole share.
 /// @param nodes  active, with their mass
+/// @param reach  sum_p m_p of each of them [kg]
 /// @returns 1 for the weak ones of the active nodes, the same on all ranks
 /// @note Collective.
 template <int dim>
 std::vector<char> find_weak_nodes(const FacetSights<dim>& sights, const MaterialPoints<dim>& points,
-                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes);
+                                  const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
+                                  std::span<const double> reach);
 
 }  // namespace gabion::mpm

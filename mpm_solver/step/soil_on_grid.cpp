@@ -81,9 +81,9 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
     }
   }
   find_thin_walls();
-  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
-  if (!surfaces.empty() && may_have_weak_nodes(settings.small_cuts, model_.grid, settings.bodies)) {
-    sights_.emplace(surfaces, model_.grid);
+  const bool has_surfaces = !settings.interfaces.empty() || !settings.rigid_walls.empty();
+  if (has_surfaces && may_have_weak_nodes(settings.small_cuts, model_.grid, settings.bodies)) {
+    sights_.emplace(surfaces_at_start(settings.interfaces, settings.rigid_walls), model_.grid);
   }
   if (any_has_method(SmallCutMethod::ghost, settings.small_cuts, model_.grid.basis,
                      settings.phases)) {
