@@ -119,6 +119,8 @@ const std::vector<PlausibleRange> of_soil = {
     {"material/grain_size", 1e-6, 5, "m", "finer than silt", "larger than boulders", lengths},
     {"material/grain_density", 900, 8000, "kg/m^3", "lighter than ice", "heavier than steel",
      densities},
+    {"boulders/density", 500, 8000, "kg/m^3", "lighter than any rock", "heavier than steel",
+     densities},
     {"water/porosity", 0.2, 0.7, "", "less than most soil has", "more than most soil has", {}},
     {"water/bulk_modulus", 1e6, 5e9, "Pa", "softer than water with much air", "stiffer than water",
      pressures},
