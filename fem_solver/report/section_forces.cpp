@@ -47,7 +47,7 @@ SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
   num_cut_ = shared.total(own);
   require<ConfigError>(
       num_cut_ > 0,
-      "{}: found a plane that does not cut the structure \"{}\", allowed: one with "
+      "{}: found a plane that does not cut the structure, of section \"{}\", allowed: one with "
       "cells or lines on both sides that share nodes",
       section_.where, section_.name);
   find_parts(settings, cells);

@@ -17,11 +17,6 @@ namespace {
 // Relative error of equal lengths.
 constexpr double rounding = 1e-9;
 
-template <int dim>
-bool drains(const Body<dim>& body) {
-  return body.water && body.water->drains();
-}
-
 std::string key_of(std::size_t body) {
   return fmt::format("bodies/{}/water/permeability", body);
 }

@@ -5,6 +5,12 @@
 
 namespace gabion::mpm {
 
+/// Whether the pore water of a body drains.
+template <int dim>
+bool drains(const Body<dim>& body) {
+  return body.water && body.water->drains();
+}
+
 /// Refuse what soil whose pore water drains cannot do as yet, and walls that are drained without
 /// such soil.
 /// @throws ConfigError

@@ -10,6 +10,7 @@
 
 #include "common/base/log.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 
 namespace gabion::mpm {
 
@@ -19,11 +20,6 @@ template <int dim>
 bool any_has_water(const std::vector<Body<dim>>& bodies) {
   return std::any_of(bodies.begin(), bodies.end(),
                      [](const Body<dim>& body) { return body.water.has_value(); });
-}
-
-template <int dim>
-bool drains(const Body<dim>& body) {
-  return body.water && body.water->drains();
 }
 
 template <int dim>

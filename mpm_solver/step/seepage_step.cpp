@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "mpm_solver/checks/seepage.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -76,10 +78,9 @@ DrainedNodes SeepageStep<dim>::drained_nodes() const {
   const auto& model = this->parts_.model;
   const auto& nodes = this->parts_.soil.nodes();
   const auto& bodies = model.settings.bodies;
-  const auto drains = [](const Body<dim>& body) { return body.water && body.water->drains(); };
   auto soil = std::ranges::find_if(
       bodies, [&](const Body<dim>& body) { return drains(body) && body.water->table; });
-  if (soil == bodies.end()) soil = std::ranges::find_if(bodies, drains);
+  if (soil == bodies.end()) soil = std::ranges::find_if(bodies, drains<dim>);
   const Phase& phase = model.settings.phases[this->start_.phase];
   const double share = phase.gravity_ramp.at(this->start_.time + this->start_.dt);
   std::map<std::int32_t, double> q;

@@ -52,7 +52,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
     moduli.push_back(modulus);
-    drains |= settings.bodies[b].water && settings.bodies[b].water->drains();
+    drains |= mpm::drains(settings.bodies[b]);
     wave_speeds.push_back(std::sqrt(undrained_modulus(settings.bodies[b]) / material.density));
     wave_speed = std::max(wave_speed, wave_speeds.back());
     symmetric_laws &=

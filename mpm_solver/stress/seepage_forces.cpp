@@ -63,9 +63,11 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
     tau_st_.push_back(drains ? stabilisation(static_cast<std::int32_t>(b)) : 0);
     if (drains) modulus_ = std::max(modulus_, skeleton_modulus(body));
   }
-  for (const CellGroup& group : weights.groups) {
+  for (std::size_t g = 0; g < weights.groups.size(); ++g) {
+    const CellGroup& group = weights.groups[g];
     const auto& water = parts_.bodies[group.body].water;
     if (!water || !water->drains()) continue;
+    groups_.push_back(static_cast<std::int32_t>(g));
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       p_n_[e] = water->at(parts_.points.water[p], parts_.points.J[p]).p;
@@ -80,9 +82,8 @@ template <int dim>
 void SeepageForces<dim>::list_wet() {
   std::vector<double> volumes(r_.size(), 0.0);
   const auto& weights = parts_.weights;
-  for (const CellGroup& group : weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       for (int i = 0; i < weights.num_nodes(e); ++i) {
@@ -115,9 +116,8 @@ template <int dim>
 std::vector<double> SeepageForces<dim>::start_heads() const {
   std::vector<double> q(r_.size(), 0.0), sum(r_.size(), 0.0);
   const auto& weights = parts_.weights;
-  for (const CellGroup& group : weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const double head = p_n_[e] - at_rest(group.body, parts_.points.x[weights.point[e]]);
@@ -328,21 +328,19 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
   }
   weight_work_ = 0;
   Group work;
-  for (std::size_t g = 0; g < parts_.weights.groups.size(); ++g) {
+  for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
     gather(group, trial, work);
     if (!sum_up(group, work, worst)) return false;
     add_forces(group, work);
     add_volumes(group, work);
     for (const Work& point : work.points) {
       p_[point.entry] = point.p;
-      J_[point.entry] = point.m + (1 - water->porosity);
+      J_[point.entry] = point.m + (1 - parts_.bodies[group.body].water->porosity);
     }
     if (!K) continue;
     add_stiffness(group, work);
-    K->add_cell(static_cast<std::int32_t>(g), work.K.data());
+    K->add_cell(g, work.K.data());
   }
   return true;
 }
@@ -353,9 +351,8 @@ void SeepageForces<dim>::find_start_forces() {
   const std::vector<double> still(f_.size(), 0.0), none(r_.size(), 0.0);
   Group work;
   RefusedPoint worst;
-  for (const CellGroup& group : parts_.weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = parts_.weights.groups[g];
     gather(group, {.du = still, .q = none}, work);
     require(sum_up(group, work, worst), "mpm_solver: pores of the accepted state are closed");
     work.pV = work.p_nV;

@@ -89,10 +89,11 @@ class SeepageForces {
   SeepageStepData<dim> step_;
   double modulus_ = 0;
   double weight_work_ = 0;
-  std::vector<double> tau_st_;  // of each body [1/Pa]
-  std::vector<double> p_n_;     // accepted pressure of each entry [Pa]
-  std::vector<double> p_;       // of each entry in the last evaluation [Pa]
-  std::vector<double> J_;       // volume ratio of each entry since it was free of stress
+  std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
+  std::vector<double> tau_st_;        // of each body [1/Pa]
+  std::vector<double> p_n_;           // accepted pressure of each entry [Pa]
+  std::vector<double> p_;             // of each entry in the last evaluation [Pa]
+  std::vector<double> J_;             // volume ratio of each entry since it was free of stress
   std::vector<char> wet_;
   std::vector<double> f_, r_, squeezed_, seeped_;
 };

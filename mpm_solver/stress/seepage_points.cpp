@@ -11,9 +11,9 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
   TrialPoints<dim>& trial = parts_.trial;
   trial.pore_tau.resize(trial.tau.size(), 0.0);
   std::array<double, max_group_nodes<dim> * dim> moves;
-  for (const CellGroup& group : parts_.weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = parts_.weights.groups[g];
+    const PoreWater& water = *parts_.bodies[group.body].water;
     parts_.nodes.gather(parts_.weights.nodes_of(group), du, moves.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       trial.pore_tau[e] = J_[e] * p_[e];
@@ -21,8 +21,8 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
       const std::int32_t p = parts_.weights.point[e];
       lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
               displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
-      const double before = water->at(parts_.points.water[p], parts_.points.J[p]).energy;
-      const double after = water->at(water->content_at(p_[e], J_[e]), J_[e]).energy;
+      const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
+      const double after = water.at(water.content_at(p_[e], J_[e]), J_[e]).energy;
       trial.energy[e] += after;
       lost -= parts_.weights.volume[e] * (after - before);
     }
@@ -32,13 +32,13 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
 
 template <int dim>
 void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
-  for (const CellGroup& group : parts_.weights.groups) {
-    const auto& water = parts_.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = parts_.weights.groups[g];
+    const PoreWater& water = *parts_.bodies[group.body].water;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = parts_.weights.point[e];
-      const double content = water->content_at(p_[e], J_[e]);
-      points.m[p] += water->density * points.V0[p] * (content - points.water[p]);
+      const double content = water.content_at(p_[e], J_[e]);
+      points.m[p] += water.density * points.V0[p] * (content - points.water[p]);
       points.water[p] = content;
     }
   }
