@@ -5,12 +5,15 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
 #include "common/base/error.hpp"
+#include "mpm_solver/contact/surface_features.hpp"
 
 namespace gabion::mpm {
 
@@ -18,7 +21,8 @@ namespace {
 
 constexpr int icosphere_divisions = 3;  // 1280 facets, of 0.15 radii
 constexpr int disc_facets = 32;
-constexpr int most_divisions = 3;  // of the facets of a given surface
+constexpr std::size_t most_across = 2000;  // facets that a thickness is sought across
+constexpr int most_divisions = 3;          // of the facets of a given surface
 
 using Edge = std::array<std::int32_t, 2>;
 
@@ -31,6 +35,25 @@ void close_extents(BoulderShape<dim>& shape) {
     high = high.cwiseMax(X);
   }
   shape.thickness = (high - low).minCoeff();
+}
+
+// The least extent across a facet; of many facets some are looked at.
+template <int dim>
+double width_across_facets(const ContactSurface<dim>& surface) {
+  const std::size_t count = surface.facets.size() / dim;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < count; f += count / most_across + 1) {
+    Simplex<dim> facet;
+    std::copy_n(surface.facets.begin() + f * dim, dim, facet.begin());
+    const Vector<dim> n = simplex_normal<dim>(corners_of<dim>(facet, surface.vertices));
+    double low = 0, high = 0;
+    for (const Vector<dim>& X : surface.vertices) {
+      low = std::min(low, n.dot(X));
+      high = std::max(high, n.dot(X));
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
 }
 
 // Each triangle into four; on the midpoints of edges one vertex.
@@ -320,6 +343,7 @@ BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density) {
   for (Vector<dim>& X : shape.surface.vertices) X -= shape.mass.centre.template head<dim>();
   shape.mass.centre.template head<dim>() += first;
   close_extents(shape);
+  shape.thickness = std::min(shape.thickness, width_across_facets(shape.surface));
   for (int k = 0; k < most_divisions; ++k) {
     double longest = 0;
     const auto& facets = shape.surface.facets;

@@ -92,6 +92,19 @@ TEST(BoulderShape, an_inertia_that_is_not_positive_is_refused) {
   EXPECT_NE(text.find("found a least moment of inertia of -"), std::string::npos) << text;
 }
 
+TEST(BoulderShape, thickness_is_that_of_a_slab_at_any_angle) {
+  for (const double angle : {0.0, 0.3, M_PI / 4, 1.2}) {
+    const Eigen::Rotation2Dd turn(angle);
+    ContactSurface<2> slab;
+    for (const Vector<2>& corner : {Vector<2>(-0.7, -0.05), Vector<2>(0.7, -0.05),
+                                    Vector<2>(0.7, 0.05), Vector<2>(-0.7, 0.05)}) {
+      slab.vertices.push_back(turn * corner);
+    }
+    slab.facets = {0, 1, 1, 2, 2, 3, 3, 0};
+    EXPECT_NEAR(surface_shape<2>(slab, 2600).thickness, 0.1, 1e-12) << angle;
+  }
+}
+
 TEST(BoulderShape, open_and_inward_surfaces_are_refused_with_the_place) {
   auto open = tetrahedron();
   open.facets.resize(9);
