@@ -41,30 +41,25 @@ class FlexibleGate(Laid):
         self.expect_balance("foot", 1e-5)
 
 
-class DamBreak(Laid):
-    """Water beside the wall, as it would be after its way."""
+class Fluids(Laid):
+    """Fluids beside a structure, as they would be after their way, push on it from the first moment."""
 
-    def test_first_moment(self) -> None:
-        self.scene = CONFIGS / "dam_break_elastic_wall"
-        water = {"box": {"low": [0.146, 0], "high": [0.292, 0.073], "cells": [30, 15], "type": "quad4"}}
-        self.run_launch("--set", "coupler.json:/time/end=0.02",
-                        "--set", f"mpm.json:/bodies/0/mesh={json.dumps(water)}", code=0)
+    def expect_push(self, name: str, box: dict, end: float, point: str) -> None:
+        self.scene = CONFIGS / name
+        mesh = {"box": {**box, "type": "quad4"}}
+        self.run_launch("--set", f"coupler.json:/time/end={end}",
+                        "--set", f"mpm.json:/bodies/0/mesh={json.dumps(mesh)}", code=0)
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertEqual((summary["steps"], summary["steps_in_contact"]), (40, 40))
-        self.expect_balance("tip", 1e-4)
+        self.expect_balance(point, 1e-4)
 
+    def test_dam_break(self) -> None:
+        water = {"low": [0.146, 0], "high": [0.292, 0.073], "cells": [30, 15]}
+        self.expect_push("dam_break_elastic_wall", water, 0.02, "tip")
 
-class MudOnBarrier(Laid):
-    """Mud beside the barrier, as it would be after its way."""
-
-    def test_first_moment(self) -> None:
-        self.scene = CONFIGS / "mud_on_barrier"
-        mud = {"box": {"low": [1.2, 0], "high": [1.5, 0.1], "cells": [30, 10], "type": "quad4"}}
-        self.run_launch("--set", "coupler.json:/time/end=0.04",
-                        "--set", f"mpm.json:/bodies/0/mesh={json.dumps(mud)}", code=0)
-        summary = json.loads((self.out / "summary.json").read_text())
-        self.assertEqual((summary["steps"], summary["steps_in_contact"]), (40, 40))
-        self.expect_balance("crest", 1e-4)
+    def test_mud_on_barrier(self) -> None:
+        mud = {"low": [1.2, 0], "high": [1.5, 0.1], "cells": [30, 10]}
+        self.expect_push("mud_on_barrier", mud, 0.04, "crest")
 
 
 if __name__ == "__main__":
