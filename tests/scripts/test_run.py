@@ -169,18 +169,16 @@ class FailedCommand(MadeUpCase):
 
 
 LONE_COUPLER = """#!/usr/bin/python3
-import ctypes, signal, sys, time
+import ctypes, signal, sys
 if "--list-participants" in sys.argv:
     print("tcp://127.0.0.1:*", end="\\0")
     sys.exit()
 ctypes.CDLL(None).prctl(15, b"coupler")  # as a compiled program is called
-def end(number, _):
-    print("the coupler got", number, flush=True)
-    sys.exit(5)
-signal.signal(signal.SIGINT, end)
-signal.signal(signal.SIGTERM, end)
+both = {signal.SIGINT, signal.SIGTERM}
+signal.pthread_sigmask(signal.SIG_BLOCK, both)  # where both wait, the one of the lower number is taken: SIGINT
 print("begun", flush=True)
-time.sleep(600)
+print("the coupler got", int(signal.sigwait(both)), flush=True)
+sys.exit(5)
 """
 OTHER_SIGNAL = """#!/usr/bin/python3
 import signal, subprocess, sys
