@@ -61,12 +61,12 @@ struct ContactEnergy {
   void add_step(double work, double stored_now, double slid);
 };
 
-/// Soil that is under stress when the run begins.
+/// Soil as it was laid when the run begins.
 template <int dim>
 struct SoilAtRest {
-  /// Sides that a point was laid at, none in a body that is free of stress.
+  /// Sides that a point was laid at.
   std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
-  /// Cauchy stresses of a body along the axes at a place [Pa].
+  /// Cauchy stresses of a body along the axes at a place [Pa]; zero where it is free of stress.
   std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
 };
 
@@ -181,8 +181,9 @@ class Contact {
   virtual double approach_step(double dt, double margin) const = 0;
 
   /// Soil that touches the surface as the run begins presses on it with its stress there, from now
-  /// on: forces, counts and energy are those of soil that has not moved. Without effect where a
-  /// method cannot. Collective over the soil's ranks.
+  /// on: forces, counts and energy are those of soil that has not moved. Spheres of soil that was
+  /// laid against the surface reach it, with stress or without. Without effect where a method
+  /// cannot. Collective over the soil's ranks.
   /// @pre begin_step and set_displacement for the start of the run
   virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
   /// Where the vertices of a member are in the accepted state [m]; empty: it acts no more, or the

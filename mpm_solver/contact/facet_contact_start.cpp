@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contact by facets with soil that is at rest under stress when the run begins.
+// Contact by facets with soil that lies on surfaces when the run begins, with or without stress.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,7 +11,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// To set a sphere off from faces at any angle; one is enough where they are at right angles.
+// A sphere is set off from faces at any angle in so many; one is enough at right angles.
 constexpr int projections = 20;
 
 // Contact spheres that are off by less, by the cell size, touch.
@@ -42,7 +42,7 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
     const std::int32_t owner = surface_.owner(feature.simplex);
     const double penalty = law_of(c, owner, 1).penalty;
     const double square = -n.dot(force) / (area * penalty);
-    if (!(square > 0)) continue;
+    if (!(square > 0) && !force.isZero(0)) continue;
     places.push_back({.normal = n,
                       .gap = feature.distance - R,
                       .square = square,
@@ -52,7 +52,7 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
   return places;
 }
 
-// Set the sphere off to where it touches, and remember the depths of its contacts.
+// Sets the sphere off to where it touches, and remembers the depths of contacts under stress.
 template <int dim>
 void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candidate& c) {
   Vector<dim> offset = Vector<dim>::Zero();
@@ -65,6 +65,7 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     memory_.offsets()[c.id] = c.offset = offset;
     c.x += offset;
   }
+  if (std::ranges::all_of(places, [](const auto& place) { return place.square == 0; })) return;
   auto& memory = memory_.add(c.id);
   memory.clear();
   std::vector<RestingPlace<dim>> together;

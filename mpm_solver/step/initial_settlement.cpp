@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether the initial stress is in balance.
+// Soil on surfaces as the run begins, and whether its initial stress is in balance.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,14 +17,22 @@ namespace gabion::mpm {
 namespace {
 
 template <int dim>
+bool is_simplex(const Mesh<dim>& mesh) {
+  return mesh.cell_type != CellType::quad4 && mesh.cell_type != CellType::hex8;
+}
+
+// Spheres of simplices that are free of stress stay as they are: where a surface cuts the grid,
+// their rows of points are not symmetric, and all of them in contact bear less than some of them.
+template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const std::vector<std::int64_t>& first_ids) {
   SoilAtRest<dim> rest;
   rest.sides = [&](std::int32_t body, std::int64_t id) -> std::vector<LaidSide<dim>> {
-    if (!settings.initial_stress[body]) return {};
+    if (!settings.initial_stress[body] && is_simplex(settings.layouts[body].mesh)) return {};
     return laid_sides<dim>(settings.layouts[body], id - first_ids[body]);
   };
-  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) {
+  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) -> Vector<dim> {
+    if (!settings.initial_stress[body]) return Vector<dim>::Zero();
     return initial_stress_at<dim>(
         *settings.initial_stress[body],
         {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
@@ -69,9 +77,12 @@ void SoilStep<dim>::check_initial_stress() {
       strictest = &*stress;
     }
   }
-  if (!strictest) return;
   start_ = {.dt = 1, .with_inertia = false};
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
+  if (!strictest) {
+    if (!state_.surfaces.contacts().empty()) begin_at_rest(gravity);
+    return;
+  }
   refuse_jump_on_water(model_.settings, gravity, strictest->where);
   begin_at_rest(gravity);
   begin_surfaces();

@@ -200,6 +200,33 @@ TEST(RestOnFacets, a_wall_that_goes_away_loses_its_force_smoothly) {
   EXPECT_LT(before, 0.3 * start);
 }
 
+/// Soil that is free of stress, in a corner on lines of the grid, in cells of any width and height.
+Json laid_in_cells(int columns, int rows, const std::string& basis) {
+  const double width = 1.0 / columns, height = 1.0 / rows;
+  Json json = under_a_ramp(in_a_corner(basis, "slip"));
+  json["analysis"] = "quasi_static";
+  json["grid"] =
+      box({0, -2 * height}, {1 + 2 * width, 1 + 2 * height}, {columns + 2, rows + 4}, "quad4");
+  json["bodies"][0]["mesh"] = box({0, 0}, {1, 1}, {columns, rows}, "quad4");
+  json["bodies"][0]["material"] = elastic_soil("hencky_elastic", 1e8, 1.0 / 3, density);
+  json["rigid_walls"][0]["surface"]["polyline"] = {{1, 1.1}, {1, 0}, {-1, 0}};
+  return json;
+}
+
+/// Rows of points lie at different depths below the sides of cells that are not square. Spheres of
+/// soil that is laid on a surface reach it all the same: between walls it cannot spread, and rests.
+TEST(RestOnFacets, soil_of_flat_and_of_narrow_cells_takes_its_weight) {
+  for (const auto& [columns, rows] : {std::pair{8, 8}, {4, 16}, {16, 4}}) {
+    for (const std::string basis : {"linear", "gimp"}) {
+      const auto solver = make_mpm(laid_in_cells(columns, rows, basis));
+      run_steps(*solver, 0.002, 3);
+      const double weight = g * probe(*solver, "mass"), thrust = k0 * weight / 2;
+      EXPECT_NEAR(probe(*solver, "corner.fy"), -weight, 1e-6 * weight) << basis << columns;
+      EXPECT_NEAR(probe(*solver, "corner.fx"), thrust, 0.06 * thrust) << basis << columns;
+    }
+  }
+}
+
 /// Soil that lies farther from the surface than it was laid does not touch it, and neither does
 /// soil without initial stress.
 TEST(RestOnFacets, only_stressed_soil_that_touches) {
