@@ -6,7 +6,7 @@
 namespace gabion::element {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-/// By the six strains and the pore pressure.
+/// Derivatives by the six strains and the pore pressure.
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 
 /// State of the sample.
@@ -25,7 +25,7 @@ struct ElementState {
 
   /// Total Cauchy stress, tension positive, in the order of component_names [Pa].
   Vector6 stress() const;
-  /// That of the skeleton.
+  /// Effective stress, that of the skeleton.
   Vector6 effective_stress() const;
 };
 

@@ -25,7 +25,7 @@ using ArraySize = std::function<std::int64_t(const std::string& kind, const std:
 /// @throws Error  not what gather_parts() made of arrays of these sizes
 void check_parts(const Json& parts, const ArraySize& size);
 
-/// From the first rank to all. @note Collective.
+/// Send a value from the first rank to all. @note Collective.
 Json broadcast(MPI_Comm comm, const Json& value);
 
 }  // namespace gabion

@@ -64,7 +64,7 @@ class OutputClock {
   /// Whether the state accepted at `time` is to be written; true at time 0. Asking counts as
   /// writing: the next answer concerns the next multiple.
   bool due(double time);
-  /// As above without asking.
+  /// Like due(), but the state does not count as written.
   bool is_due(double time) const { return multiples(time) >= static_cast<double>(next_); }
 
  private:

@@ -61,7 +61,7 @@ class MeshRanks {
     }
     return elements;
   }
-  /// Of the nodes that this rank owns, in their order. @param values  of the held ones
+  /// Values of the nodes that this rank owns, in their order. @param values  of the held ones
   template <class Value>
   std::vector<Value> owned(std::vector<Value> values, int width) const {
     if (alone()) return values;
@@ -95,7 +95,7 @@ class MeshRanks {
     const auto found = group_nodes_.find(group);
     return found == group_nodes_.end() ? part.group_nodes(group, where) : found->second;
   }
-  /// By the part's facets of a group: they ascend as the facets do in the whole. @pre not alone
+  /// Numbers in the whole mesh of the part's facets of a group; they ascend. @pre not alone
   std::span<const std::int64_t> facet_numbers(const std::string& group) const {
     return numbers_.facets.at(group);
   }

@@ -68,7 +68,7 @@ struct ContactLaw {
   ContactTraction<dim> traction(const Vector<dim>& gap, Matrix<dim>* slope) const;
 
  private:
-  /// Where the trial traction exceeds friction.
+  /// Sliding, where the trial traction exceeds friction.
   struct Slide {
     double slip = 0;     // [m]
     double elastic = 0;  // d |t_t| / d excess

@@ -143,8 +143,8 @@ bool is_in_front(const std::vector<Sight<dim>>& sights, bool has_touched, double
 
 }  // namespace
 
-// What the point comes behind is no farther from it than its way, and than twice that where
-// simplices turn by less than 60 degrees in the step.
+// Radius within which the point may come behind a simplex: its displacement, or twice that where
+// simplices turn, by less than 60 degrees in the step.
 template <int dim>
 double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way) {
   const double behind = surface.motion > 0 ? 2 * (way + surface.motion) : way;

@@ -15,7 +15,7 @@ namespace gabion::mpm {
 /// A material point that may touch a surface in the step, with its contact sphere.
 template <int dim>
 struct ContactCandidate {
-  /// Where the point is when the step begins.
+  /// Place of the point, relative to what it touched, when the step begins.
   enum class Place : char {
     unknown,
     front,  ///< in front of the nearest simplex that it touched
@@ -153,7 +153,7 @@ class PointSearch {
     std::int32_t owner = 0;
     Vector<dim> normal = Vector<dim>::Zero();  // zero: the point is in front of it
   };
-  /// Of a member in the step.
+  /// Limits of the motion of a member in the step.
   struct Limits {
     double watched = 0;  // beyond its speed soil and surface may move by this much together [m]
     bool may_touch = false;

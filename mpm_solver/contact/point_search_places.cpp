@@ -154,8 +154,9 @@ void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
   c.found = !features_.empty();
 }
 
-// How far from the centre of its sphere, at the end of its way, a point feels the surface: the
-// surface of the sphere goes against the centre by no more than its nodes, or its strain, do.
+// Distance from the centre of its sphere, at the end of its displacement path, within which a point
+// feels the surface: the surface of the sphere goes against the centre by no more than its nodes,
+// or its strain, do.
 template <int dim>
 double PointSearch<dim>::reach_of(const Candidate& c) const {
   const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);

@@ -117,7 +117,7 @@ class SidedSurface {
   FacetHash<dim> hash_;
 };
 
-// Largest edge of a square or cube of a point's volume, which holds its ball.
+// Largest edge of a square or cube of a point's volume, which holds its contact sphere.
 template <int dim>
 double largest_size(const MaterialPoints<dim>& points) {
   const auto widest = std::max_element(points.V0.begin(), points.V0.end());

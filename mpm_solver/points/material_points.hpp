@@ -59,7 +59,7 @@ struct MaterialPoints {
   /// Pore water of each point when it is free of pressure, over V0, 0: dry; empty where no body has
   /// any (PoreWater::at).
   std::vector<double> water;
-  /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
+  /// Half lengths, empty unless the basis follows the points' domains (PointLayout::with_domains):
   std::vector<Vector<dim>> half_length;   ///< of the domain along each axis, uncut [m]
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
   std::vector<std::int64_t> body_ids;  ///< first id of each body, and the number of ids; of a run

@@ -60,7 +60,7 @@ template <int dim>
 StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
                               const NodalMotion<dim>& motion);
 
-/// Where energy and momentum went since the start (docs/theory/soil.md, (S28), (S29)).
+/// Balance of energy and momentum since the start (docs/theory/soil.md, (S28), (S29)).
 template <int dim>
 class Ledger {
  public:

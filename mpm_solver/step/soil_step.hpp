@@ -53,8 +53,8 @@ class SoilStep {
   void reject();
   /// The accepted state has changed: the step under way, if there is one, is given up.
   void forget() { under_way_ = false; }
-  /// Between steps: give up the memory that only a step needs, for others who want much for a
-  /// moment.
+  /// Release the memory that only a step needs. Called between steps, when another part of the
+  /// program needs much for a moment.
   void release();
 
   const SoilOnGrid<dim>& soil() const { return soil_; }

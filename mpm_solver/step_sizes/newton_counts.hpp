@@ -16,8 +16,9 @@ class NewtonCounts {
   /// @param cause  of the ConvergenceError
   void add_failure(const std::string& cause) { ++failures_[cause]; }
 
-  /// For summary.json: `solutions`, `iterations`, their `mean` and `max`, `histogram` (iterations
-  /// -> solutions) and `failures` (cause -> number). Without a solution mean and max are null.
+  /// Entry of summary.json: `solutions`, `iterations`, their `mean` and `max`, `histogram`
+  /// (iterations -> solutions) and `failures` (cause -> number). Without a solution mean and max
+  /// are null.
   Json json() const;
   std::int64_t solutions() const;
   std::int64_t iterations() const;

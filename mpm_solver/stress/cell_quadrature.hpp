@@ -20,7 +20,7 @@ const char* quadrature_name(Quadrature quadrature);
 /// it.
 inline constexpr double least_filling = 0.3;
 
-/// 1 for the nodes of facets at the sides of the grid where soil may lose touch with the side: no
+/// 1 for the nodes of facets at the sides of the grid where soil may lose contact with the side: no
 /// wall is there, or one that moves.
 using OpenNodes = SparseList<char>;
 

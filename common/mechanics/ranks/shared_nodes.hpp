@@ -47,9 +47,10 @@ class SharedNodes {
   /// Replace the values of each node, of which every holder has a part, by their sum.
   /// @param values  num_held x components
   void sum(std::span<double> values, int components) const;
-  /// As above, for two fields at once.
+  /// Like sum() of one field, for two fields in one exchange.
   void sum(std::span<double> a, std::span<double> b, int components) const;
-  /// As above, at the owner of each node only; values at nodes of other ranks are left as they are.
+  /// Like sum(), at the owner of each node only; values at nodes of other ranks are left as they
+  /// are.
   void add_to_owners(std::span<double> values, int components) const;
   /// Replace the values of each node by its owner's.
   void take_from_owners(std::span<double> values, int components) const;
