@@ -78,7 +78,7 @@ def ropes() -> None:
 
 
 def masses() -> None:
-    """Of the net and its top rope; posts bring their own."""
+    """Write the masses of the net and its top rope; posts bring their own."""
     for i in range(ACROSS + 1):
         for k in range(1, UP + 1):
             part = (0.5 if i in (0, ACROSS) else 1) * (0.5 if k == UP else 1)

@@ -42,7 +42,7 @@ def draw_front(figure, axes, start: Frame, surface: Frame) -> None:
 
 
 def draw_forces(axes, results: Results) -> None:
-    """Of the soil on the plate, and of the posts on their feet."""
+    """Draw the forces of the soil on the plate, and of the posts on their feet."""
     steps = results.table("steps.csv")
     axes.plot(steps["time"], 1e-3 * steps["fx"], color=COLOURS[0], label="soil on the plate")
     feet = Table(results.folder / "structure" / "reactions.csv")

@@ -30,7 +30,7 @@ class Peaks:
 
 
 def densities(frame: Frame, results: Results, series: Series) -> np.ndarray:
-    """At rest, of the body of each point [kg/m^3]. @raises ResultsError  no settings of the bodies"""
+    """Density at rest of the body of each point [kg/m^3]. @raises ResultsError  no settings of the bodies"""
     bodies = results.settings("mpm.json").get("bodies", [])
     if not bodies:
         raise ResultsError(f"{results.folder}: no resolved_config.json of the soil, which says how dense it is")
@@ -56,7 +56,7 @@ def dynamic_pressure(frame: Frame, plan: Plan, results: Results, series: Series)
 
 
 def find_peaks(results: Results, corner: np.ndarray, cell: float, time: float | None = None) -> Peaks:
-    """Over the frames up to the one nearest to a time [s], None: all; of a run in 3D with gravity along z.
+    """Peaks over the frames up to the one nearest to a time [s], None: all; of a run in 3D with gravity along z.
 
     corner: of any cell, in coordinates of the run [m].
 

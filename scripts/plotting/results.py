@@ -66,7 +66,7 @@ GAUGE_MARK = ".section_flux"  # ends a column that only gauges have
 
 
 def gauge_names(table: Table) -> list[str]:
-    """Such as "soil.toe", in the order of the columns."""
+    """Names of the gauges, such as "soil.toe", in the order of the columns."""
     return [name.removesuffix(GAUGE_MARK) for name in table.names if name.endswith(GAUGE_MARK)]
 
 

@@ -129,7 +129,7 @@ class ScenePlot:
         return self.view.project(triangles), 0.6 + 0.4 * level
 
     def _draw_ground(self, axes: Axes) -> None:
-        """Behind all else: from the side it would hide the soil in a gully."""
+        """Draw the ground behind all else: from the side it would hide the soil in a gully."""
         triangles, bright = self.ground
         colours = FLOOR * bright[:, None]
         axes.add_collection(PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=0.2, rasterized=True))

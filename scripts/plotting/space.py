@@ -26,7 +26,7 @@ MAX_FRAMES = 80
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the eye is, far away: unit vectors to the right and upwards in the picture, and towards the eye."""
+    """Direction of view, from far away: unit vectors to the right and upwards in the picture, and towards the eye."""
 
     right: np.ndarray
     up: np.ndarray

@@ -32,7 +32,7 @@ def peak(time: np.ndarray, values: np.ndarray, unit: str) -> str | None:
 
 
 def displacements(results: Results) -> list[Row]:
-    """Of each probed point of a structure, by component, but for those that are round-off of the largest."""
+    """Displacement of each probed point of a structure, by component; those that are round-off of the largest are left out."""
     table = results.table("probes.csv")
     if table is None or not table.num_rows:
         return []
@@ -66,7 +66,7 @@ def forces(results: Results) -> list[Row]:
 
 
 def base_moments(results: Results) -> list[Row]:
-    """Of what soil does to interfaces, about their feet."""
+    """Moments of the soil's forces on interfaces, about the feet of these."""
     table, unit = results.table("probes.csv"), results.per_metre
     rows = []
     for name, time, moment, foot in moments(results):
@@ -117,7 +117,8 @@ def gauges(results: Results) -> list[Row]:
 
 
 def stability(results: Results) -> list[Row]:
-    """Of held groups in 2D whose reaction and moment are reported: friction that sliding asks for, place of the resultant."""
+    """Stability of held groups in 2D whose reaction and moment are reported: friction that holds against sliding, place of
+    the resultant."""
     table = results.table("probes.csv")
     if table is None or not table.num_rows or results.dim != 2:
         return []

@@ -148,7 +148,7 @@ def _tells(table: Table, begin: int, end: int) -> bool:
 
 
 def _chosen(table: Table, tries: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """As many as fit, in their order: those that did not converge, the longest, then evenly."""
+    """As many tries as fit, in their order: those that did not converge, the longest, then evenly spread ones."""
     if sum(end - begin for begin, end in tries) <= MAX_ROWS:
         return tries
     first = sorted(range(len(tries)), key=lambda k: (table["status"][tries[k][1] - 1] == "converged",

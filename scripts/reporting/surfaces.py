@@ -41,7 +41,7 @@ def moment_places(results: Results) -> dict[str, np.ndarray]:
 
 
 def all_loads(results: Results) -> list[Loads]:
-    """Of the interfaces, then of the rigid walls, as far as the tables have force and moment of them."""
+    """Loads of the interfaces, then of the rigid walls, as far as the tables have force and moment of them."""
     dim = results.dim
     turning = ("mz",) if dim == 2 else ("mx", "my", "mz")
     places = moment_places(results)
@@ -130,7 +130,7 @@ def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
 
 
 def touched_faces(results: Results) -> list[Face]:
-    """Of interfaces and rigid walls, those that soil pressed on."""
+    """Faces of interfaces and rigid walls that soil pressed on."""
     up = up_axis(results.dim, results.gravity)
     faces = [face for name, series in results.contacts.items() if len(series)
              for face in faces_of(name, series, results.dim, up)]

@@ -52,7 +52,7 @@ def holes(plan: Plan) -> list[tuple[float, float, float, float]]:
 
 
 def lowest_ground(plan: Plan) -> float:
-    """Under the wall and its footing [m]."""
+    """Lowest ground under the wall and its footing [m]."""
     left, right = plan.wall.reach()
     inner = plan.ground.x[(plan.ground.x > left) & (plan.ground.x < right)]
     return float(plan.ground.at(np.array([left, *inner, right])).min())

@@ -27,7 +27,7 @@ class Line:
         return Line(self.x + way[0], self.z + way[1])
 
     def slopes(self) -> np.ndarray:
-        """Of its pieces."""
+        """Slopes of the pieces of the line [-]."""
         return np.diff(self.z) / np.diff(self.x)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From the plan of a section to the folder of a scene."""
+"""Write the folder of a scene from the plan of a section."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -142,7 +142,7 @@ def soil_settings(made: Made) -> dict:
 
 
 def wet_groups(made: Made) -> list[str]:
-    """Of the wall's facets those that soil can touch: the underside too where soil lies below it."""
+    """Groups of the wall's facets that soil can touch: the underside too where soil lies below it."""
     left, right = made.plan.wall.reach()
     below = made.base.at(np.linspace(left, right, 33)).min()
     return ["faces", "foot"] if below < made.wall.middle[1] - 1e-9 * made.plan.cell_size else ["faces"]
@@ -163,7 +163,7 @@ def structure_settings(made: Made) -> dict:
 
 
 def weight_of(made: Made) -> float:
-    """Of all soil [N/m]."""
+    """Weight of all soil [N/m]."""
     return GRAVITY * sum(mass.area * body["material"]["density"] for mass, body in zip(made.masses, bodies(made)))
 
 

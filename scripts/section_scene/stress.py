@@ -40,7 +40,7 @@ def level_heights(plan: Plan) -> list[float] | None:
 
 
 def density_above(layer: Layer) -> float:
-    """Without the water in its pores, where it has any."""
+    """Density of the layer above water, without that in its pores [kg/m^3]."""
     return layer.material["density"] - (layer.porosity or 0.0) * WATER_DENSITY
 
 

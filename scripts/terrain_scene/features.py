@@ -50,7 +50,7 @@ def key_of(values: dict, name: str, where: str) -> str:
 
 @dataclass
 class Features:
-    """Of one layer of a file, in the projection that was asked for.
+    """Features of one layer of a file, in the projection that was asked for.
 
     projection: of the file, None: it names none; notes: what was done to the coordinates.
     """

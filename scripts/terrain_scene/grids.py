@@ -34,7 +34,7 @@ def on_cells_of(raster: Raster, corner: np.ndarray, values: np.ndarray) -> Raste
 
 
 def write_ascii(raster: Raster, path: Path) -> list[Path]:
-    """With its projection beside it."""
+    """Write a raster, with its projection in a file beside it."""
     rows, columns = raster.values.shape
     head = (f"ncols {columns}\nnrows {rows}\nxllcorner {float(raster.x - raster.spacing / 2)!r}\n"
             f"yllcorner {float(raster.y - raster.spacing / 2)!r}\ncellsize {float(raster.spacing)!r}\nNODATA_value {NO_DATA:g}\n")

@@ -89,7 +89,7 @@ def chosen(changes: dict, key: str, scene: Path) -> Path | None:
 
 
 def named(path: Path, scene: Path) -> str:
-    """As the plan in the folder of the scene names it."""
+    """The path as the plan in the folder of the scene names it."""
     return os.path.relpath(path.resolve(), scene.resolve())
 
 

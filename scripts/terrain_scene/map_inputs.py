@@ -65,7 +65,10 @@ class MapInputs:
 
 
 def settle_projection(reader: Reader, slope: Raster) -> str | None:
-    """That of the slope, named by its file or by the plan; None: by neither. @raises TerrainError  not in metres, or two"""
+    """The projection of the slope, named by its file or by the plan; None: by neither.
+
+    @raises TerrainError  not in metres, or two
+    """
     if "projection" in reader.values:
         text = reader.text("projection", "a projection, such as EPSG:31287")
         where = f"{reader.where}/projection"

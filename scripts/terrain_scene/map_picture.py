@@ -91,7 +91,7 @@ def along(line: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def cell_values(raster: Raster, places: np.ndarray) -> np.ndarray:
-    """Of the cell that each place lies in, nan outside."""
+    """Value of the cell that each place lies in, nan outside."""
     i, j = (np.floor((places[:, k] - (raster.x, raster.y)[k]) / raster.spacing + 0.5).astype(int) for k in (0, 1))
     inside = (i >= 0) & (i < raster.values.shape[1]) & (j >= 0) & (j < raster.values.shape[0])
     values = np.full(len(places), np.nan)

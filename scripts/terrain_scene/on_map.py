@@ -23,7 +23,7 @@ FAR = 3  # cells between two frames: largest values have gaps
 
 @dataclass
 class Place:
-    """Where a scene lies: the raster of its slope, its origin and area on the map, what is drawn there."""
+    """Place of a scene on the map: the raster of its slope, its origin and area on the map, what is drawn there."""
 
     folder: Path
     slope: Raster

@@ -19,7 +19,7 @@ class Outline:
         return Outline(tuple(ring + by for ring in self.rings))
 
     def area(self) -> float:
-        """Of the outer ring less its holes [m^2]; of places near the origin: products of map coordinates lose digits."""
+        """Area of the outer ring less its holes [m^2]. Places are near the origin: products of map coordinates lose digits."""
         outer, *holes = (abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 for x, y in (ring.T for ring in self.rings))
         return outer - sum(holes)
 
@@ -36,7 +36,7 @@ class Outline:
 
 
 def limits_of(outlines: list[Outline]) -> tuple[np.ndarray, np.ndarray]:
-    """Of all of them together."""
+    """Limits of all outlines together."""
     lows, highs = zip(*(outline.limits() for outline in outlines))
     return np.min(lows, axis=0), np.max(highs, axis=0)
 

@@ -38,7 +38,7 @@ def draw_map(axes: plt.Axes, made: Made) -> None:
 
 
 def section_line(made: Made) -> tuple[np.ndarray, np.ndarray]:
-    """From the mass on, towards the barrier, else down the mean slope under the mass; to the rim both ways."""
+    """Line through the mass towards the barrier, else down the mean slope under the mass; it goes to the rim at both ends."""
     h = made.slope.spacing
     depth = made.columns.depth
     j, i = np.indices(depth.shape)

@@ -31,7 +31,7 @@ def name_of(text: str) -> str:
 
 
 def text_of_prj(text: str) -> str:
-    """As .prj files have it, in ESRI's words; what a .prj file said stays as it was."""
+    """Text of a .prj file, in ESRI's words; what a .prj file said stays as it was."""
     if "AUTHORITY[" not in text and "CRS[" not in text:
         return text
     return reference(text, "a projection").ExportToWkt(["FORMAT=WKT1_ESRI"])

@@ -37,7 +37,7 @@ class Raster:
         return f"the raster reaches from ({low_x:.9g}, {low_y:.9g}) to ({high_x:.9g}, {high_y:.9g})"
 
     def place(self, row: int, column: int) -> str:
-        """Where a value stands in the file, whose first row is that in the north."""
+        """Row and column of a value in the file, whose first row is that in the north."""
         return f"row {self.values.shape[0] - row}, column {column + 1}"
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:

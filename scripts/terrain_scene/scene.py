@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a plan to the folder of a scene."""
+"""Write the folder of a scene from a plan."""
 
 import json
 import os
@@ -104,7 +104,7 @@ def make(plan: Plan) -> Made:
 
 
 def probe_settings(probe: Probe, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
-    """In the middle of the soil at its place. @raises TerrainError  there is none"""
+    """A probe in the middle of the soil at its place. @raises TerrainError  there is no soil"""
     x, y = probe.place - origin[:2]
     rows, count = columns.depth.shape
     depth = columns.depth[min(int(y / slope.spacing), rows - 1), min(int(x / slope.spacing), count - 1)]
@@ -180,7 +180,7 @@ def write_json(path: Path, values: dict) -> None:
 
 
 def map_settings(made: Made, folder: Path) -> dict:
-    """Where the scene lies, for scripts/map: coordinates of the world, the raster of the slope relative to the folder."""
+    """Place of the scene on the map, for scripts/map: coordinates of the world, the raster of the slope relative to the folder."""
     plan = made.plan
     settings = {"slope": os.path.relpath(plan.slope.path.resolve(), folder.resolve()), "projection": plan.projection,
                 "origin": [float(v) for v in made.origin],

@@ -75,7 +75,7 @@ class Slope:
         return Slope(self.spacing / pieces, self.at(x[None, :], y[:, None]))
 
     def longest_edge(self) -> float:
-        """Of its facets [m]."""
+        """Longest edge of the facets [m]."""
         z, h = self.z, self.spacing
         along = max(np.nanmax(np.abs(np.diff(z, axis=0))), np.nanmax(np.abs(np.diff(z, axis=1))))
         across = np.nanmax(np.minimum(np.abs(z[:-1, :-1] - z[1:, 1:]), np.abs(z[:-1, 1:] - z[1:, :-1])))

@@ -87,7 +87,7 @@ class Run:
         return min(strikes, default=self.begin)
 
     def wait_all(self, *but: str) -> float:
-        """Until all processes have ended; [s] since the misdeed."""
+        """Wait until all processes have ended. @returns [s] since the misdeed"""
         for name, process in self.processes.items():
             if name not in but:
                 self.wait_until(lambda p=process: p.poll() is not None, f"the end of {name}")
@@ -194,7 +194,7 @@ def play_coupler(run: Run) -> float:
     cell = run.cell
     announcer = {"handshake": "", "before_solve": "structure", "inside_solve": "soil", "after_solve": "structure",
                  "output": "soil"}[cell.phase]
-    # After the soil's solution the structure is in its own.
+    # The structure solves once the soil has solved.
     phase = "inside_solve" if cell.phase == "after_solve" else cell.phase
     present = table.PARTICIPANTS[:1] if cell.phase == "handshake" and cell.kind != "paused" else table.PARTICIPANTS
     run.start_coupler()

@@ -373,7 +373,7 @@ class Serve(ParticipantCase):
 
 
 class FakeComm:
-    """Of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
+    """A communicator as of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
 
     size = 2
 

@@ -153,7 +153,7 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
 
 
 def write_rigid_walls(folder: Path) -> Path:
-    """To results in 2D: a bed at rest, longer than the scene, and a lid that falls 0.1 m/s and is dropped at 0.25 s."""
+    """Add rigid walls to results in 2D: a bed at rest, longer than the scene, and a lid that falls 0.1 m/s and is dropped at 0.25 s."""
     bed, lid = [], []
     cells = np.array([[1, 2], [0, 1]])  # out of order
     for time in np.linspace(0, END, 6):
@@ -221,7 +221,7 @@ def add_cut(folder: Path) -> None:
 
 
 def pid_of_the_dead() -> int:
-    """Of a process that has ended."""
+    """Number of a process that has ended."""
     ended = subprocess.Popen(["true"])
     ended.wait()
     return ended.pid

@@ -108,7 +108,7 @@ class Layout(MapCase):
         self.assertEqual(code, 0, said)
 
     def test_blocks_on_a_plane(self) -> None:
-        """From rest down a plane of slope 1 and then level ground: friction times the level way is the height lost."""
+        """Blocks slide from rest down a slope of 1 and on level ground: the height lost is friction times the level distance."""
         x = np.arange(200.0)
         ground = np.maximum(0, 50 - x)
         raster = Raster(Path("a"), 0.0, 0.0, 1.0, np.tile(ground, (20, 1)))

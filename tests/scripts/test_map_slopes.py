@@ -30,7 +30,7 @@ def facet_heights(path: Path, places: np.ndarray) -> np.ndarray:
 
 
 def height_of(triangles: np.ndarray, x: float, y: float) -> float:
-    """Of the triangle over a place, by its weights."""
+    """Height of the triangle over a place, by its weights."""
     a, b, c = (triangles[:, k] for k in range(3))
     area = np.cross(b[:, :2] - a[:, :2], c[:, :2] - a[:, :2])
     place = np.array([x, y])

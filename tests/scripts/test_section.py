@@ -29,7 +29,7 @@ BASE = [[0, 4], [16.2, -3.1], [31.7, -3.1]]
 
 
 def area(corners: list | np.ndarray) -> float:
-    """Of a polygon against the clock."""
+    """Area of a polygon that runs against the clock."""
     x, z = np.asarray(corners, dtype=float).T
     return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
 
@@ -73,7 +73,7 @@ class SectionCase(ScriptCase):
         return "\n".join(write_scene(self.make(**changes), self.folder / "said"))
 
     def written_area(self, name: str) -> float:
-        """Of the cells of a mesh file, by its own text."""
+        """Area of the cells of a mesh file, by its own text."""
         lines = (self.folder / "scene" / name).read_text(encoding="ascii").splitlines()
         at = lines.index("$Nodes")
         count = int(lines[at + 1].split()[1])

@@ -33,7 +33,7 @@ def plane(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def volume(nodes: np.ndarray, cells: np.ndarray) -> float:
-    """Of hexahedra whose vertical edges are upright: area in plan times the mean height."""
+    """Volume of hexahedra whose vertical edges are upright: area in plan times the mean height."""
     corners = nodes[cells]
     wide, high = corners[:, 2] - corners[:, 0], corners[:, 4:, 2] - corners[:, :4, 2]
     return float((wide[:, 0] * wide[:, 1] * high.mean(axis=1)).sum())

@@ -61,7 +61,7 @@ class Ends(VerdictCase):
             self.assertEqual(headline(run), words[kind])
 
     def test_nobody_can_be_asked(self) -> None:
-        """Without a log, as of a run without coupler: only time tells."""
+        """There is no log, as in a run without coupler: only time tells."""
         write_kind(self.folder, "killed")
         (self.folder / "coupler.log").unlink()
         kind, text = self.one("end")

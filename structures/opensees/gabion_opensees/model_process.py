@@ -106,7 +106,7 @@ class Model:
         return self.motion() | {"iterations": self.ops.testIter()}
 
     def answer(self, order: dict) -> dict:
-        """To all orders that need no child."""
+        """Answer to an order that needs no child."""
         kind = order["order"]
         if kind == "describe":
             return self.describe()
