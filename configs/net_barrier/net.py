@@ -39,7 +39,8 @@ def supports() -> None:
 
 
 def materials() -> None:
-    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope; 5: foot."""
+    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope; 5:
+    foot."""
     ops.uniaxialMaterial("Steel02", 1, 235e6, STEEL, 0.01, 18.0, 0.925, 0.15)
     ops.uniaxialMaterial("Elastic", 12, MESH, 0.0, SLACK * MESH)
     ops.uniaxialMaterial("InitStrainMaterial", 2, 12, TENSION)

@@ -13,8 +13,9 @@ from plotting.results import Frame, Results, ResultsError, Series
 class Peaks:
     """Fields over the cells of a plan, nan where no soil lies or came by.
 
-    depth: of the mass at rest at the last frame [m]; the largest over all frames of: depth, speed of a point [m/s], mean
-    over the volume over a cell of density times speed squared [Pa]; arrival: time of the first frame with soil [s].
+    depth: of the mass at rest at the last frame [m]; the largest over all frames of: depth, speed of a point [m/s],
+    mean over the volume over a cell of density times speed squared [Pa]; arrival: time of the first frame with soil
+    [s].
     """
 
     plan: Plan
@@ -26,7 +27,8 @@ class Peaks:
     arrival: np.ndarray
 
     def fields(self) -> dict[str, np.ndarray]:
-        return {name: getattr(self, name) for name in ("depth", "max_depth", "max_speed", "max_dynamic_pressure", "arrival")}
+        return {name: getattr(self, name)
+                for name in ("depth", "max_depth", "max_speed", "max_dynamic_pressure", "arrival")}
 
 
 def densities(frame: Frame, results: Results, series: Series) -> np.ndarray:

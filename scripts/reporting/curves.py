@@ -66,7 +66,8 @@ def charts(results: Results) -> list[dict[str, Any]]:
     sizes = [float(np.nanmax(np.abs(values), initial=0)) for _, _, values in energies]
     seen = SEEN * max(sizes, default=0.0)
     left_out = [each[0] for each, size in zip(energies, sizes) if size < seen]
-    found.append(chart("energy", f"energies and work [J{unit}]", [each for each, size in zip(energies, sizes) if size >= seen],
+    found.append(chart("energy", f"energies and work [J{unit}]",
+                       [each for each, size in zip(energies, sizes) if size >= seen],
                        **({"hint": f"At zero on this scale: {', '.join(left_out)}."} if left_out else {})))
     return [each for each in found if each["curves"]]
 
@@ -87,7 +88,8 @@ def _pressures(results: Results) -> list[dict[str, Any]]:
         curves = [("largest over the frames", face.height, np.nanmax(face.pressure, axis=0)),
                   (f"at {face.times[k]:.4g} s, of the largest sum", face.height, face.pressure[k]),
                   ("at the end", face.height, face.pressure[-1])]
-        found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]", curves,
+        found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]",
+                           curves,
                            label="height above its foot [m]", floor=0))
     return found
 

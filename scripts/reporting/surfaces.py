@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright faces."""
+"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright
+faces."""
 
 from dataclasses import dataclass
 
@@ -16,7 +17,8 @@ HEIGHTS = 60  # at most, over which the pressure on a face is given
 
 @dataclass(frozen=True)
 class Loads:
-    """Force and moment of the soil on a surface over time, components x dim and x 1 or 3, the moment about `about` [m]."""
+    """Force and moment of the soil on a surface over time, components x dim and x 1 or 3, the moment about `about`
+    [m]."""
 
     name: str
     time: np.ndarray
@@ -35,7 +37,8 @@ class Loads:
 def moment_places(results: Results) -> dict[str, np.ndarray]:
     """Name of an interface or rigid wall -> the place about which the tables give its moment [m]."""
     origin = [0.0] * results.dim
-    entries = [*results.settings("coupler.json").get("interfaces", []), *results.settings("mpm.json").get("rigid_walls", [])]
+    entries = [*results.settings("coupler.json").get("interfaces", []),
+               *results.settings("mpm.json").get("rigid_walls", [])]
     return {each["name"]: np.array(each.get("moment_about") or origin, dtype=float)[:results.dim]
             for each in entries if "name" in each}
 

@@ -59,7 +59,8 @@ def read_parameter(name: str, reader: PlanReader) -> Parameter:
 
 
 def require_apart(parameters: list[Parameter]) -> None:
-    """Check that a parameter keeps what it sets in each run: none that comes later sets the same, or an object around it.
+    """Check that a parameter keeps what it sets in each run: none that comes later sets the same, or an object around
+    it.
 
     @raises PlanError  one does
     """

@@ -79,7 +79,8 @@ class Level:
 
 
 def levels_of(intensity: np.ndarray, exceeded: np.ndarray) -> list[Level]:
-    """Runs grouped by equal intensities where each comes at least twice on average, else in GROUPS of as many runs each."""
+    """Runs grouped by equal intensities where each comes at least twice on average, else in GROUPS of as many runs
+    each."""
     values = np.unique(intensity)
     order = np.argsort(intensity, kind="stable")
     if 2 * len(values) <= len(intensity):

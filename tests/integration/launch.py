@@ -109,8 +109,8 @@ reservations: list[socket.socket] = []  # one for each port that this test was g
 
 
 def free_endpoint() -> str:
-    """Endpoint at which a coupler can listen, of a port that the system does not give to connections by itself. It stays this
-    test's: a participant may go on to knock after its coupler's end, and must not reach another test's."""
+    """Endpoint at which a coupler can listen, of a port that the system does not give to connections by itself. It
+    stays this test's: a participant may go on to knock after its coupler's end, and must not reach another test's."""
     for port in random.SystemRandom().sample(range(20000, 32000), 100):
         reservation = socket.socket(socket.AF_UNIX)
         try:

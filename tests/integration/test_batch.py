@@ -107,7 +107,8 @@ class Batch(IntegrationCase):
         self.assertFalse((self.folder / "part_4").exists())
 
     def test_signal_to_the_process_group(self) -> None:
-        """A terminal or kill -- -PID sends such a signal; a second one while the checkpoint is written changes nothing."""
+        """A terminal or kill -- -PID sends such a signal; a second one while the checkpoint is written changes
+        nothing."""
         run = self.job_in_step(1, 30)
         os.killpg(run.process.pid, signal.SIGTERM)
         os.killpg(run.process.pid, signal.SIGTERM)

@@ -200,7 +200,8 @@ class Coupled(ForeignWall):
         return found
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        """The result with the cells of fem_solver is its result; with fewer quadratic cells the displacement is the same."""
+        """The result with the cells of fem_solver is its result; with fewer quadratic cells the displacement is the
+        same."""
         cells = [4, 40]
         same = WALL["mesh"]["box"] | {"cells": cells}
         linear = self.run_coupled(mesh={"box": same}, degree=1, refine=[])

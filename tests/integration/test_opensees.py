@@ -45,7 +45,8 @@ class OpenSees(ForeignWall):
         self.pass_the_check(self.start_structure)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        """The displacements agree until A has moved a fifth of the height: then a section yields, which a beam's does not."""
+        """The displacements agree until A has moved a fifth of the height: then a section yields, which a beam's does
+        not."""
         self.files["coupler"]["time"]["end"] = 0.012
         self.write_scene(self.files)
         self.couple(self.start_structure)

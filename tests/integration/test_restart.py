@@ -158,7 +158,8 @@ class Alone(RestartCase):
         self.launch_into("first", "--set", "mpm.json:/time/end=0.005", programs=("mpm_solver",))
         self.refused("mpm.json: at /bodies/0/material/young_modulus", "found 900000.0", "allowed: 840000.0",
                      options=("--set", "mpm.json:/bodies/0/material/young_modulus=9e5"))
-        self.refused("mpm.json: at /time/dt:", "found 0.002", "allowed: 0.001", options=("--set", "mpm.json:/time/dt=2e-3"))
+        self.refused("mpm.json: at /time/dt:", "found 0.002", "allowed: 0.001",
+                     options=("--set", "mpm.json:/time/dt=2e-3"))
         self.refused("mpm.json: at /tpic:", "found true", "allowed: nothing", options=("--set", "mpm.json:/tpic=true"))
         self.refused("is at 0.005 s", "/time/end", options=("--set", "mpm.json:/time/end=0.005"))
         self.refused("found no checkpoint", restart="nowhere")

@@ -159,7 +159,8 @@ class Surfaces(CalculixCase):
         self.assertAlmostEqual(np.sum(normals * corners.mean(axis=1)) / 3, 1e-3, delta=1e-15)
 
     def test_faces_of_every_solid(self) -> None:
-        """The faces of one element of each shape, away from the origin, give its volume (divergence theorem) and all its nodes."""
+        """The faces of one element of each shape, away from the origin, give its volume (divergence theorem) and all
+        its nodes."""
         shapes = {"C3D4": 1 / 6, "C3D10": 1 / 6, "C3D6": 1 / 2, "C3D15": 1 / 2, "C3D8": 1.0, "C3D20": 1.0}
         corners = {4: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
                    6: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)],

@@ -97,7 +97,8 @@ class Structure(Solver):
                   for node in element.nodes}
         if not beams or beams & others:
             found = f"node {min(beams & others)} of beams and of others" if beams else "no beams"
-            raise DeckError(f'{self.settings.deck}: found {found} for "section_forces": true, allowed: beams with nodes '
+            raise DeckError(f'{self.settings.deck}: found {found} for "section_forces": true, allowed: beams with '
+                            'nodes '
                             "of their own")
 
     def zero_forces(self) -> InterfaceValues:
