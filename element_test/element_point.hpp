@@ -29,14 +29,14 @@ struct ElementState {
   Vector6 effective_stress() const;
 };
 
-/// What an increment is tried with.
+/// Trial values of an increment.
 struct Trial {
   Vector6 strain;            ///< at its end
   double pore_pressure = 0;  ///< at its end, where the water does not follow from the volume [Pa]
   double dt = 0;             ///< [s]
 };
 
-/// How the water of an increment behaves.
+/// Behaviour of the pore water in an increment.
 struct PoreState {
   bool undrained = false;
   double content = 0;  ///< of undrained soil with water, see PoreWater

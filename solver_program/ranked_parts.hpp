@@ -11,8 +11,8 @@
 
 namespace gabion {
 
-/// How the states of all ranks lie in one, whose arrays hold those of the ranks one after the
-/// other: "ranks", their number; "facts" of each; "reals", "integers": by array the number of
+/// Layout of the states of all ranks in one state, whose arrays hold those of the ranks one after
+/// the other: "ranks", their number; "facts" of each; "reals", "integers": by array the number of
 /// values of each; "lists", see State::lists.
 /// @param own  of this rank; equal names on all ranks
 /// @returns    on the first rank; null on the others

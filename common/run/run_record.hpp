@@ -55,7 +55,8 @@ class RunRecord {
   std::map<std::string, CsvWriter> tables_;
 };
 
-/// Which accepted steps are written as frames: the first at or after each multiple of `interval`.
+/// Selection of the accepted steps that are written as frames: the first at or after each multiple
+/// of `interval`.
 class OutputClock {
  public:
   /// @param interval  [s] > 0

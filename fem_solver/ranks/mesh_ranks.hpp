@@ -15,9 +15,9 @@
 
 namespace gabion::fem {
 
-/// How the part of a mesh that this rank has lies in the whole: each cell is one rank's, which
-/// holds the nodes that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of
-/// the part, the same bits on each holder. On one rank the part is the whole.
+/// Place of this rank's part of a mesh in the whole. Each cell is one rank's, which holds the nodes
+/// that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of the part, the
+/// same bits on each holder. On one rank the part is the whole.
 class MeshRanks {
  public:
   /// One rank, which has all.

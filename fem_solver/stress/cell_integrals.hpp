@@ -61,7 +61,7 @@ class CellIntegrals {
   double brake_work(std::span<const double> history) const;    ///< of brakes of lines [J]
   /// Force along each line, tension positive, num_lines [N].
   std::vector<double> line_forces(std::span<const double> u, std::span<const double> history) const;
-  /// What the brake of each line has run, num_lines [m]; 0 of lines without.
+  /// Length that the brake of each line has run, num_lines [m]; 0 for lines without a brake.
   std::vector<double> line_runs(std::span<const double> history) const;
 
   /// Largest angle by which a cell of a law of small strain has turned, from the polar

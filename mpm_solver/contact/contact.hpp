@@ -43,7 +43,7 @@ struct SoilSurface {
   MPI_Comm comm = MPI_COMM_SELF;         ///< of the ranks that share the soil
 };
 
-/// How a contact stands after the last add_forces.
+/// Counts of the contact points after the last add_forces.
 struct ContactCounts {
   int closed = 0;          ///< places that carry force, or carried it in a substep
   int sliding = 0;         ///< of them, those at the friction limit

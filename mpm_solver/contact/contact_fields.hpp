@@ -32,7 +32,8 @@ template <int dim>
 void visit_marks(StateVisitor& visitor, const std::string& prefix, std::size_t num_facets,
                  std::vector<ContactMark<dim>>& marks);
 
-/// How soil and surface meet in the accepted state, an entry a facet but for `vertices`.
+/// Fields of the contact of soil and surface in the accepted state, an entry a facet but for
+/// `vertices`.
 template <int dim>
 struct ContactFields {
   std::vector<Vector<dim>> vertices;  ///< where they are [m]
@@ -60,7 +61,7 @@ struct ContactSphere {
   Matrix<dim> shape = Matrix<dim>::Identity();  ///< |shape^T n| is the radius in direction n [m]
   Vector<dim> offset = Vector<dim>::Zero();     ///< of its centre from the point [m]
 
-  /// How far it reaches from the point against n [m].
+  /// Extent from the point against n [m].
   double reach(const Vector<dim>& n) const { return (shape * n).norm() - offset.dot(n); }
 };
 template <int dim>

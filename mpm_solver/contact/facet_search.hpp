@@ -9,8 +9,8 @@
 
 namespace gabion::mpm {
 
-/// Which simplices of the members of a contact are near a place when a step begins. Bounds and
-/// lists of members at rest are kept from step to step.
+/// Search for the simplices of the members of a contact that are near a place when a step begins.
+/// Bounds and lists of members at rest are kept from step to step.
 template <int dim>
 class FacetSearch {
  public:

@@ -34,7 +34,7 @@ class Front {
     return view_.bounds[s].is_beyond(place, distance + motion_of(s));
   }
 
-  // How the point saw a simplex as the step began. @returns false: it does not face it
+  // Position of the point before a simplex as the step began. @returns false: it does not face it
   bool faces(std::int32_t s, FacingSimplex& facing) const {
     const SimplexBounds<dim>& bounds = view_.bounds[s];
     const Vector<dim>& corner = surface().start[surface().simplices[s][0]];

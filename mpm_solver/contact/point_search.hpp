@@ -50,8 +50,8 @@ struct ContactCandidate {
   double mean_radius() const { return shape.norm() / std::sqrt(double{dim}); }
 };
 
-/// Which places of a surface the material points of this rank may touch in a step. Points far from
-/// the surface are watched only; one that comes near becomes a candidate.
+/// Search for the places of a surface that the material points of this rank may touch in a step.
+/// Points far from the surface are watched only; one that comes near becomes a candidate.
 template <int dim>
 class PointSearch {
  public:
@@ -134,13 +134,13 @@ class PointSearch {
   struct NodalBox {
     Vector<dim> middle, half;
   };
-  /// What is nearest to a point of a member, when the step begins.
+  /// Simplex of a member that is nearest to a point, when the step begins.
   struct Near {
     std::int32_t owner = 0;
     double distance = 0;  // [m], 0 behind a facet that is touched
     SurfaceFeature<dim> place{};
   };
-  /// What a point faces when the step begins.
+  /// Simplices that a point faces when the step begins.
   struct Facing {
     std::vector<FacingSimplex> simplices;
     std::vector<Near> near;

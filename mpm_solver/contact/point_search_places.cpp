@@ -163,8 +163,8 @@ double PointSearch<dim>::reach_of(const Candidate& c) const {
   return c.shape.norm() + against_centre + c.offset.norm() + most_begun<dim>(c.memory);
 }
 
-// How far a place may be that it touches, if the sphere is rigid: the plane of a simplex pushes a
-// little beyond its end (find_features).
+// Largest distance of a place that it touches, if the sphere is rigid: the plane of a simplex
+// pushes a little beyond its end (find_features).
 template <int dim>
 double PointSearch<dim>::touch_reach(const Candidate& c) const {
   const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();

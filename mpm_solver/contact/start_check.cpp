@@ -56,7 +56,7 @@ std::map<Edge<dim>, std::vector<std::int32_t>> edge_owners(
   return owners;
 }
 
-/// Which side of a surface a point is on.
+/// Side of a surface that a point is on.
 struct Side {
   double distance = std::numeric_limits<double>::infinity();  // [m]
   double height = 0;                                          // above the nearest simplex [m]

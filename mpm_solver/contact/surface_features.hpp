@@ -123,7 +123,7 @@ struct FacingSurface {
   double seam = 0;  ///< a rim that is nearer to a simplex meets it [m]
 };
 
-/// How far a point feels a surface.
+/// Distances within which a point feels a surface.
 struct FeatureReach {
   double distance = 0;  ///< features that are farther do not count [m]
   double radius = 0;    ///< of the contact sphere around the point [m]

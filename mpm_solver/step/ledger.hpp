@@ -85,7 +85,7 @@ class Ledger {
   /// @param inertia  sum of their m a without their contact forces that are constant in a step, of
   ///                 all ranks [N]
   void remove(const MaterialPoints<dim>& points, const Vector<dim>& inertia);
-  /// What they took along; front has no meaning.
+  /// Totals that removed points took along; front has no meaning.
   const PointTotals<dim>& removed() const { return removed_; }
 
   /// Totals over the points in the accepted state.

@@ -9,7 +9,7 @@
 
 namespace gabion::mpm {
 
-/// How often Newton's method needed how many iterations, and why it failed.
+/// Counts of Newton's method: solutions by their number of iterations, failures by their cause.
 class NewtonCounts {
  public:
   void add_solution(int iterations) { ++histogram_[iterations]; }

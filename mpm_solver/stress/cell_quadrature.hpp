@@ -11,7 +11,7 @@
 
 namespace gabion::mpm {
 
-/// How stresses are summed over a cell: over its points, or as over the cell itself where it lies
+/// Quadrature of the stresses over a cell: at its points, or as over the cell itself where it lies
 /// inside the soil.
 enum class Quadrature { points, cells };
 const char* quadrature_name(Quadrature quadrature);

@@ -38,7 +38,7 @@ double largest_displacement(const PointWeights<dim>& weights, const GridNodes<di
   return largest;
 }
 
-/// How the points of this rank move in a step.
+/// Motion of the points of this rank in a step.
 template <int dim>
 struct PointsInStep {
   const MaterialPoints<dim>& points;

@@ -27,7 +27,7 @@ struct CamClayParameters {
   double strain_at(double P) const { return swelling * std::log(reference_pressure / P); }
 };
 
-/// What a point remembers, as InternalState has it.
+/// Memory of a point, as InternalState has it.
 struct CamClayMemory {
   double preconsolidation = 0;  ///< P_c, the other end of the ellipse [Pa], >= a
   double shear_modulus = 0;     ///< mu_0 [Pa]

@@ -112,7 +112,7 @@ Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
 template <int dim>
 Mesh<dim> with_middle_nodes(const Mesh<dim>& mesh, CellType type);
 
-/// Which cells a reader takes.
+/// Orders of cells that a reader takes.
 enum class CellOrders { linear, any };
 
 /// Name of a side of a box: across an axis, at its low (0) or high (1) end.

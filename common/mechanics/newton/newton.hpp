@@ -15,7 +15,7 @@
 
 namespace gabion {
 
-/// What was found of a trial state. The same on all ranks.
+/// Result of the evaluation of a trial state, the same on all ranks.
 struct Evaluation {
   /// The state is possible (such as det(1 + H) > 0 at every point) and everything is finite.
   bool admissible = true;
@@ -36,7 +36,7 @@ template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
-  /// Which ranks share the nodes of the vectors; by default each rank has all nodes.
+  /// Sharing of the nodes of the vectors between ranks; by default each rank has all nodes.
   virtual const SharedNodes& shared() const {
     static const SharedNodes every_rank_has_all;
     return every_rank_has_all;

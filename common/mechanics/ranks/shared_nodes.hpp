@@ -11,11 +11,11 @@
 
 namespace gabion {
 
-/// Which nodes this rank shares with which others. Each rank holds the nodes that it needs and
-/// numbers them 0, 1, …; a node that several ranks hold is owned by the lowest of them. Nodal
-/// fields have the values of all held nodes, the same bits on each holder once they were summed.
-/// Nobody knows all nodes: the holders of a node find each other through the rank to whose share of
-/// the numbers it belongs, then exchange values with each other.
+/// The nodes that this rank shares with others. Each rank holds the nodes that it needs and numbers
+/// them 0, 1, …; a node that several ranks hold is owned by the lowest of them. Nodal fields have
+/// the values of all held nodes, the same bits on each holder once they were summed. Nobody knows
+/// all nodes: the holders of a node find each other through the rank to whose share of the numbers
+/// it belongs, then exchange values with each other.
 ///
 /// All functions but the plain numbers are collective; on one rank they cost nothing.
 class SharedNodes {

@@ -20,7 +20,7 @@ Json sand(double E) {
   return soil;
 }
 
-/// How V13 is solved.
+/// Method by which V13 is solved.
 struct Way {
   std::string name;
   std::string basis;
