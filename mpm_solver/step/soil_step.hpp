@@ -31,7 +31,7 @@ class SoilStep {
   void check_initial_stress();
 
   /// A step from the accepted state begins: everything of it that does not depend on the interface
-  /// values. What was begun before is given up.
+  /// values. A step that began before is given up.
   /// @throws ConvergenceError
   void begin(const StepRequest& request);
   /// Solve to request.time + request.dt; the state's surfaces then hold the forces.
